@@ -1,0 +1,1 @@
+"""shellcut: a sharp rigid blade cuts a thin shell."""
