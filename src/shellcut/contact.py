@@ -1,0 +1,339 @@
+"""Penalty contact of the nodes with the rigid tool ([Frangi2010] 5.2).
+
+A node inside the tool by the depth g gets the force +lambda f(g) A n, n the outward normal of the
+tool there, and the tool minus that (the paper prints the minus, the force on the cutter). A is ¼ of
+the mean reference area of the node's quads, and
+
+    f(g) = (g/g_M)³ (3 g_M - 2 g)  below g_M = h/4,  g above,
+
+which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. The faces are
+frictionless: adhesion is in the joints of the cables.
+
+*Search.* Global: now and then the nodes in the tool's bounding box plus a margin are listed; the
+list lasts until tool and nodes together may have moved by the margin. Local: every step each listed
+node looks up the closest triangles of its cell in a grid fixed to the tool.
+
+*Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
+node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
+node keeps a side, +1 or -1 by the flank labels of the tool: found at its first contact from where
+its own quads lie relative to the blade's mid-plane, if they clearly lie beside it, else from the
+nearest face; it is forgotten when the node has left the tool.
+
+*Jumps.* When the depth grows by more than ``JUMP`` in one step, which no motion does, the excess is
+put into an offset that decays over ``ABSORB_TIME``. The work this takes out or puts in is in the
+contact entry of the ledger, like all contact work, by forces and increments.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ._jit import Floats, Ints, SmallInts, inline, kernel
+from ._vec3 import cross, dot, load, store, sub
+from .cutting_edge import CuttingEdges, strip_coordinates, to_body, turn
+from .state import State
+from .tool import Tool
+from .tool_grid import ClosestTriangleGrid, signed_distance
+
+STEEPEST = 27.0 / 16.0
+"""Largest slope of the smoothing function f, at g = ¾ g_M."""
+
+JUMP = 0.01
+"""Growth of the depth in one step that is absorbed instead of loaded [mm]."""
+
+ABSORB_TIME = 2e-5
+"""Decay time of an absorbed jump [s]."""
+
+# Search margin [mm]: large enough to last hundreds of steps, small beside a tooth.
+_MARGIN = 0.5
+
+# The quads of a node lie clearly beside the blade when their mean centre is farther from the
+# mid-plane than this fraction of the local edge length.
+_CLEARLY_BESIDE = 0.15
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Parameters of the penalty contact.
+
+    Parameters
+    ----------
+    penalty : float
+        lambda [N/mm³].
+    smoothing : float
+        g_M as a fraction of the thickness.
+    """
+
+    penalty: float = 1e4
+    smoothing: float = 0.25
+
+    def __post_init__(self) -> None:
+        problems = [
+            f"{name} must be positive, got {value!r}"
+            for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
+            if not (math.isfinite(value) and value > 0)
+        ]
+        if problems:
+            raise ValueError("; ".join(problems))
+
+
+@dataclass(frozen=True)
+class ContactForces:
+    """What the contact did in one evaluation."""
+
+    wrench: Floats
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    node_work: float
+    """Work of the contact on the nodes since t_{n-1} [N·mm]."""
+    stored: float
+    """Penalty energy lambda A ∫ f dg at t_n [N·mm]."""
+    n_inside: int
+    """Nodes inside the tool."""
+    deepest: float
+    """Largest depth [mm]."""
+
+
+class PenaltyContact:
+    """Contact forces of all nodes.
+
+    Parameters
+    ----------
+    tool : Tool
+        The rigid body.
+    contact : Contact
+        Parameters.
+    thickness : float
+        Of the film [mm].
+    """
+
+    def __init__(self, tool: Tool, contact: Contact, thickness: float) -> None:
+        self.tool = tool
+        self.parameters = contact
+        self.smoothing_depth = contact.smoothing * thickness
+        self._grid = ClosestTriangleGrid.build(tool)
+        self._edges = CuttingEdges.of(tool)
+        low, high = tool.bounding_box()
+        self._low, self._high = low - _MARGIN, high + _MARGIN
+        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+        self._corners = corners
+        self._near = np.zeros(0, np.int64)
+        self._revision = -1
+        self._slack = 0.0
+        self._corner_positions = corners
+
+    def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
+        """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
+        n = state.node
+        self._search(state, rotation, translation)
+        wrench = np.zeros((self.tool.n_body, 6))
+        node_work, stored, n_inside, deepest = _add_contact_forces(
+            self._near,
+            n.x,
+            n.velocity_half,
+            state.dt,
+            rotation,
+            translation,
+            self._grid.arrays,
+            self.tool.triangle_normals,
+            self.tool.triangle_body,
+            self._edges.start,
+            self._edges.vector,
+            self._edges.normal,
+            self._edges.back,
+            state.quads,
+            n.quads,
+            n.n_quad_at,
+            n.contact_area,
+            self.parameters.penalty,
+            self.smoothing_depth,
+            n.contact_side,
+            n.contact_depth,
+            n.contact_offset,
+            n.contact_force,
+            n.force,
+            wrench,
+        )
+        return ContactForces(wrench, node_work, stored, n_inside, deepest)
+
+    def near_nodes(self) -> Ints:
+        """Return the nodes of the last global search."""
+        return self._near
+
+    def _search(self, state: State, rotation: Floats, translation: Floats) -> None:
+        n = state.node
+        positions = self._corners @ rotation.T + translation
+        moved = float(np.abs(positions - self._corner_positions).sum(axis=1).max())
+        self._corner_positions = positions
+        if self._near.size:
+            speed = n.velocity_half[self._near]
+            moved += state.dt * float(np.abs(speed).max())
+        self._slack -= moved
+        if self._revision == state.revision and self._slack > 0.0:
+            return
+        body = (n.x[: n.count] - translation) @ rotation
+        inside = ((body > self._low) & (body < self._high)).all(axis=1)
+        near = np.flatnonzero(inside)
+        left = np.setdiff1d(self._near, near)
+        n.contact_side[left] = 0
+        n.contact_depth[left] = n.contact_offset[left] = 0.0
+        n.contact_force[left] = 0.0
+        self._near = near
+        self._revision = state.revision
+        # A node outside the list is at least the margin away; half is spent before the next search
+        # so that nodes not in the list, whose speed is not watched, may move by the other half.
+        self._slack = 0.5 * _MARGIN
+
+
+@inline
+def smoothed(g: float, g_m: float) -> float:
+    """Return f(g) [mm]. [Frangi2010] 5.2."""
+    if g >= g_m:
+        return g
+    r = g / g_m
+    return r * r * r * (3.0 * g_m - 2.0 * g)
+
+
+@inline
+def smoothed_integral(g: float, g_m: float) -> float:
+    """Return ∫_0^g f [mm²]."""
+    if g >= g_m:
+        # ∫_0^{g_m} f = g_m² (3/4 - 2/5)
+        return 0.35 * g_m * g_m + 0.5 * (g * g - g_m * g_m)
+    r = g / g_m
+    return g_m * g_m * r * r * r * r * (0.75 - 0.4 * r)
+
+
+@inline
+def _side_of_quads(
+    n: int,
+    x: Floats,
+    rotation: Floats,
+    translation: Floats,
+    start: Floats,
+    vector: Floats,
+    normal: Floats,
+    back: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    contact_area: Floats,
+) -> int:
+    """Return the side of the blade on which the node's quads clearly lie, or 0."""
+    here = to_body(load(x, n), rotation, translation)
+    k_best = -1
+    shallowest = np.inf
+    for k in range(start.shape[0]):
+        _, _, depth, owns = strip_coordinates(here, k, start, vector, normal, back)
+        if owns and depth < shallowest:
+            shallowest = depth
+            k_best = k
+    if k_best < 0:
+        return 0
+    cx = cy = cz = 0.0
+    weight = 0.25 / n_quad_at[n]
+    for i in range(n_quad_at[n]):
+        for a in range(4):
+            other = quads[quads_at[n, i], a]
+            cx += weight * x[other, 0]
+            cy += weight * x[other, 1]
+            cz += weight * x[other, 2]
+    centre = to_body((cx, cy, cz), rotation, translation)
+    beside = dot(sub(centre, here), load(normal, k_best))
+    if abs(beside) < _CLEARLY_BESIDE * np.sqrt(4.0 * contact_area[n]):
+        return 0
+    return 1 if beside > 0.0 else -1
+
+
+@kernel
+def _add_contact_forces(
+    near: Ints,
+    x: Floats,
+    velocity: Floats,
+    dt: float,
+    rotation: Floats,
+    translation: Floats,
+    grid: tuple,  # type: ignore[type-arg]
+    triangle_normals: Floats,
+    triangle_body: Ints,
+    start: Floats,
+    vector: Floats,
+    normal: Floats,
+    back: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    contact_area: Floats,
+    penalty: float,
+    g_m: float,
+    side: SmallInts,
+    depth: Floats,
+    offset: Floats,
+    contact_force: Floats,
+    force: Floats,
+    wrench: Floats,
+) -> tuple[float, float, int, float]:
+    """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
+
+    Writes side, depth, offset and contact_force of these nodes. Returns the work on the nodes over
+    the last step, the stored energy, how many are inside and the largest depth.
+    """
+    decay = np.exp(-dt / ABSORB_TIME)
+    flank = grid[7]
+    work = 0.0
+    stored = 0.0
+    n_inside = 0
+    deepest = 0.0
+    for i in range(near.shape[0]):
+        n = near[i]
+        p = to_body(load(x, n), rotation, translation)
+        found, inside, triangle, q = signed_distance(p, side[n], *grid)
+        if not (found and inside):
+            if contact_force[n, 0] != 0.0 or contact_force[n, 1] != 0.0 or contact_force[n, 2] != 0.0:
+                work += 0.5 * dt * dot(load(contact_force, n), load(velocity, n))
+                store(contact_force, n, (0.0, 0.0, 0.0))
+            side[n] = 0
+            depth[n] = 0.0
+            offset[n] = 0.0
+            continue
+        if side[n] == 0:
+            lies = _side_of_quads(
+                n, x, rotation, translation, start, vector, normal, back,
+                quads, quads_at, n_quad_at, contact_area,
+            )
+            if lies == 0:
+                lies = flank[triangle]
+            side[n] = lies
+            if lies * flank[triangle] < 0:
+                _, _, triangle, q = signed_distance(p, lies, *grid)
+        outward = load(triangle_normals, triangle)
+        g = dot(sub(q, p), outward)
+        if g - depth[n] > JUMP:
+            offset[n] += g - depth[n]
+        depth[n] = g
+        offset[n] *= decay
+        n_inside += 1
+        deepest = max(deepest, g)
+        loaded = max(g - offset[n], 0.0)
+        stiffness = penalty * contact_area[n]
+        magnitude = stiffness * smoothed(loaded, g_m)
+        stored += stiffness * smoothed_integral(loaded, g_m)
+        direction = turn(outward, rotation)
+        f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
+        old = load(contact_force, n)
+        moved = load(velocity, n)
+        work += 0.5 * dt * (
+            (old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2]
+        )
+        store(contact_force, n, f)
+        here = load(x, n)
+        arm = (here[0] - translation[0], here[1] - translation[1], here[2] - translation[2])
+        moment = cross(arm, f)
+        body = triangle_body[triangle]
+        for c in range(3):
+            force[n, c] += f[c]
+            wrench[body, c] -= f[c]
+            wrench[body, 3 + c] -= moment[c]
+    return work, stored, n_inside, deepest

@@ -1,0 +1,82 @@
+"""Hooks: what reads a run. They never change it.
+
+A hook is called after a completed step, when its trigger says so, with the simulation at t_n:
+positions, forces, tool pose and ledger all of that instant. A hook may raise :class:`StopRun`; the
+run ends after all hooks of that step have been served.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+
+class StopRun(Exception):  # noqa: N818  (it is no error)
+    """Raised by a hook that has seen enough."""
+
+
+class Hook(Protocol):
+    """Reads the simulation now and then."""
+
+    def due(self, sim: Simulation) -> bool:
+        """Whether to be called at this step."""
+        ...
+
+    def __call__(self, sim: Simulation) -> None:
+        """Read the simulation."""
+        ...
+
+    def close(self) -> None:
+        """Release what is held; called when the run ends, however it ends."""
+        ...
+
+
+@dataclass
+class Trigger:
+    """Due at t = 0, then at the first step past every multiple of an interval of time [s]."""
+
+    interval: float
+    _next: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.interval > 0:
+            raise ValueError(f"interval must be a positive time in s, got {self.interval!r}")
+
+    def __call__(self, time: float) -> bool:
+        """Whether the moment has come; each moment is reported once."""
+        if time < self._next:
+            return False
+        self._next = (time // self.interval + 1.0) * self.interval
+        return True
+
+
+class Sampler:
+    """Call a function of the simulation at intervals of time and keep what it returns.
+
+    Parameters
+    ----------
+    interval : float
+        Time between two calls [s].
+    read : callable
+        Takes the simulation, returns anything; the values are in :attr:`values`.
+    """
+
+    def __init__(self, interval: float, read: Callable[[Simulation], object]) -> None:
+        self._trigger = Trigger(interval)
+        self._read = read
+        self.values: list[object] = []
+
+    def due(self, sim: Simulation) -> bool:
+        """Whether the interval has passed."""
+        return self._trigger(sim.state.time)
+
+    def __call__(self, sim: Simulation) -> None:
+        """Keep one value."""
+        self.values.append(self._read(sim))
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to release."""

@@ -1,0 +1,463 @@
+"""MITC4Shell: the film. Internal and damping forces, lumped mass, stresses, stiffness bound.
+
+Damping is proportional to the stiffness, on the strain rate: the stress acts on s + beta ds/dt,
+with ds/dt = (s_n - s_{n-1}) / dt, the rate of the half step before t_n (so the step stays explicit;
+[Frangi2010] 5.2). The work of the damping stress over a step is summed as
+½ (r_{n-1} + r_n) · (s_n - s_{n-1}) with r its resultants, the central difference's own work.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._jit import Bools, Floats, Ints, inline, kernel
+from .material import ShellMaterial
+from .mesh import Mesh
+from .mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
+from .section import build_sections, cartesian_map, shape_functions
+from .state import State
+
+# Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
+# set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
+_INERTIA_AREA = 8.0
+
+# Step of the central differences behind the element stiffness, in element sizes. The nodal force is
+# a cubic in the positions: the error is (1e-4)² relative, the round-off 1e-16 / 1e-4.
+_DIFFERENCE = 1e-4
+
+
+class MITC4Shell:
+    """Internal forces of all quads.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference surface.
+    material : ShellMaterial
+        Layers.
+    damping_beta : float
+        Stiffness-proportional damping [s].
+    """
+
+    def __init__(self, mesh: Mesh, material: ShellMaterial, *, damping_beta: float) -> None:
+        self.material = material
+        self.damping_beta = damping_beta
+        self.section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
+        rotary = np.maximum(material.thickness**2 / 12.0, self.section.area / _INERTIA_AREA)
+        self.quad_inertia = self.section.mass * rotary[:, None]
+        """Share of each node in the quad's rotary inertia [t·mm²], shape (n_quad, 4)."""
+        true = self.section.mass.sum() * material.thickness**2 / 12.0
+        self.added_inertia_factor = float(self.quad_inertia.sum() / true)
+        """Scaled over true rotary inertia of the whole film."""
+        self.metric = np.zeros((mesh.n_quad, N_STRAIN))
+        """Scalar products of the reference surface, subtracted from the current ones."""
+        _reference_metric(X=mesh.nodes, T=mesh.directors, quads=mesh.quads, metric=self.metric)
+        self._stress_map = _CentreStressMap(mesh, material)
+        self.squared_frequency = np.zeros(mesh.n_quad)
+        """Largest eigenvalue of each quad at its last evaluation [1/s²], shape (n_quad,)."""
+
+    def node_inertia(self, state: State, node: int) -> tuple[float, float, float]:
+        """Return mass [t], rotary inertia [t·mm²] and contact area [mm²] of a node from its quads.
+
+        The sums run over the node's quads in ascending order, so that the two halves of a split
+        node share the mass by elements, whatever the order of the splits.
+        """
+        at = state.node.quads[node, : state.node.n_quad_at[node]]
+        corner = np.argmax(state.quads[at] == node, axis=1)
+        return (
+            float(sum(self.section.mass[at, corner])),
+            float(sum(self.quad_inertia[at, corner])),
+            0.25 * float(self.section.area[at].mean()),
+        )
+
+    def initialise(self, state: State) -> None:
+        """Write mass, rotary inertia and contact area of all nodes."""
+        for n in range(state.n_node):
+            mass, inertia, area = self.node_inertia(state, n)
+            state.node.mass[n], state.node.inertia[n] = mass, inertia
+            state.node.contact_area[n] = area
+
+    def add_forces(self, state: State) -> tuple[float, float]:
+        """Add minus the internal and damping forces at t_n to the nodal forces.
+
+        Returns
+        -------
+        strain_energy : float
+            At t_n [N·mm].
+        damping_work : float
+            Dissipated since t_{n-1} [N·mm].
+        """
+        s, n = self.section, state.node
+        rate = self.damping_beta / state.dt if state.dt > 0 else 0.0
+        return _add_quad_forces(
+            x=n.x,
+            t=n.t,
+            quads=state.quads,
+            metric=self.metric,
+            flat=s.flat,
+            row=s.row,
+            h_flat=s.h_flat,
+            h_full=s.h_full,
+            damping_rate=rate,
+            strain=state.strain,
+            strain_step=state.strain_step,
+            force=n.force,
+            director_force=n.director_force,
+        )
+
+    def fan_force(self, state: State, node: int, fan: Ints, dt: float) -> Floats:
+        """Return minus the internal and damping force of the quads ``fan`` on a node [N]."""
+        s = self.section
+        force = np.zeros(3)
+        _add_fan_force(
+            node=node,
+            fan=fan,
+            x=state.node.x,
+            t=state.node.t,
+            quads=state.quads,
+            metric=self.metric,
+            flat=s.flat,
+            row=s.row,
+            h_flat=s.h_flat,
+            h_full=s.h_full,
+            damping_rate=self.damping_beta / dt if dt > 0 else 0.0,
+            strain=state.strain,
+            force=force,
+        )
+        return force
+
+    def stress(self, state: State, quads: Ints, *, place: str = "mid") -> Floats:
+        """Return the Cauchy stress tensor at the centre of some quads [MPa].
+
+        Parameters
+        ----------
+        state : State
+            Current positions.
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        place : {"mid", "top", "bottom", "nominal"}
+            Height at which it is taken; ``nominal`` is the mid-surface's second Piola-Kirchhoff
+            stress turned with the surface, without the change of area.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            Components in space.
+        """
+        x, t = state.node.x[state.quads[quads]], state.node.t[state.quads[quads]]
+        return self._stress_map.cauchy(x, t, quads, place)
+
+    def update_frequencies(self, state: State, quads: Ints) -> None:
+        """Recompute the squared largest frequency of some quads at the present state.
+
+        The largest eigenvalue of a quad's stiffness (pre-stress counted) on its own share of mass
+        and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
+        """
+        s, n = self.section, state.node
+        _quad_frequencies(
+            which=quads,
+            x=n.x,
+            t=n.t,
+            quads=state.quads,
+            metric=self.metric,
+            flat=s.flat,
+            row=s.row,
+            h_flat=s.h_flat,
+            h_full=s.h_full,
+            mass=s.mass,
+            inertia=self.quad_inertia,
+            difference=_DIFFERENCE,
+            squared=self.squared_frequency,
+        )
+
+
+class _CentreStressMap:
+    """Reference geometry at the quads' centres, to recover stresses there."""
+
+    def __init__(self, mesh: Mesh, material: ShellMaterial) -> None:
+        X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
+        n, n1, n2 = shape_functions(0.0, 0.0)
+        self._n1, self._n2 = n1, n2
+        self._A1, self._A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
+        self._T0 = np.einsum("a,eai->ei", n, T)
+        self._T1, self._T2 = np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)
+        layers = material.layers
+        bottom = np.cumsum([0.0, *(layer.thickness for layer in layers)])
+        mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
+        self._law = {
+            "mid": layers[mid].material.plane_stress(),
+            "nominal": layers[mid].material.plane_stress(),
+            "top": layers[-1].material.plane_stress(),
+            "bottom": layers[0].material.plane_stress(),
+        }
+        h = material.thickness
+        self._height = {"mid": 0.0, "nominal": 0.0, "top": 0.5 * h, "bottom": -0.5 * h}
+
+    def cauchy(self, x: Floats, t: Floats, quads: Ints, place: str) -> Floats:
+        if place not in self._law:
+            raise ValueError(f"place must be one of {sorted(self._law)}, got {place!r}")
+        z = self._height[place]
+        G1 = self._A1[quads] + z * self._T1[quads]
+        G2 = self._A2[quads] + z * self._T2[quads]
+        g1 = np.einsum("a,eai->ei", self._n1, x) + z * np.einsum("a,eai->ei", self._n1, t)
+        g2 = np.einsum("a,eai->ei", self._n2, x) + z * np.einsum("a,eai->ei", self._n2, t)
+        Q, frame = cartesian_map(G1, G2, self._T0[quads])
+
+        def product(a: Floats, b: Floats) -> Floats:
+            return np.asarray(np.einsum("ei,ei->e", a, b))
+
+        covariant = np.stack(
+            [
+                0.5 * (product(g1, g1) - product(G1, G1)),
+                0.5 * (product(g2, g2) - product(G2, G2)),
+                product(g1, g2) - product(G1, G2),
+            ],
+            axis=1,
+        )
+        s = np.einsum("eij,ej->ei", Q[:, :3, :3], covariant) @ self._law[place]
+        # F ê_i, the frame carried along by the deformation, from ê_i = (ê_i · G^alpha) G_alpha.
+        contra = np.linalg.inv(np.stack([G1, G2, self._T0[quads]], axis=2))[:, :2]
+        c = np.einsum("eki,eni->enk", contra, frame)
+        f1 = c[:, 0, :1] * g1 + c[:, 0, 1:] * g2
+        f2 = c[:, 1, :1] * g1 + c[:, 1, 1:] * g2
+        if place == "nominal":
+            f1, f2 = _orthonormal(f1, f2)
+            volume = np.ones(len(quads))
+        else:
+            volume = np.linalg.norm(np.cross(g1, g2), axis=1) / np.linalg.norm(
+                np.cross(G1, G2), axis=1
+            )
+        outer = np.einsum
+        sigma = (
+            s[:, 0, None, None] * outer("ei,ej->eij", f1, f1)
+            + s[:, 1, None, None] * outer("ei,ej->eij", f2, f2)
+            + s[:, 2, None, None] * (outer("ei,ej->eij", f1, f2) + outer("ei,ej->eij", f2, f1))
+        )
+        return np.asarray(sigma / volume[:, None, None])
+
+
+def _orthonormal(f1: Floats, f2: Floats) -> tuple[Floats, Floats]:
+    normal = np.cross(f1, f2)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    e1 = f1 / np.linalg.norm(f1, axis=1, keepdims=True)
+    return e1, np.cross(normal, e1)
+
+
+@inline
+def _gather(rows: Floats, quads: Ints, e: int, out: Floats) -> None:
+    for a in range(4):
+        n = quads[e, a]
+        for c in range(3):
+            out[a, c] = rows[n, c]
+
+
+@kernel
+def _reference_metric(X: Floats, T: Floats, quads: Ints, metric: Floats) -> None:
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    for e in range(quads.shape[0]):
+        _gather(X, quads, e, xe)
+        _gather(T, quads, e, te)
+        covariant_metric(xe, te, metric[e])
+
+
+@kernel
+def _add_quad_forces(
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    metric: Floats,
+    flat: Bools,
+    row: Ints,
+    h_flat: Floats,
+    h_full: Floats,
+    damping_rate: float,
+    strain: Floats,
+    strain_step: Floats,
+    force: Floats,
+    director_force: Floats,
+) -> tuple[float, float]:
+    """Add minus dW/dx and dW/dt of every quad, with stiffness damping, to the nodal forces.
+
+    x, t, force, director_force : (n_node, 3).  quads : (n_quad, 4).  metric : (n_quad, 20).
+    damping_rate : beta / dt.  Writes strain and strain_step : (n_quad, 20), reading the last ones.
+    Returns strain energy and damping work [N·mm].
+    """
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    fx, ft = np.empty((4, 3)), np.empty((4, 3))
+    s, ds = np.empty(20), np.empty(20)
+    r, rd = np.empty(20), np.empty(20)
+    energy = 0.0
+    damping = 0.0
+    for e in range(quads.shape[0]):
+        _gather(x, quads, e, xe)
+        _gather(t, quads, e, te)
+        covariant_metric(xe, te, s)
+        for k in range(20):
+            s[k] -= metric[e, k]
+            ds[k] = s[k] - strain[e, k]
+        resultants(s, flat[e], h_flat, h_full, row[e], r)
+        for k in range(20):
+            energy += 0.5 * s[k] * r[k]
+        if damping_rate > 0.0:
+            resultants(ds, flat[e], h_flat, h_full, row[e], rd)
+            work = 0.0
+            for k in range(20):
+                work += (strain_step[e, k] + ds[k]) * rd[k]
+                r[k] += damping_rate * rd[k]
+            damping += 0.5 * damping_rate * work
+        for k in range(20):
+            strain[e, k] = s[k]
+            strain_step[e, k] = ds[k]
+        nodal_forces(xe, te, r, fx, ft)
+        for a in range(4):
+            n = quads[e, a]
+            for c in range(3):
+                force[n, c] -= fx[a, c]
+                director_force[n, c] -= ft[a, c]
+    return energy, damping
+
+
+@kernel
+def _add_fan_force(
+    node: int,
+    fan: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    metric: Floats,
+    flat: Bools,
+    row: Ints,
+    h_flat: Floats,
+    h_full: Floats,
+    damping_rate: float,
+    strain: Floats,
+    force: Floats,
+) -> None:
+    """Add minus the force of the quads ``fan`` on ``node`` to ``force`` : (3,)."""
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    fx, ft = np.empty((4, 3)), np.empty((4, 3))
+    s, r = np.empty(20), np.empty(20)
+    for i in range(fan.shape[0]):
+        e = fan[i]
+        _gather(x, quads, e, xe)
+        _gather(t, quads, e, te)
+        covariant_metric(xe, te, s)
+        for k in range(20):
+            s[k] -= metric[e, k]
+            s[k] += damping_rate * (s[k] - strain[e, k])
+        resultants(s, flat[e], h_flat, h_full, row[e], r)
+        nodal_forces(xe, te, r, fx, ft)
+        for a in range(4):
+            if quads[e, a] == node:
+                for c in range(3):
+                    force[c] -= fx[a, c]
+
+
+@kernel
+def _quad_frequencies(
+    which: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    metric: Floats,
+    flat: Bools,
+    row: Ints,
+    h_flat: Floats,
+    h_full: Floats,
+    mass: Floats,
+    inertia: Floats,
+    difference: float,
+    squared: Floats,
+) -> None:
+    """Write the largest eigenvalue of M⁻¹ K of each quad ``which`` into ``squared`` : (n_quad,).
+
+    K is the derivative of the quad's own nodal forces by central differences, the directors turned
+    in their tangent planes: twelve translations and eight rotations.
+    """
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    fx, ft = np.empty((4, 3)), np.empty((4, 3))
+    s, r = np.empty(20), np.empty(20)
+    tangent = np.empty((4, 2, 3))
+    column = np.empty((2, 20))
+    K = np.empty((20, 20))
+    scale_of = np.empty(20)
+    for i in range(which.shape[0]):
+        e = which[i]
+        _gather(x, quads, e, xe)
+        _gather(t, quads, e, te)
+        size = 0.0
+        for c in range(3):
+            size += (xe[2, c] - xe[0, c]) ** 2
+        size = np.sqrt(size)
+        for a in range(4):
+            _tangent_basis(te, a, tangent)
+            for c in range(3):
+                scale_of[3 * a + c] = 1.0 / np.sqrt(mass[e, a])
+            for b in range(2):
+                scale_of[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[e, a])
+        for j in range(20):
+            step = difference * size if j < 12 else difference
+            for sign in range(2):
+                delta = step if sign == 0 else -step
+                _turn(xe, te, tangent, j, delta)
+                covariant_metric(xe, te, s)
+                for k in range(20):
+                    s[k] -= metric[e, k]
+                resultants(s, flat[e], h_flat, h_full, row[e], r)
+                nodal_forces(xe, te, r, fx, ft)
+                _gather(x, quads, e, xe)
+                _gather(t, quads, e, te)
+                for a in range(4):
+                    for c in range(3):
+                        column[sign, 3 * a + c] = fx[a, c]
+                    for b in range(2):
+                        column[sign, 12 + 2 * a + b] = (
+                            ft[a, 0] * tangent[a, b, 0]
+                            + ft[a, 1] * tangent[a, b, 1]
+                            + ft[a, 2] * tangent[a, b, 2]
+                        )
+            for k in range(20):
+                K[k, j] = (column[0, k] - column[1, k]) / (2.0 * step)
+        # The director moves on the unit sphere: W(t cos θ + b sin θ) has the second derivative
+        # b·W_tt·b - t·W_t, the latter from the force at the undisturbed state.
+        covariant_metric(xe, te, s)
+        for k in range(20):
+            s[k] -= metric[e, k]
+        resultants(s, flat[e], h_flat, h_full, row[e], r)
+        nodal_forces(xe, te, r, fx, ft)
+        for a in range(4):
+            along = te[a, 0] * ft[a, 0] + te[a, 1] * ft[a, 1] + te[a, 2] * ft[a, 2]
+            for b in range(2):
+                K[12 + 2 * a + b, 12 + 2 * a + b] -= along
+        for k in range(20):
+            for j in range(k + 1):
+                sym = 0.5 * (K[k, j] + K[j, k]) * scale_of[k] * scale_of[j]
+                K[k, j] = sym
+                K[j, k] = sym
+        squared[e] = np.linalg.eigvalsh(K)[-1]
+
+
+@inline
+def _tangent_basis(te: Floats, a: int, tangent: Floats) -> None:
+    # The axis least along the director gives the best conditioned tangent.
+    axis = 0
+    for c in range(1, 3):
+        if abs(te[a, c]) < abs(te[a, axis]):
+            axis = c
+    length = np.sqrt(1.0 - te[a, axis] ** 2)
+    for c in range(3):
+        unit = 1.0 if c == axis else 0.0
+        tangent[a, 0, c] = (unit - te[a, axis] * te[a, c]) / length
+    tangent[a, 1, 0] = te[a, 1] * tangent[a, 0, 2] - te[a, 2] * tangent[a, 0, 1]
+    tangent[a, 1, 1] = te[a, 2] * tangent[a, 0, 0] - te[a, 0] * tangent[a, 0, 2]
+    tangent[a, 1, 2] = te[a, 0] * tangent[a, 0, 1] - te[a, 1] * tangent[a, 0, 0]
+
+
+@inline
+def _turn(xe: Floats, te: Floats, tangent: Floats, j: int, delta: float) -> None:
+    if j < 12:
+        xe[j // 3, j % 3] += delta
+    else:
+        a, b = (j - 12) // 2, (j - 12) % 2
+        for c in range(3):
+            te[a, c] += delta * tangent[a, b, c]

@@ -1,0 +1,265 @@
+"""Simulation: owns the order of a step and of a run. Read :meth:`Simulation.step` first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ._jit import Floats
+from .cable import CableForces, CableSet
+from .cohesive_law import CohesiveLaw
+from .contact import Contact, ContactForces, PenaltyContact
+from .criterion import Fracture, SplitCriterion
+from .energy import Ledger
+from .fan import crack_tips, is_tip, open_edges
+from .hooks import Hook, StopRun
+from .integrator import CentralDifference
+from .load import Load, LoadSet
+from .material import ShellMaterial
+from .mesh import Mesh
+from .motion import Motion
+from .shell import MITC4Shell
+from .start_check import check_tool_outside
+from .state import State, initial_state
+from .support import Support, SupportSet
+from .time_step import StableStep, Stepping
+from .tool import Tool
+from .topology import split_node
+
+
+class UnstableStep(RuntimeError):
+    """The solution has blown up; the message names the first bad quad and the likely cause."""
+
+
+class Simulation:
+    """A film, its supports and loads, and the tool that cuts it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference mid-surface.
+    material : ShellMaterial
+        Layers through the thickness.
+    supports : sequence of Support
+        Held and moved nodes.
+    loads : sequence of Load
+        Gravity, pressures, forces.
+    tool, motion : Tool and Motion, optional
+        The rigid tool and how it moves; both or none.
+    law : CohesiveLaw, optional
+        Without one nothing splits.
+    contact, fracture, stepping : Contact, Fracture, Stepping
+        Parameters of contact, of the cracks and of the time step.
+    directional : bool
+        False: cables never meet the blade (classical cohesive elements), for comparison.
+    damping_alpha, damping_beta : float
+        Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
+    velocity : array_like, shape (n_node, 3), optional
+        Initial velocity [mm/s].
+
+    Raises
+    ------
+    ValueError
+        If anything given is impossible: every check is made here, before the first step.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        *,
+        supports: Sequence[Support] = (),
+        loads: Sequence[Load] = (),
+        tool: Tool | None = None,
+        motion: Motion | None = None,
+        law: CohesiveLaw | None = None,
+        contact: Contact | None = None,
+        fracture: Fracture | None = None,
+        stepping: Stepping | None = None,
+        directional: bool = True,
+        damping_alpha: float = 0.1,
+        damping_beta: float = 5e-8,
+        velocity: Floats | None = None,
+    ) -> None:
+        problems = [
+            f"{name} must be a number that is not negative, got {value!r}"
+            for name, value in (("damping_alpha", damping_alpha), ("damping_beta", damping_beta))
+            if not value >= 0
+        ]
+        if (tool is None) != (motion is None):
+            problems.append("tool and motion go together: give both or none")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+        self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
+        self.law = law
+        self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta)
+        self.supports = SupportSet(mesh, supports)
+        self.loads = LoadSet(mesh, loads)
+        self.integrator = CentralDifference(damping_alpha=damping_alpha)
+        self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
+        self.contact = (
+            PenaltyContact(tool, contact or Contact(), material.thickness) if tool else None
+        )
+
+        self.state = initial_state(mesh)
+        self.shell.initialise(self.state)
+        self.supports.initialise(self.state)
+        if velocity is not None:
+            self.state.node.velocity_half[: mesh.n_node] = velocity
+        self.fracture = fracture or Fracture()
+        self.criterion = None
+        self.tips: list[int] = []
+        if law is not None:
+            precut = frozenset(open_edges(self.state))
+            self.criterion = SplitCriterion(
+                self.fracture, law.strength, self.shell, self.loads, tool, precut
+            )
+            self.tips = crack_tips(self.state)
+        self.time_step = StableStep(stepping or Stepping(), self.shell, self.cables, self.contact)
+
+        self.ledger = Ledger()
+        self.rotation, self.translation = np.eye(3), np.zeros(3)
+        n_body = tool.n_body if tool else 1
+        self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0, 0.0)
+        self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
+        self.n_joint_made = self.n_cable_broken = 0
+        self._mass_damping = 0.0
+        # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
+        self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
+        self._place_tool()
+        if tool is not None:
+            check_tool_outside(mesh, tool, self.rotation, self.translation)
+        self._start()
+
+    # ---------------------------------------------------------------- the order of a step
+
+    def step(self) -> None:
+        """Take the state from t_n to t_{n+1}."""
+        s = self.state
+        self.integrator.drift(s, self._dt)  # 1 positions, directors
+        s.step += 1  # 2 clock
+        s.time += self._dt
+        s.dt = self._dt
+        self._place_tool()
+        if self.criterion is not None and s.step % self.fracture.check_every == 0:
+            self._split_due_nodes()  # 3 topology
+        self._forces()  # 4 forces at t_{n+1}
+        dt_next = self.time_step.next(s)
+        self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
+        self._dt = dt_next
+
+    def _forces(self) -> None:
+        s, book = self.state, self.ledger
+        s.node.force[: s.n_node] = 0.0
+        s.node.director_force[: s.n_node] = 0.0
+        book.strain, damping = self.shell.add_forces(s)
+        book.damping_stiffness += damping
+        book.load_work += self.loads.add_forces(s)
+        if self.contact is not None:
+            self.contact_forces = self.contact.add_forces(s, self.rotation, self.translation)
+        if s.n_cable:
+            self.cable_forces = self.cables.add_forces(s, self.rotation, self.translation)
+            self.n_joint_made += self.cable_forces.n_joint_made
+            self.n_cable_broken += self.cable_forces.n_broken
+            book.cohesive_work += self.cable_forces.work
+            book.cohesive_start_work += self.cable_forces.start_work
+        if self.motion is not None:
+            self._work_of_tool()
+        if not np.isfinite(book.strain):
+            self._blown_up()
+
+    def _kick(self, dt_last: float, dt_next: float) -> None:
+        self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
+        kick = self.integrator.kick(self.state, dt_last, dt_next)
+        book = self.ledger
+        book.kinetic_translation = kick.kinetic_translation
+        book.kinetic_rotation = kick.kinetic_rotation
+        book.support_work += kick.support_work
+        # The mass damping of a kick belongs half to the step before and half to the step after.
+        book.damping_mass += 0.5 * (self._mass_damping + kick.mass_damping)
+        self._mass_damping = kick.mass_damping
+
+    def _start(self) -> None:
+        """Take the first, half kick from t_0."""
+        self._forces()
+        self._dt = self.time_step.next(self.state)
+        self._kick(0.0, self._dt)
+        self.ledger.kinetic_initial = self.ledger.kinetic
+
+    # ---------------------------------------------------------------- a run
+
+    def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
+        """Step until the time ``until`` [s] is reached or a hook raises StopRun.
+
+        The last step is not shortened, so that run(a); run(b) is run(b), bit for bit.
+        """
+        if not until >= self.state.time:
+            raise ValueError(f"until must not lie before now, {self.state.time} s, got {until!r}")
+        try:
+            going = self._serve(hooks)
+            while going and self.state.time < until:
+                self.step()
+                going = self._serve(hooks)
+        finally:
+            for hook in hooks:
+                hook.close()
+
+    def _serve(self, hooks: Sequence[Hook]) -> bool:
+        going = True
+        for hook in hooks:
+            if hook.due(self):
+                try:
+                    hook(self)
+                except StopRun:
+                    going = False
+        return going
+
+    # ---------------------------------------------------------------- parts of a step
+
+    def _place_tool(self) -> None:
+        if self.motion is not None:
+            self.rotation, self.translation = self.motion.pose(self.state.time)
+
+    def _split_due_nodes(self) -> None:
+        s = self.state
+        assert self.criterion is not None
+        assert self.law is not None
+        due = self.criterion.due(s, self.tips, self.rotation, self.translation, s.dt)
+        for split in due:
+            touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
+            twin = split_node(
+                s,
+                split,
+                self.shell,
+                self.law,
+                equilibrium_start=self.fracture.equilibrium_start,
+            )
+            tips = {n for n in self.tips if n not in touched}
+            tips |= {n for n in (*touched, twin) if is_tip(s, n)}
+            self.tips = sorted(tips)
+
+    def _work_of_tool(self) -> None:
+        s = self.state
+        assert self.motion is not None
+        spin, velocity = self.motion.twist(s.time - 0.5 * s.dt)
+        moved = np.concatenate([velocity, spin]) * s.dt
+        contact = self.contact_forces.wrench.sum(axis=0)
+        total = contact + self.cable_forces.wrench.sum(axis=0)
+        on_tool = 0.5 * float((self._contact_wrench + contact) @ moved)
+        self.ledger.contact_work -= self.contact_forces.node_work + on_tool
+        self.ledger.tool_work -= 0.5 * float((self._wrench + total) @ moved)
+        self._contact_wrench, self._wrench = contact, total
+
+    def _blown_up(self) -> None:
+        s = self.state
+        bad = ~np.isfinite(s.strain).all(axis=1)
+        quad = int(np.argmax(bad))
+        centre = s.node.X[s.quads[quad]].mean(axis=0)
+        raise UnstableStep(
+            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: quad "
+            f"{quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer finite; "
+            f"the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, or leave "
+            "Stepping.fixed unset"
+        )

@@ -1,0 +1,296 @@
+"""State: every array that changes in time.
+
+Rows are appended when a node splits or a cable is born and never renumbered; arrays are allocated
+with rows in reserve and doubled when they run out, so kernels take them whole together with a
+count, and nobody keeps a reference to an array across a split: whatever is cached for one topology
+stores the ``revision`` it was built for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from ._jit import Bools, Floats, Ints, SmallInts
+from .mesh import MAX_VALENCE, Mesh
+from .mitc4 import N_STRAIN
+
+# A split adds one node; the reserve spares most runs a reallocation.
+_RESERVE = 256
+
+STRAIGHT, JOINTED, BROKEN = 0, 1, 2
+
+
+@dataclass
+class _Table:
+    """Arrays with one row an entity, the first ``count`` of them in use."""
+
+    count: int
+
+    def reserve(self, extra: int) -> None:
+        """Make room for ``extra`` more rows, doubling the arrays if need be."""
+        arrays = [f.name for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)]
+        capacity = getattr(self, arrays[0]).shape[0]
+        if self.count + extra <= capacity:
+            return
+        for name in arrays:
+            old = getattr(self, name)
+            grown = np.zeros((max(2 * capacity, self.count + extra), *old.shape[1:]), old.dtype)
+            grown[: self.count] = old[: self.count]
+            setattr(self, name, grown)
+
+    def append_copy(self, row: int) -> int:
+        """Append a copy of ``row`` and return its id."""
+        self.reserve(1)
+        new = self.count
+        for f in fields(self):
+            array = getattr(self, f.name)
+            if isinstance(array, np.ndarray):
+                array[new] = array[row]
+        self.count += 1
+        return new
+
+    def append_blank(self) -> int:
+        """Append a row of zeros and return its id."""
+        self.reserve(1)
+        new = self.count
+        for f in fields(self):
+            array = getattr(self, f.name)
+            if isinstance(array, np.ndarray):
+                array[new] = 0
+        self.count += 1
+        return new
+
+
+@dataclass
+class NodeTable(_Table):
+    """Nodes; positions at t_n, velocities at t_{n+1/2} (see :mod:`shellcut.integrator`)."""
+
+    X: Floats
+    """Reference position [mm], shape (n, 3)."""
+    T: Floats
+    """Reference director, shape (n, 3)."""
+    x: Floats
+    """Position [mm], shape (n, 3)."""
+    t: Floats
+    """Unit director, shape (n, 3)."""
+    velocity_half: Floats
+    """Velocity [mm/s], shape (n, 3)."""
+    spin_half: Floats
+    """Angular velocity of the director [rad/s], normal to it, shape (n, 3)."""
+    force: Floats
+    """Total nodal force [N], shape (n, 3)."""
+    director_force: Floats
+    """Total force conjugate to the director [N·mm], shape (n, 3); its moment is t x this."""
+    mass: Floats
+    """Lumped mass [t], shape (n,)."""
+    inertia: Floats
+    """Scaled rotary inertia [t·mm²], shape (n,)."""
+    contact_area: Floats
+    """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
+    origin: Ints
+    """Reference node this one was split from, itself if never split, shape (n,)."""
+    halved: Bools
+    """Whether the node is one half of a split or pre-cut node, shape (n,)."""
+    quads: Ints
+    """Quads at the node, ascending, the first ``n_quad_at`` in use, shape (n, MAX_VALENCE)."""
+    n_quad_at: Ints
+    """Number of quads at the node, shape (n,)."""
+    supported: Bools
+    """Whether any component is prescribed, shape (n,)."""
+    support: Bools
+    """Prescribed components, three of velocity and three of spin, shape (n, 6)."""
+    support_rate: Floats
+    """Their prescribed values [mm/s, rad/s] at t_{n+1/2}, shape (n, 6)."""
+    reaction: Floats
+    """Reaction that holds them [N, N·mm] at t_n, shape (n, 6)."""
+    load_force: Floats
+    """Load on the node at the last evaluation [N], shape (n, 3)."""
+    contact_side: SmallInts
+    """Side of the blade the node lies on: +1, -1, or 0 while it is not known, shape (n,)."""
+    contact_depth: Floats
+    """Penetration at the last search [mm], 0 outside, shape (n,)."""
+    contact_offset: Floats
+    """Part of the penetration that is being absorbed [mm], shape (n,)."""
+    contact_force: Floats
+    """Contact force on the node [N], shape (n, 3)."""
+
+
+@dataclass
+class CableTable(_Table):
+    """Cohesive cables; each joins the two halves of a split node ([Frangi2010] 4)."""
+
+    ends: Ints
+    """Node on the minus and on the plus flank, shape (n, 2)."""
+    status: SmallInts
+    """STRAIGHT, JOINTED or BROKEN, shape (n,)."""
+    area: Floats
+    """Cohesive area A_i = thickness x half-edge lengths [mm²], shape (n,)."""
+    half_edge: Floats
+    """Reference lengths of its half-edges [mm], zero if absent, shape (n, 2)."""
+    half_edge_far: Ints
+    """Origin of the node at the far end of each half-edge, shape (n, 2)."""
+    m: Floats
+    """Mean normal to the flanks at birth, from minus to plus, shape (n, 3)."""
+    start_force: Floats
+    """Equilibrium-start force on the minus node at zero opening [N], shape (n, 3)."""
+    opening: Floats
+    """Length measure of the law at the last evaluation [mm], shape (n,)."""
+    opening_max: Floats
+    """Its largest value so far [mm], shape (n,)."""
+    traction: Floats
+    """Cable stress [MPa], shape (n,)."""
+    edge: Ints
+    """Cutting-edge segment of the joint, shape (n,)."""
+    joint_body: Floats
+    """Joint in the body frame of the tool [mm], shape (n, 3)."""
+    joint: Floats
+    """Joint in space at the last evaluation [mm], shape (n, 3)."""
+    joint_slack: Floats
+    """Length that the bend added when the joint was made, not counted as opening, shape (n,)."""
+    overshoot: Floats
+    """How far the edge had passed the cable when the joint was made [mm], shape (n,)."""
+    branch: Floats
+    """Unit vectors from the minus and plus node towards their partner, shape (n, 2, 3)."""
+    force: Floats
+    """Force on the minus and on the plus node [N], shape (n, 2, 3)."""
+    work: Floats
+    """Work done on the cable so far [N·mm], shape (n,)."""
+    start_work: Floats
+    """Work done on the equilibrium-start force so far [N·mm], shape (n,)."""
+    birth: Floats
+    """Time of birth [s], shape (n,)."""
+    end_time: Floats
+    """Time at which it broke [s], zero while it lives, shape (n,)."""
+
+
+@dataclass
+class State:
+    """All that changes in time; what does not is in the mesh, the sections and the tool."""
+
+    node: NodeTable
+    cable: CableTable
+    quads: Ints
+    """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
+    strain: Floats
+    """Covariant strains of the last force evaluation, shape (n_quad, 20)."""
+    strain_step: Floats
+    """Their change over the last step, shape (n_quad, 20)."""
+    time: float = 0.0
+    """t_n [s]."""
+    dt: float = 0.0
+    """Length of the step that led to t_n [s]."""
+    step: int = 0
+    revision: int = 0
+    """Counts the splits: topology is that of this number."""
+    crack_length: float = 0.0
+    """Sum of the half-edges that carry or carried a cable [mm]."""
+    split_log: list[dict[str, object]] = field(default_factory=list)
+    """Time, place, kind and force jump of each split."""
+
+    @property
+    def n_node(self) -> int:
+        """Number of nodes in use."""
+        return self.node.count
+
+    @property
+    def n_cable(self) -> int:
+        """Number of cables ever made."""
+        return self.cable.count
+
+
+def initial_state(mesh: Mesh) -> State:
+    """Allocate the state of an unloaded mesh at rest."""
+    n, cap = mesh.n_node, mesh.n_node + _RESERVE
+
+    def rows(*shape: int) -> Floats:
+        return np.zeros((cap, *shape))
+
+    X, T = rows(3), rows(3)
+    X[:n], T[:n] = mesh.nodes, mesh.directors
+    origin = np.zeros(cap, np.int64)
+    origin[:n] = mesh.origin
+    halved = np.zeros(cap, np.bool_)
+    halved[:n] = np.bincount(mesh.origin, minlength=n)[mesh.origin] > 1
+    quads_at, n_quad_at = quads_of_nodes(mesh.quads, cap)
+    node = NodeTable(
+        count=n,
+        X=X,
+        T=T,
+        x=X.copy(),
+        t=T.copy(),
+        velocity_half=rows(3),
+        spin_half=rows(3),
+        force=rows(3),
+        director_force=rows(3),
+        mass=rows(),
+        inertia=rows(),
+        contact_area=rows(),
+        origin=origin,
+        halved=halved,
+        quads=quads_at,
+        n_quad_at=n_quad_at,
+        supported=np.zeros(cap, np.bool_),
+        support=np.zeros((cap, 6), np.bool_),
+        support_rate=rows(6),
+        reaction=rows(6),
+        load_force=rows(3),
+        contact_side=np.zeros(cap, np.int8),
+        contact_depth=rows(),
+        contact_offset=rows(),
+        contact_force=rows(3),
+    )
+    cable = CableTable(
+        count=0,
+        **{
+            f.name: np.zeros((_RESERVE, *shape), dtype)
+            for f, (shape, dtype) in zip(
+                [f for f in fields(CableTable) if f.name != "count"], _CABLE_ROWS, strict=True
+            )
+        },
+    )
+    return State(
+        node=node,
+        cable=cable,
+        quads=mesh.quads.copy(),
+        strain=np.zeros((mesh.n_quad, N_STRAIN)),
+        strain_step=np.zeros((mesh.n_quad, N_STRAIN)),
+    )
+
+
+# Shape and type of a row, in the order of CableTable's fields.
+_CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
+    ((2,), np.int64),
+    ((), np.int8),
+    ((), np.float64),
+    ((2,), np.float64),
+    ((2,), np.int64),
+    ((3,), np.float64),
+    ((3,), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.int64),
+    ((3,), np.float64),
+    ((3,), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((2, 3), np.float64),
+    ((2, 3), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+]
+
+
+def quads_of_nodes(quads: Ints, capacity: int) -> tuple[Ints, Ints]:
+    """Return the quads at every node, ascending, shape (capacity, MAX_VALENCE), and their count."""
+    n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int64)
+    table = np.zeros((capacity, MAX_VALENCE), np.int64)
+    order = np.argsort(quads.ravel(), kind="stable")
+    start = np.concatenate([[0], np.cumsum(n_quad_at)[:-1]])
+    rank = np.arange(order.size) - np.repeat(start, n_quad_at)
+    table[quads.ravel()[order], rank] = order // 4
+    return table, n_quad_at

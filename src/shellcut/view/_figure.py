@@ -1,0 +1,44 @@
+"""The only place that asks for Matplotlib: a figure without a window and without global state."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+
+def new_figure(size: tuple[float, float], dpi: float) -> Any:
+    """Return an empty Matplotlib figure of ``size`` [inch] that draws by Agg, screen or no screen.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed, with the command that installs it.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError(
+            "pictures need Matplotlib, which is not installed: pip install shellcut[plot]"
+        ) from error
+    figure = Figure(figsize=size, dpi=dpi)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Any, path: str | os.PathLike[str]) -> None:
+    """Write the figure to ``path``; the ending tells the format. An existing file is replaced."""
+    figure.savefig(path, facecolor="white")
+
+
+def pretty(unit: str) -> str:
+    """Return a unit as one prints it: "N*mm" becomes "N·mm"."""
+    return unit.replace("*", "·").replace("deg", "°")
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number with one decimal and its unit."""
+    if unit in ("-", ""):
+        return f"{value:.3g}"
+    gap = "" if unit == "deg" else " "
+    return f"{value:.1f}{gap}{pretty(unit)}"

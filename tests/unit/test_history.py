@@ -1,0 +1,123 @@
+"""History files: exact numbers, whole lines whatever happens, units beside the names."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+from shellcut.history import HistoryWriter, read_history
+
+COLUMNS = (("time", "s"), ("angle", "deg"), ("torque", "N*mm"))
+
+
+def row(k):
+    return {"torque": np.sin(k) * 1e3, "time": 1e-7 * k, "angle": k / 3.0}
+
+
+def test_what_was_written_is_read_to_the_last_bit(tmp_path):
+    path = tmp_path / "history.csv"
+    with HistoryWriter(path, COLUMNS) as history:
+        for k in range(50):
+            history.append(row(k))
+    assert path.read_text().splitlines()[0] == "time [s],angle [deg],torque [N*mm]"
+    values, units = read_history(path)
+    assert list(values) == ["time", "angle", "torque"]
+    assert units == dict(COLUMNS)
+    for name, column in values.items():
+        np.testing.assert_array_equal(column, [row(k)[name] for k in range(50)])
+
+
+def test_numpy_reads_it_in_one_line(tmp_path):
+    path = tmp_path / "history.csv"
+    with HistoryWriter(path, COLUMNS) as history:
+        history.append(row(1))
+        history.append(row(2))
+    table = np.genfromtxt(path, delimiter=",", skip_header=1)
+    assert table[1, 1] == row(2)["angle"]
+
+
+def test_wrong_names_are_refused_and_nothing_is_written(tmp_path):
+    path = tmp_path / "history.csv"
+    with HistoryWriter(path, COLUMNS) as history:
+        with pytest.raises(KeyError, match=r"missing \['torque'\], unknown \['torqe'\]"):
+            history.append({"time": 0.0, "angle": 0.0, "torqe": 0.0})
+        with pytest.raises(KeyError, match=r"missing \['angle', 'torque'\], unknown \[\]"):
+            history.append({"time": 0.0})
+        with pytest.raises(KeyError, match=r"missing \[\], unknown \['force'\]"):
+            history.append(row(0) | {"force": 1.0})
+    assert len(path.read_text().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ((), "at least one"),
+        ((("time", "s"), ("time", "ms")), r"\['time'\] come twice"),
+        ((("time,", "s"),), "got 'time,'"),
+        ((("ratio", ""),), "got ''"),
+    ],
+)
+def test_columns_that_cannot_stand_in_a_header_are_refused(tmp_path, columns, message):
+    with pytest.raises(ValueError, match=message):
+        HistoryWriter(tmp_path / "history.csv", columns)
+
+
+def test_a_new_run_replaces_the_old_file_and_a_continued_one_appends(tmp_path):
+    path = tmp_path / "history.csv"
+    for mode, first in (("w", 0), ("w", 10), ("a", 20)):
+        with HistoryWriter(path, COLUMNS, mode=mode) as history:
+            for k in range(first, first + 10):
+                history.append(row(k))
+    np.testing.assert_array_equal(read_history(path)[0]["angle"], np.arange(10, 30) / 3.0)
+
+
+def test_continuing_from_a_checkpoint_equals_the_uninterrupted_run(tmp_path):
+    whole, broken = tmp_path / "whole.csv", tmp_path / "broken.csv"
+    with HistoryWriter(whole, COLUMNS) as history:
+        for k in range(20):
+            history.append(row(k))
+    with HistoryWriter(broken, COLUMNS) as history:
+        for k in range(14):
+            history.append(row(k))
+    with broken.open("a") as file:  # the last line of a full disk
+        file.write("1.4e-06,4.6")
+    assert len(read_history(broken)[0]["time"]) == 14
+    with HistoryWriter(broken, COLUMNS, mode="a", until=row(9)["time"]) as history:
+        for k in range(10, 20):
+            history.append(row(k))
+    assert whole.read_bytes() == broken.read_bytes()
+
+
+def test_other_columns_are_not_appended_to(tmp_path):
+    path = tmp_path / "history.csv"
+    HistoryWriter(path, COLUMNS).close()
+    with pytest.raises(ValueError, match=r"has other columns than this run: 'time \[s\]"):
+        HistoryWriter(path, COLUMNS[:2], mode="a")
+
+
+def test_a_foreign_file_is_not_read(tmp_path):
+    path = tmp_path / "other.csv"
+    path.write_text("a;b\n1;2\n")
+    with pytest.raises(ValueError, match="is no history file"):
+        read_history(path)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_a_killed_run_leaves_whole_lines(tmp_path):
+    path = tmp_path / "history.csv"
+    script = textwrap.dedent(f"""
+        import os, signal
+        from shellcut.history import HistoryWriter
+        history = HistoryWriter({str(path)!r}, [("time", "s"), ("angle", "deg")])
+        for k in range(1000):
+            history.append({{"time": k / 7, "angle": k / 3}})
+        os.kill(os.getpid(), signal.SIGKILL)
+    """)
+    done = subprocess.run([sys.executable, "-c", script], env=os.environ, check=False)
+    assert done.returncode == -signal.SIGKILL
+    values, _ = read_history(path)
+    np.testing.assert_array_equal(values["time"], np.arange(1000) / 7)

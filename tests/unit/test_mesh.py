@@ -1,0 +1,458 @@
+import pickle
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+
+from shellcut.mesh import MAX_VALENCE, Mesh, MeshError
+from shellcut.meshing import annulus, cylinder, rectangle
+
+# two unit squares side by side:   3 - 4 - 5
+#                                  |   |   |
+#                                  0 - 1 - 2
+NODES = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]]
+QUADS = [[0, 1, 4, 3], [1, 2, 5, 4]]
+
+
+def three(nodes):
+    return np.column_stack([nodes, np.zeros(len(nodes))])
+
+
+def refusal(*args, **kwargs):
+    with pytest.raises(MeshError) as caught:
+        Mesh.from_arrays(*args, **kwargs)
+    return str(caught.value)
+
+
+def rotation():
+    # an orthogonal matrix of determinant 1 with no zero entry
+    q, _ = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [-0.3, 1.0, 0.7], [0.2, -0.9, 1.1]]))
+    return q * np.sign(np.linalg.det(q))
+
+
+# --- what a mesh is ------------------------------------------------------------------------------
+
+
+def test_arrays_are_cast_copied_and_read_only():
+    nodes, quads, left = np.array(NODES, dtype=np.float32), np.array(QUADS, np.int32), [0, 3]
+    mesh = Mesh.from_arrays(nodes, quads, node_sets={"left": left}, quad_sets={"all": [1, 0]})
+    assert (mesh.n_node, mesh.n_quad) == (6, 2)
+    for array, dtype in (
+        (mesh.nodes, np.float64),
+        (mesh.quads, np.int64),
+        (mesh.directors, np.float64),
+        (mesh.origin, np.int64),
+        (mesh.node_sets["left"], np.int64),
+        (mesh.quad_sets["all"], np.int64),
+    ):
+        assert array.dtype == dtype
+        assert array.flags.c_contiguous
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    assert mesh.quad_set("all").tolist() == [1, 0]
+    assert mesh.origin.tolist() == list(range(6))
+    nodes[0] = 7.0  # the caller's arrays stay the caller's
+    quads[0] = 0
+    assert mesh.nodes[0].tolist() == [0.0, 0.0, 0.0]
+    assert mesh.quads.tolist() == QUADS
+
+
+def test_a_mesh_is_frozen():
+    mesh = Mesh.from_arrays(NODES, QUADS)
+    with pytest.raises(FrozenInstanceError):
+        mesh.nodes = mesh.nodes
+    with pytest.raises(TypeError):
+        mesh.node_sets["left"] = np.array([0])
+
+
+def test_a_mesh_survives_pickling():
+    mesh = Mesh.from_arrays(NODES, QUADS, node_sets={"left": [0, 3]}).cut([1, 4])
+    again = pickle.loads(pickle.dumps(mesh))
+    for name in ("nodes", "quads", "directors", "origin"):
+        assert np.array_equal(getattr(again, name), getattr(mesh, name))
+        assert not getattr(again, name).flags.writeable
+    assert again.node_set("left").tolist() == [0, 3]
+    assert "6 nodes" not in repr(again)
+    assert "8 nodes, 2 quads, node_sets=['left']" in repr(again)
+
+
+def test_edges_name_their_quads():
+    edges = Mesh.from_arrays(NODES, QUADS).edges()
+    table = {tuple(n): (set(q), c) for n, q, c in zip(*(a.tolist() for a in edges), strict=True)}
+    assert table == {
+        (0, 1): ({0}, 1),
+        (0, 3): ({0}, 1),
+        (1, 2): ({1}, 1),
+        (1, 4): ({0, 1}, 2),
+        (2, 5): ({1}, 1),
+        (3, 4): ({0}, 1),
+        (4, 5): ({1}, 1),
+    }
+    assert list(table) == sorted(table)
+
+
+def test_boundary_nodes():
+    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    inner = mesh.nodes_where(lambda x, y, z: (x > 0.5) & (x < 3.5) & (abs(y) < 1.5))
+    assert len(inner) == 9
+    assert np.array_equal(mesh.boundary_nodes(), np.setdiff1d(np.arange(25), inner))
+
+
+def test_lengths_areas_and_jacobian_of_a_trapezium():
+    mesh = Mesh.from_arrays([[0, 0], [4, 0], [3, 1], [0, 1]], [[0, 1, 2, 3]])
+    assert mesh.edge_lengths() == pytest.approx(np.array([[4.0, np.sqrt(2.0), 3.0, 1.0]]))
+    assert mesh.quad_areas() == pytest.approx([3.5], rel=1e-14)
+    assert mesh.scaled_jacobian() == pytest.approx([np.sqrt(0.5)], rel=1e-14)
+
+
+def test_area_of_a_warped_quad_is_that_of_the_bilinear_surface():
+    nodes = np.array([[0, 0, 0], [1, 0, 0.3], [1.2, 1.1, -0.2], [0, 1, 0.2]])
+    mesh = Mesh.from_arrays(nodes, [[0, 1, 2, 3]])
+    n = 200  # midpoint rule
+    s = (np.arange(n) + 0.5) / n
+    s, t = (a.ravel()[:, None] for a in np.meshgrid(s, s))
+    along = (nodes[1] - nodes[0]) * (1 - t) + (nodes[2] - nodes[3]) * t
+    across = (nodes[3] - nodes[0]) * (1 - s) + (nodes[2] - nodes[1]) * s
+    area = np.linalg.norm(np.cross(along, across), axis=1).mean()
+    assert mesh.quad_areas()[0] == pytest.approx(area, rel=1e-3)  # 2x2 points: measured 3e-4
+
+
+# --- directors -----------------------------------------------------------------------------------
+
+
+def test_directors_of_a_plane_mesh_are_exact():
+    mesh = annulus(1.3, 2.9, n_around=17, n_radial=3)
+    assert np.array_equal(mesh.directors, np.tile([0.0, 0.0, 1.0], (mesh.n_node, 1)))
+    flipped = Mesh.from_arrays(mesh.nodes, mesh.quads[:, ::-1])
+    assert np.array_equal(flipped.directors, np.tile([0.0, 0.0, -1.0], (mesh.n_node, 1)))
+    assert not np.signbit(flipped.directors[:, :2]).any()
+
+
+def test_directors_of_a_tilted_plane_mesh_are_all_the_same():
+    turn = rotation()
+    flat = annulus(1.3, 2.9, n_around=17, n_radial=3)
+    mesh = Mesh.from_arrays(flat.nodes @ turn.T, flat.quads)
+    assert np.array_equal(mesh.directors, np.tile(mesh.directors[0], (mesh.n_node, 1)))
+    assert mesh.directors[0] == pytest.approx(turn[:, 2], abs=1e-14)
+
+
+def test_mean_directors_are_weighted_by_area():
+    # a ridge along y between a slope of length 1 and a level part of length 3: corner areas 1 : 3
+    c, s = np.cos(0.4), np.sin(0.4)
+    nodes = [[-c, 0, -s], [0, 0, 0], [3, 0, 0], [-c, 1, -s], [0, 1, 0], [3, 1, 0]]
+    T = Mesh.from_arrays(nodes, QUADS).directors
+    mean = np.array([-s, 0.0, c]) + 3.0 * np.array([0.0, 0.0, 1.0])
+    assert T[1] == pytest.approx(mean / np.linalg.norm(mean), rel=1e-14)
+    assert T[0] == pytest.approx([-s, 0.0, c], rel=1e-14)
+
+
+def test_mean_directors_of_a_cylinder_are_radial_inside():
+    exact = cylinder(10.0, 4.0, arc_deg=120.0, n_around=12, n_along=4)
+    mean = Mesh.from_arrays(exact.nodes, exact.quads).directors
+    inner = np.setdiff1d(
+        np.arange(exact.n_node), [*exact.node_set("left"), *exact.node_set("right")]
+    )
+    assert mean[inner] == pytest.approx(exact.directors[inner], abs=1e-14)
+
+
+def test_given_directors_are_scaled_to_one():
+    T = np.tile([0.1, 0.0, 1.0], (6, 1)) / np.sqrt(1.01) * (1.0 + 3e-7)
+    mesh = Mesh.from_arrays(NODES, QUADS, directors=T)
+    assert np.linalg.norm(mesh.directors, axis=1) == pytest.approx(np.ones(6), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("directors", "words"),
+    [
+        (np.tile([0.0, 0.0, 2.0], (6, 1)), ["unit length", "node 0 at (0, 0, 0)", "2", "norm"]),
+        (np.tile([0.0, 0.0, -1.0], (6, 1)), ["side of the normals", "node 0", "reverse"]),
+        (np.zeros((5, 3)), ["shape (6, 3)", "(5, 3)", "leave them out"]),
+        (np.full((6, 3), np.nan), ["finite", "nan"]),
+        ("up", ["finite numbers"]),
+    ],
+)
+def test_wrong_directors_are_refused(directors, words):
+    message = refusal(NODES, QUADS, directors=directors)
+    assert all(word in message for word in words), message
+
+
+# --- refusals ------------------------------------------------------------------------------------
+
+
+def full_fan(n):
+    # n quads around node 0, in the plane
+    angle = np.pi * np.arange(2 * n) / n
+    rim = np.column_stack([np.cos(angle), np.sin(angle)]) * np.tile([1.0, 1.2], n)[:, None]
+    nodes = np.vstack([[0.0, 0.0], rim])
+    quads = [[0, 1 + 2 * i, 2 + 2 * i, 1 + (2 * i + 2) % (2 * n)] for i in range(n)]
+    return nodes, quads
+
+
+FOLD = [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 1, 0], [1, 1, 0], [1, 1, 1]]
+TEE = ([*three(NODES), [1, 0, 1], [1, 1, 1]], [*QUADS, [1, 6, 7, 4]])
+HINGE = (
+    [[0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2]],
+    [[0, 1, 2, 3], [2, 4, 5, 6]],
+)
+BOW_TIE = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]
+ARROW = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.5, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("nodes", "quads", "words"),
+    [
+        ([0.0, 1.0], QUADS, ["nodes must have shape (n_node, 3)", "(2,)", "one row a node"]),
+        ("abc", QUADS, ["array of numbers"]),
+        (NODES, [[0, 1, 4]], ["shape (n_quad, 4)", "(1, 3)", "triangles are not supported"]),
+        (NODES, [[0, 1, 4, 3], [1, 2, 5]], ["shape (n_quad, 4)"]),
+        (NODES, [], ["shape (n_quad, 4)", "(0,)"]),
+        (NODES, np.array(QUADS, float), ["whole numbers", "float64", "cast"]),
+        ([*NODES[:5], [np.inf, 1.0]], QUADS, ["finite", "node 5 at (inf, 1, 0)", "repair"]),
+        (
+            NODES,
+            [[0, 1, 4, 3], [1, 2, 9, 4]],
+            ["0 to 5", "quad 1 of nodes [1, 2, 9, 4]", "renumber"],
+        ),
+        (NODES, np.array(QUADS) + 1, ["quad 1 of nodes [2, 3, 6, 5]", "ids count from 0"]),
+        (NODES, [[0, 1, 4, 3], [1, 2, 5, 5]], ["four different nodes", "quad 1 at", "triangles"]),
+        (NODES, [*QUADS, [4, 3, 0, 1]], ["same four nodes", "quad 0 at (0.5, 0.5, 0) and quad 2"]),
+        ([*NODES, [9, 9]], QUADS, ["belong to a quad", "node 6 at (9, 9, 0)", "remove them"]),
+        (
+            *TEE,
+            ["one or two quads", "node 1 at (1, 0, 0) to node 4 at (1, 1, 0) with 3", "T-joint"],
+        ),
+        (NODES, [[0, 1, 4, 3], [1, 4, 5, 2]], ["opposite orientation", "quad 0", "reverse"]),
+        (*HINGE, ["one fan", "node 2 at (1, 1, 0)", "duplicate the node"]),
+        (*full_fan(MAX_VALENCE + 1), ["12 quads at most", "node 0", "13", "remesh"]),
+        ([[0, 0], [1, 0], [2, 0], [3, 0]], [[0, 1, 2, 3]], ["degenerate", "quad 0 at (1.5, 0, 0)"]),
+        ([[0, 0], [1, 0], [1, 0], [0, 1]], [[0, 1, 2, 3]], ["degenerate", "merge nodes"]),
+        (BOW_TIE, [[0, 1, 2, 3]], ["degenerate or a bow-tie", "quad 0", "in order"]),
+        (ARROW, [[0, 1, 2, 3]], ["convex", "quad 0", "inverted or folded onto itself", "move"]),
+        (FOLD, QUADS, ["60 degrees", "90.0 between quad 0", "smooth shells only", "max_fold_deg"]),
+    ],
+)
+def test_a_wrong_mesh_is_refused(nodes, quads, words):
+    message = refusal(nodes, quads)
+    assert all(word in message for word in words), message
+    assert message[0].islower()
+    assert not message.endswith(".")
+    assert "problems" not in message  # each case has one fault, and only that is reported
+
+
+def test_the_limits_themselves_are_accepted():
+    assert Mesh.from_arrays(*full_fan(MAX_VALENCE)).n_quad == MAX_VALENCE
+    assert Mesh.from_arrays(FOLD, QUADS, max_fold_deg=91.0).n_quad == 2
+
+
+def test_a_quad_folded_back_on_its_neighbour_is_refused():
+    nodes = [*NODES[:2], [0.1, 0.0], *NODES[3:5], [0.1, 1.0]]
+    message = refusal(nodes, QUADS)
+    assert "180.0 between quad 0" in message
+
+
+@pytest.mark.parametrize(
+    ("sets", "words"),
+    [
+        ({"node_sets": {"left": [0, 6]}}, ["node set 'left'", "0 to 5", "got 6"]),
+        ({"quad_sets": {"patch": [-1]}}, ["quad set 'patch'", "0 to 1", "got -1"]),
+        ({"node_sets": {"left": [0, 3, 0]}}, ["each id once", "got 0 again", "numpy.unique"]),
+        ({"node_sets": {"left": [True, False]}}, ["whole numbers", "bool", "not a mask"]),
+        ({"origin": [0, 1]}, ["origin must have shape (6,)", "(2,)"]),
+        ({"origin": [0, 0, 1, 3, 4, 5]}, ["their own origin", "got nodes 2"]),
+    ],
+)
+def test_wrong_sets_and_origins_are_refused(sets, words):
+    message = refusal(NODES, QUADS, **sets)
+    assert all(word in message for word in words), message
+
+
+def test_all_problems_are_reported_together():
+    nodes = [*NODES, [9, 9], [np.nan, 0]]
+    message = refusal(
+        nodes, [[0, 1, 4, 3], [1, 4, 5, 2]], node_sets={"a": [99]}, directors=[[0, 0, 1]]
+    )
+    assert message.startswith("5 problems:")
+    for words in ("finite", "node 6", "opposite orientation", "node set 'a'", "directors"):
+        assert words in message
+
+
+def test_at_most_five_offenders_are_named():
+    message = refusal([*NODES, *np.random.default_rng(1).random((8, 2))], QUADS)
+    assert message.count("node ") == 5
+    assert "and 3 more" in message
+
+
+# --- sets ----------------------------------------------------------------------------------------
+
+
+def test_a_wrong_set_name_is_answered_with_the_nearest():
+    mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
+    with pytest.raises(
+        MeshError, match=r"bottom, left, right, top.*'botom'; did you mean 'bottom'"
+    ):
+        mesh.node_set("botom")
+    with pytest.raises(MeshError, match=r"quad set.*\(none\), got 'patch'; add it by with_sets"):
+        mesh.quad_set("patch")
+
+
+def test_with_sets_adds_and_does_not_replace():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    more = mesh.with_sets(node_sets={"corner": [0]}, quad_sets={"first": [0]})
+    assert more.node_set("corner").tolist() == [0]
+    assert more.quad_set("first").tolist() == [0]
+    assert more.node_set("left").tolist() == mesh.node_set("left").tolist()
+    assert "corner" not in mesh.node_sets
+    with pytest.raises(MeshError, match="'left' again; choose another name"):
+        mesh.with_sets(node_sets={"left": [1]})
+    with pytest.raises(MeshError, match="node set 'far' must hold ids from 0 to 5, got 6"):
+        mesh.with_sets(node_sets={"far": [6]})
+
+
+def test_nodes_where_wants_one_bool_a_node():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    assert mesh.nodes_where(lambda x, y, z: x == 2.0).tolist() == [2, 5]
+    with pytest.raises(MeshError, match="must return 6 bools"):
+        mesh.nodes_where(lambda x, y, z: x)
+
+
+# --- cut -----------------------------------------------------------------------------------------
+#
+# 4 x 4 squares:   20 21 22 23 24
+#                  15 16 17 18 19
+#                  10 11 12 13 14
+#                   5  6  7  8  9
+#                   0  1  2  3  4
+
+
+@pytest.fixture
+def sheet():
+    return rectangle(4.0, 4.0, n_x=4, n_y=4).with_sets(
+        node_sets={"row": [10, 11, 12, 13, 14]}, quad_sets={"first": [0]}
+    )
+
+
+def check_cut(mesh, cut, line, copies):
+    """The edges of the line are free on both sides, everything else is as before."""
+    assert cut.n_node == mesh.n_node + len(copies)
+    assert cut.origin[mesh.n_node :].tolist() == [mesh.origin[n] for n in copies]
+    assert np.array_equal(cut.nodes[cut.quads], mesh.nodes[mesh.quads])
+    assert np.array_equal(cut.directors, cut.directors[cut.origin])
+    was, now = mesh.edges(), cut.edges()
+    assert (now.n_quad == 1).sum() == (was.n_quad == 1).sum() + 2 * (len(line) - 1)
+    # what the cut hands over on trust passes the gate
+    Mesh.from_arrays(cut.nodes, cut.quads, node_sets=cut.node_sets, origin=cut.origin)
+
+
+def test_a_cut_inside_has_two_tips(sheet):
+    cut = sheet.cut([11, 12, 13])
+    check_cut(sheet, cut, [11, 12, 13], [12])
+    # the line runs along +x: quads above, on its left, keep node 12
+    assert np.flatnonzero((cut.quads == 12).any(axis=1)).tolist() == [9, 10]
+    assert np.flatnonzero((cut.quads == 25).any(axis=1)).tolist() == [5, 6]
+    assert cut.node_set("row").tolist() == [10, 11, 12, 13, 14, 25]
+    assert cut.node_set("left").tolist() == sheet.node_set("left").tolist()
+    assert cut.quad_set("first").tolist() == [0]
+
+
+def test_the_side_that_is_renumbered_turns_with_the_line(sheet):
+    cut = sheet.cut(np.array([13, 12, 11]))
+    assert np.flatnonzero((cut.quads == 12).any(axis=1)).tolist() == [5, 6]
+
+
+def test_a_cut_from_the_boundary_is_open_there(sheet):
+    cut = sheet.cut([10, 11, 12])
+    check_cut(sheet, cut, [10, 11, 12], [10, 11])
+    assert cut.node_set("left").tolist() == [0, 5, 10, 15, 20, 25]
+    assert {10, 11, 12, 25, 26} <= set(cut.boundary_nodes().tolist())
+
+
+def test_a_cut_across_parts_the_sheet(sheet):
+    line = [10, 11, 12, 13, 14]
+    cut = sheet.cut(line)
+    check_cut(sheet, cut, line, line)
+    below, above = cut.quads[:8], cut.quads[8:]
+    assert not np.intersect1d(below, above).size
+
+
+def test_one_edge_from_the_boundary(sheet):
+    check_cut(sheet, sheet.cut([10, 11]), [10, 11], [10])
+
+
+def test_a_cut_may_turn_a_corner(sheet):
+    line = [10, 11, 12, 17, 22]
+    cut = sheet.cut(line)
+    check_cut(sheet, cut, line, line)
+
+
+def test_a_cut_ends_on_an_earlier_cut(sheet):
+    notched = sheet.cut([10, 11, 12, 13])  # the lower side, on the right, has nodes 25, 26, 27
+    above = notched.cut([22, 17, 12])
+    check_cut(notched, above, [22, 17, 12], [22, 17, 12])
+    below = above.cut([27, 7])
+    check_cut(above, below, [27, 7], [27])
+    assert np.flatnonzero(below.origin == 12).tolist() == [12, 27, 30, 31]
+
+
+def test_a_cut_goes_on_from_a_tip(sheet):
+    once = sheet.cut([10, 11, 12, 13])
+    twice = sheet.cut([10, 11, 12]).cut([12, 13])
+    check_cut(sheet.cut([10, 11, 12]), twice, [12, 13], [12])
+    assert np.array_equal(once.nodes[once.quads], twice.nodes[twice.quads])
+    assert twice.n_node == once.n_node
+
+
+def test_a_cut_touches_the_boundary_on_its_way():
+    # three quads around the boundary node 0: a line down one spoke and up the next parts all three
+    angle = np.pi * np.arange(7) / 6
+    nodes = np.vstack([[0.0, 0.0], np.column_stack([np.cos(angle), np.sin(angle)])])
+    mesh = Mesh.from_arrays(nodes, [[0, 1, 2, 3], [0, 3, 4, 5], [0, 5, 6, 7]])
+    cut = mesh.cut([5, 0, 3])
+    check_cut(mesh, cut, [5, 0, 3], [5, 0, 0, 3])
+    assert len(np.unique(cut.quads)) == 12
+
+
+def test_a_closed_line_cuts_a_patch_out(sheet):
+    line = [6, 7, 8, 13, 18, 17, 16, 11, 6]
+    cut = sheet.cut(line)
+    check_cut(sheet, cut, line, line[:-1])
+    inner = [5, 6, 9, 10]
+    rest = np.setdiff1d(np.arange(16), inner)
+    assert not np.intersect1d(cut.quads[inner], cut.quads[rest]).size
+
+
+def test_a_ring_is_slit(sheet):
+    ring = annulus(1.0, 2.0, n_around=8, n_radial=2)
+    line = [0, 8, 16]
+    check_cut(ring, ring.cut(line), line, line)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (
+            [10, 12],
+            ["follow mesh edges", "node 10 at (0, 0, 0) to node 12 at (2, 0, 0)", "between"],
+        ),
+        ([11, 17], ["follow mesh edges", "node 11", "node 17"]),
+        ([10, 15], ["quads on both sides", "node 10", "node 15", "leave it out"]),
+        ([11, 12], ["opens nothing", "[11, 12]", "start on the boundary"]),
+        ([11], ["two node ids or more"]),
+        ([11.0, 12.0], ["two node ids or more"]),
+        ([11, 99], ["0 to 24", "got 99"]),
+        ([10, 11, 12, 11, 16], ["each node once", "got 11 again", "in parts"]),
+    ],
+)
+def test_a_line_that_cannot_be_cut_is_refused(sheet, line, words):
+    with pytest.raises(MeshError) as caught:
+        sheet.cut(line)
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+def test_a_line_across_an_earlier_cut_is_told_the_copies(sheet):
+    notched = sheet.cut([10, 11, 12, 13])
+    with pytest.raises(
+        MeshError, match=r"node 12 was duplicated by a cut, its copies are \[12, 27\]"
+    ):
+        notched.cut([2, 7, 12])
+    with pytest.raises(MeshError, match="cut before"):
+        notched.cut([11, 12])

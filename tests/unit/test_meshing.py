@@ -1,0 +1,261 @@
+import numpy as np
+import pytest
+
+from shellcut.mesh import MeshError
+from shellcut.meshing import annulus, cylinder, disc, opening_disc, rectangle
+
+# name: quads, nodes on the ring, floor of the smallest edge [mm], radii of the exact circles
+# (measured edges 0.624, 0.2957, 0.1695; the time step of every run follows from them)
+OPENINGS = {
+    "quick": (612, 72, 0.62, [10.2, 9.4, 8.6]),
+    "M1": (2660, 152, 0.29, [10.2, 9.8, 9.4, 9.0, 8.6, 8.2]),
+    "M2": (8625, 276, 0.165, [10.2, 10.0, 9.8, 9.6, 9.4, 9.2, 9.0]),
+}
+
+
+@pytest.fixture(scope="module")
+def openings():
+    return {name: opening_disc(name) for name in OPENINGS}
+
+
+def radius(mesh, ids):
+    return np.hypot(*mesh.nodes[ids, :2].T)
+
+
+def check_circle(mesh, ids, r):
+    """Nodes stand on a circle, evenly, counter-clockwise, the first at angle 0."""
+    angle = 2.0 * np.pi * np.arange(len(ids)) / len(ids)
+    wanted = r * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    assert np.abs(mesh.nodes[ids] - wanted).max() <= 1e-14 * r
+    assert mesh.nodes[ids[0]].tolist() == [r, 0.0, 0.0]
+
+
+def polygon_area(n, r):
+    return 0.5 * n * r**2 * np.sin(2.0 * np.pi / n)
+
+
+# --- rectangle -----------------------------------------------------------------------------------
+
+
+def test_rectangle_takes_the_nearest_whole_number_of_divisions():
+    mesh = rectangle(20.0, 8.0, size=0.8)
+    assert (mesh.n_node, mesh.n_quad) == (26 * 11, 25 * 10)
+    assert rectangle(20.0, 8.0, size=0.77).n_quad == 26 * 10
+    assert rectangle(1.0, 1.0, size=50.0).n_quad == 1
+
+
+def test_rectangle_is_laid_out_in_exact_rows():
+    mesh = rectangle(20.0, 7.3, n_x=3, n_y=6)
+    x, y, z = mesh.nodes.reshape(7, 4, 3).transpose(2, 0, 1)
+    assert (x == x[0]).all()
+    assert (y == y[:, :1]).all()
+    assert not z.any()
+    assert (y[3] == 0.0).all()
+    assert (y == -y[::-1]).all()
+    assert (x[0, 0], x[0, -1], y[0, 0], y[-1, 0]) == (0.0, 20.0, -3.65, 3.65)
+    assert mesh.quad_areas() == pytest.approx(np.full(18, 20.0 * 7.3 / 18), rel=1e-14)
+    assert (mesh.directors == [0.0, 0.0, 1.0]).all()
+
+
+def test_rectangle_names_its_sides():
+    mesh = rectangle(20.0, 8.0, n_x=3, n_y=2)
+    for name, axis, at in (
+        ("left", 0, 0.0),
+        ("right", 0, 20.0),
+        ("bottom", 1, -4.0),
+        ("top", 1, 4.0),
+    ):
+        ids = mesh.node_set(name)
+        assert (mesh.nodes[ids, axis] == at).all()
+        assert (np.diff(mesh.nodes[ids, 1 - axis]) > 0.0).all()
+        assert len(ids) == (3 if axis == 0 else 4)
+
+
+def test_rectangle_is_notched_along_its_middle_row():
+    mesh = rectangle(20.0, 8.0, size=0.8)
+    notch = mesh.nodes_where(lambda x, y, z: (y == 0.0) & (x < 4.1))
+    cut = mesh.cut(notch)
+    assert cut.n_node == mesh.n_node + len(notch) - 1  # all but the tip
+
+
+# --- disc ----------------------------------------------------------------------------------------
+
+
+def test_disc_of_the_pressure_check():
+    mesh = disc(10.2, n_side=34, n_layer=11)
+    assert mesh.n_quad == 34 * 34 + 136 * 11 == 2652
+    check_circle(mesh, mesh.node_set("rim"), 10.2)
+    lengths = mesh.edge_lengths()
+    assert lengths.min() > 0.30  # measured 0.3061
+    assert lengths.max() < 0.53  # measured 0.5278
+    assert mesh.scaled_jacobian().min() > 0.75  # measured 0.756
+
+
+@pytest.mark.parametrize("n_side", [1, 2, 3, 4, 7, 12, 19, 50])
+@pytest.mark.parametrize("n_layer", [1, 2, 9, 40])
+def test_discs_of_any_proportion_are_sound(n_side, n_layer):
+    mesh = disc(3.0, n_side=n_side, n_layer=n_layer)
+    n = 4 * n_side
+    assert mesh.n_quad == n_side**2 + n * n_layer
+    assert mesh.n_node == (n_side + 1) ** 2 + n * n_layer
+    assert mesh.quad_areas().sum() == pytest.approx(polygon_area(n, 3.0), rel=1e-13)
+    assert np.array_equal(np.sort(mesh.node_set("rim")), mesh.boundary_nodes())
+    assert mesh.scaled_jacobian().min() > 0.5
+    assert (mesh.directors == [0.0, 0.0, 1.0]).all()
+
+
+@pytest.mark.parametrize("n_side", [18, 19, 30, 51])
+def test_discs_of_default_layers_keep_the_promised_quality(n_side):
+    mesh = disc(10.0, n_side=n_side)
+    spacing = np.sqrt(np.pi * 100.0 / mesh.n_quad)
+    assert mesh.edge_lengths().min() > 0.86 * spacing
+    assert mesh.scaled_jacobian().min() > 0.75
+
+
+@pytest.mark.parametrize("n_side", [12, 13])
+def test_disc_has_four_quarters_alike_to_the_last_bit(n_side):
+    nodes = disc(2.0, n_side=n_side, ring_radii=[1.7]).nodes[:, :2]
+    turned = np.column_stack([-nodes[:, 1], nodes[:, 0]])
+    assert {*map(tuple, nodes)} == {*map(tuple, turned)}
+
+
+def test_middle_nodes():
+    even, odd = disc(1.0, n_side=6), disc(1.0, n_side=7)
+    assert even.nodes[even.node_set("centre")].tolist() == [[0.0, 0.0, 0.0]]
+    four = odd.node_set("centre")
+    assert len(four) == 4
+    assert np.array_equal(np.sort(radius(odd, four)), np.sort(radius(odd, np.arange(64)))[:4])
+
+
+def test_rings_may_or_may_not_name_the_rim():
+    with_rim = disc(10.2, n_side=10, ring_radii=[10.2, 9.4])
+    without = disc(10.2, n_side=10, ring_radii=(9.4,))
+    assert np.array_equal(with_rim.nodes, without.nodes)
+    assert sorted(with_rim.node_sets) == sorted(without.node_sets) == ["centre", "rim", "ring_9.4"]
+
+
+# --- the opening problem -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", OPENINGS)
+def test_opening_disc_counts_and_quality(openings, name):
+    mesh = openings[name]
+    n_quad, n_around, smallest, _ = OPENINGS[name]
+    assert mesh.n_quad == n_quad
+    assert len(mesh.node_set("ring")) == n_around
+    assert n_around % 4 == 0  # four teeth a quarter turn apart start on nodes
+    assert mesh.edge_lengths().min() > smallest
+    assert mesh.scaled_jacobian().min() > 0.75
+    assert mesh.quad_areas().sum() == pytest.approx(polygon_area(n_around, 10.2), rel=1e-13)
+
+
+def test_opening_discs_are_near_the_published_counts(openings):
+    assert openings["M1"].n_quad == pytest.approx(2634, rel=0.02)
+    assert openings["M2"].n_quad == pytest.approx(8647, rel=0.02)
+
+
+@pytest.mark.parametrize("name", OPENINGS)
+def test_opening_disc_rings_are_exact(openings, name):
+    mesh = openings[name]
+    _, n_around, _, rings = OPENINGS[name]
+    for r in rings:
+        ids = mesh.node_set("rim" if r == 10.2 else f"ring_{r:g}")
+        assert len(ids) == n_around
+        check_circle(mesh, ids, r)
+    assert np.array_equal(mesh.node_set("ring"), mesh.node_set("ring_9.4"))
+    # the ring is a closed line of edges
+    ring = [*mesh.node_set("ring"), mesh.node_set("ring")[0]]
+    assert mesh.cut(ring).n_node == mesh.n_node + n_around
+
+
+# --- annulus and cylinder ------------------------------------------------------------------------
+
+
+def test_annulus():
+    mesh = annulus(1.5, 4.0, n_around=30, n_radial=5)
+    assert mesh.n_quad == 150
+    check_circle(mesh, mesh.node_set("inner"), 1.5)
+    check_circle(mesh, mesh.node_set("outer"), 4.0)
+    area = polygon_area(30, 4.0) - polygon_area(30, 1.5)
+    assert mesh.quad_areas().sum() == pytest.approx(area, rel=1e-13)
+
+
+def test_barrel_roof_has_exact_directors_and_sides():
+    mesh = cylinder(25.0, 50.0, arc_deg=80.0, n_around=8, n_along=6)
+    x, y, z = mesh.nodes.T
+    assert np.hypot(x, z) == pytest.approx(np.full(63, 25.0), rel=1e-15)
+    assert mesh.directors * [25.0, 1.0, 25.0] == pytest.approx(mesh.nodes * [1, 0, 1], rel=1e-15)
+    assert (abs(y[mesh.node_set("bottom")]).tolist(), y.max()) == ([25.0] * 9, 25.0)
+    edge = 25.0 * np.sin(np.radians(40.0))
+    assert x[mesh.node_set("left")] == pytest.approx(np.full(7, -edge), rel=1e-14)
+    assert x[mesh.node_set("right")] == pytest.approx(np.full(7, edge), rel=1e-14)
+    chords = 8 * 2 * 25.0 * np.sin(np.radians(5.0)) * 50.0
+    assert mesh.quad_areas().sum() == pytest.approx(chords, rel=1e-13)
+
+
+def test_closed_cylinder_has_two_rims():
+    mesh = cylinder(3.0, 10.0, n_around=24, n_along=5)
+    assert mesh.n_quad == 120
+    assert sorted(mesh.node_sets) == ["bottom", "top"]
+    rims = np.sort([*mesh.node_set("bottom"), *mesh.node_set("top")])
+    assert np.array_equal(mesh.boundary_nodes(), rims)
+    # outward: quads wind counter-clockwise seen from outside
+    p, q = (mesh.nodes[mesh.quads[:, a]] - mesh.nodes[mesh.quads[:, 0]] for a in (1, 3))
+    centres = mesh.nodes[mesh.quads].mean(axis=1) * [1.0, 0.0, 1.0]
+    assert (np.einsum("ij,ij->i", np.cross(p, q), centres) > 0.0).all()
+
+
+def test_a_cylinder_too_coarse_for_one_director_is_refused():
+    with pytest.raises(MeshError, match=r"60 degrees at most, got 90\.0.*refine"):
+        cylinder(1.0, 1.0, n_around=4, n_along=1)
+
+
+# --- arguments -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (
+            lambda: rectangle(-1.0, 1.0, size=1.0),
+            "length must be a finite number above 0, got -1.0",
+        ),
+        (
+            lambda: rectangle(1.0, np.inf, size=1.0),
+            "width must be a finite number above 0, got inf",
+        ),
+        (lambda: rectangle(1.0, 1.0, size=0), "size must be a finite number above 0, got 0"),
+        (
+            lambda: rectangle(1.0, 1.0, size="fine"),
+            "size must be a finite number above 0, got 'fine'",
+        ),
+        (lambda: rectangle(1.0, 1.0), "either size or both n_x and n_y, got neither"),
+        (lambda: rectangle(1.0, 1.0, n_x=2), "both n_x and n_y"),
+        (lambda: rectangle(1.0, 1.0, size=1.0, n_x=2), "got both; leave one out"),
+        (
+            lambda: rectangle(1.0, 1.0, n_x=2.5, n_y=2),
+            "n_x must be a whole number of 1 or more, got 2.5",
+        ),
+        (lambda: disc(1.0, n_side=0), "n_side must be a whole number of 1 or more, got 0"),
+        (lambda: disc(1.0, n_side=True), "n_side must be a whole number"),
+        (lambda: disc(0.0, n_side=2), "radius must be a finite number above 0"),
+        (lambda: disc(1.0, n_side=4, ring_radii=[1.2]), r"within the radius 1, got \[1.2\]"),
+        (lambda: disc(1.0, n_side=4, ring_radii=[0.5, 0.0]), "above 0"),
+        (lambda: disc(1.0, n_side=4, ring_radii=[0.5, np.nan]), "above 0"),
+        (lambda: disc(1.0, n_side=4, ring_radii=[0.5, 0.7]), r"decrease.*got \[0.5, 0.7\]; sort"),
+        (
+            lambda: disc(1.0, n_side=4, n_layer=2, ring_radii=[1.0, 0.8, 0.6]),
+            "n_layer must exceed the 2 layers between the rings, got 2; give 3 or more",
+        ),
+        (lambda: opening_disc("M3"), "name must be one of quick, M1, M2, got 'M3'"),
+        (
+            lambda: annulus(2.0, 1.0, n_around=8, n_radial=1),
+            "r_inner must be below r_outer, got 2 and 1",
+        ),
+        (lambda: annulus(1.0, 2.0, n_around=2, n_radial=1), "n_around must be a whole number of 3"),
+        (lambda: cylinder(1.0, 1.0, n_around=8, n_along=1, arc_deg=400.0), "360 at most, got 400"),
+    ],
+)
+def test_arguments_are_checked(build, message):
+    with pytest.raises(MeshError, match=message):
+        build()

@@ -1,0 +1,237 @@
+"""Prescribed motions: end values, and twists against differences of poses."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, RotationSpline
+
+from shellcut.motion import Motion, ScrewMotion, StraightMotion, TableMotion
+
+DURATION = 6.0e-3
+
+
+def table(n=9, seed=5):
+    rng = np.random.default_rng(seed)
+    times = np.linspace(0.0, 1.0, n) ** 1.3
+    return times, rng.normal(size=(n, 3)), np.cumsum(0.4 * rng.normal(size=(n, 3)), axis=0)
+
+
+def tilted_screw():
+    return ScrewMotion(
+        angular_speed=300.0,
+        pitch=12.0,
+        ramp=1e-3,
+        axis=(1.0, 2.0, 3.0),
+        axis_point=(1.0, -2.0, 0.5),
+        advance=(0.0, 1.0, -1.0),
+    )
+
+
+MOTIONS = [
+    (ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0), 1e-3),
+    (tilted_screw(), 1e-3),
+    (StraightMotion((1.0, 1.0, 0.0), speed=6000.0, ramp=1e-3), 1e-3),
+    (TableMotion(*table()), 1.0),
+    (TableMotion(*table()[:2]), 1.0),
+    (TableMotion([0.0, 1.0], np.zeros((2, 3)), [[0.0, 0.0, 0.0], [0.0, 1e-5, 0.0]]), 1.0),
+]
+
+
+@pytest.mark.parametrize(("motion", "scale"), MOTIONS)
+@pytest.mark.parametrize("part", [0.03, 0.31, 0.77, 0.96])
+def test_twist_is_the_rate_of_the_pose(motion, scale, part):
+    time, h = part * scale, 2e-5 * scale
+
+    def rate(index):  # fourth-order central difference
+        at = {k: motion.pose(time + k * h)[index] for k in (-2, -1, 1, 2)}
+        return (8.0 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12.0 * h)
+
+    rotation, _ = motion.pose(time)
+    spin_matrix = rate(0) @ rotation.T
+    spin = [spin_matrix[2, 1], spin_matrix[0, 2], spin_matrix[1, 0]]
+    angular_velocity, velocity = motion.twist(time)
+    np.testing.assert_allclose(angular_velocity, spin, rtol=1e-6, atol=1e-9 / scale)
+    np.testing.assert_allclose(velocity, rate(1), rtol=1e-6, atol=1e-9 / scale)
+
+
+@pytest.mark.parametrize(("motion", "scale"), MOTIONS)
+def test_pose_is_a_rotation_and_coordinate_has_a_unit(motion, scale):
+    checked: Motion = motion
+    for time in np.linspace(0.0, scale, 7):
+        rotation, origin = checked.pose(float(time))
+        np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-14)
+        assert np.linalg.det(rotation) == pytest.approx(1.0)
+        assert rotation.shape == (3, 3)
+        assert origin.shape == (3,)
+        assert isinstance(checked.coordinate(float(time)), float)
+    assert checked.coordinate_unit in ("rad", "mm")
+
+
+@pytest.mark.parametrize(("motion", "scale"), MOTIONS)
+@pytest.mark.parametrize("part", [0.13, 0.58])
+def test_coordinate_grows_by_the_speed(motion, scale, part):
+    time, h = part * scale, 1e-5 * scale
+    rate = (motion.coordinate(time + h) - motion.coordinate(time - h)) / (2.0 * h)
+    angular_velocity, velocity = motion.twist(time)
+    speed = np.linalg.norm(angular_velocity if motion.coordinate_unit == "rad" else velocity)
+    # a table sums its travel over 16 cubic pieces an interval: measured 3e-6
+    assert rate == pytest.approx(speed, rel=1e-4)
+
+
+class TestScrew:
+    def test_angle_is_reached_exactly_at_the_duration(self):
+        screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0, ramp_fraction=0.03)
+        assert screw.coordinate(DURATION) == pytest.approx(np.radians(95.0), rel=1e-14)
+        assert screw.ramp == pytest.approx(0.03 * DURATION)
+        # the ramp covers half of its part
+        assert screw.coordinate(screw.ramp) == pytest.approx(0.5 * screw.ramp * screw.angular_speed)
+
+    def test_advance_a_turn_is_the_pitch_downwards(self):
+        screw = ScrewMotion(angular_speed=2.0 * np.pi, pitch=12.0)
+        rotation, origin = screw.pose(1.0)
+        np.testing.assert_allclose(origin, [0.0, 0.0, -12.0], rtol=1e-14)
+        np.testing.assert_allclose(rotation, np.eye(3), atol=1e-14)
+
+    def test_turns_counter_clockwise_seen_from_the_axis_tip(self):
+        rotation, _ = ScrewMotion(angular_speed=0.5 * np.pi).pose(1.0)
+        np.testing.assert_allclose(rotation @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)
+
+    def test_points_of_the_axis_only_advance(self):
+        screw = tilted_screw()
+        rotation, origin = screw.pose(2e-3)
+        angle = screw.coordinate(2e-3)
+        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
+        advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
+        np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
+
+    def test_rests_before_the_start_and_starts_softly(self):
+        screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0)
+        rotation, origin = screw.pose(-1.0)
+        np.testing.assert_array_equal(rotation, np.eye(3))
+        np.testing.assert_array_equal(origin, np.zeros(3))
+        for time in (-1.0, 0.0):
+            assert not np.any(screw.twist(time))
+        assert screw.coordinate(-1.0) == 0.0
+        assert screw.twist(2.0 * DURATION)[0][2] == screw.angular_speed
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"angular_speed": 0.0}, "angular_speed must be positive, got 0.0 rad/s"),
+            ({"ramp": -1.0}, "ramp must be zero or positive, got -1.0 s"),
+            ({"pitch": np.inf}, "pitch must be finite, got inf mm"),
+            ({"axis": (0.0, 0.0, 0.0)}, "axis must not be zero: it is a direction"),
+            ({"advance": (0.0, 0.0, 0.0)}, "advance must not be zero"),
+            ({"axis_point": (0.0, np.nan, 0.0)}, "axis_point must be three finite numbers"),
+            ({"axis": (0.0, 1.0)}, "axis must be three finite numbers"),
+        ],
+    )
+    def test_refusals(self, change, message):
+        with pytest.raises(ValueError, match=message):
+            ScrewMotion(**{"angular_speed": 1.0, **change})
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"angle_deg": -5.0}, "angle_deg must be positive, got -5.0 degrees"),
+            ({"duration": 0.0}, "duration must be positive, got 0.0 s"),
+            ({"ramp_fraction": 1.1}, r"ramp_fraction must be in \[0, 1\], got 1.1"),
+        ],
+    )
+    def test_refusals_of_over(self, change, message):
+        with pytest.raises(ValueError, match=message):
+            ScrewMotion.over(**{"angle_deg": 95.0, "duration": 1.0, **change})
+
+
+class TestStraight:
+    def test_path(self):
+        motion = StraightMotion((0.0, 3.0, 4.0), speed=10.0, ramp=0.2)
+        assert motion.coordinate(1.0) == pytest.approx(9.0)
+        rotation, origin = motion.pose(1.0)
+        np.testing.assert_allclose(origin, [0.0, 5.4, 7.2])
+        np.testing.assert_array_equal(rotation, np.eye(3))
+        np.testing.assert_allclose(motion.twist(1.0)[1], [0.0, 6.0, 8.0])
+
+    def test_without_ramp_it_starts_at_speed(self):
+        motion = StraightMotion((1.0, 0.0, 0.0), speed=10.0)
+        assert motion.twist(0.0)[1][0] == 10.0
+        assert motion.coordinate(0.5) == 5.0
+
+    def test_refusals(self):
+        with pytest.raises(ValueError, match="speed must be positive, got nan mm/s"):
+            StraightMotion((1.0, 0.0, 0.0), speed=np.nan)
+        with pytest.raises(ValueError, match="direction must not be zero"):
+            StraightMotion((0.0, 0.0, 0.0), speed=1.0)
+        with pytest.raises(ValueError, match="ramp must be zero or positive, got nan s"):
+            StraightMotion((1.0, 0.0, 0.0), speed=1.0, ramp=np.nan)
+
+
+class TestTable:
+    def test_equals_the_splines_of_scipy(self):
+        times, translations, vectors = table()
+        motion = TableMotion(times, translations, vectors)
+        cubic = CubicSpline(times, translations)
+        spline = RotationSpline(times, Rotation.from_rotvec(vectors))
+        for time in np.linspace(0.0, 1.0, 41):
+            rotation, origin = motion.pose(time)
+            np.testing.assert_allclose(origin, cubic(time), atol=1e-12)
+            np.testing.assert_allclose(rotation, spline(time).as_matrix(), atol=1e-12)
+
+    def test_a_tabulated_screw_is_the_screw(self):
+        screw = ScrewMotion(angular_speed=2.0, pitch=3.0)
+        times = np.linspace(0.0, 4.0, 17)
+        angle = 2.0 * times
+        axis = np.array([0.0, 0.0, 1.0])
+        motion = TableMotion(
+            times, -3.0 * angle[:, None] / (2.0 * np.pi) * axis, angle[:, None] * axis
+        )
+        for time in (0.0, 1.1, 3.9):
+            for mine, exact in zip(motion.pose(time), screw.pose(time), strict=True):
+                np.testing.assert_allclose(mine, exact, atol=1e-12)
+            assert motion.coordinate(time) == pytest.approx(screw.coordinate(time), rel=1e-12)
+        assert motion.coordinate_unit == "rad"
+
+    def test_without_rotation_the_coordinate_is_the_path(self):
+        motion = TableMotion([0.0, 1.0, 2.0], [[0, 0, 0], [3, 4, 0], [6, 8, 0]])
+        assert motion.coordinate_unit == "mm"
+        assert motion.coordinate(1.5) == pytest.approx(7.5)
+
+    def test_end_poses_are_held_at_rest_outside(self):
+        times, translations, vectors = table()
+        motion = TableMotion(times, translations, vectors)
+        for outside, end in ((-1.0, 0), (3.0, -1)):
+            rotation, origin = motion.pose(outside)
+            np.testing.assert_allclose(origin, translations[end], atol=1e-12)
+            expected = Rotation.from_rotvec(vectors[end]).as_matrix()
+            np.testing.assert_allclose(rotation, expected, atol=1e-12)
+            assert not np.any(motion.twist(outside))
+            assert motion.coordinate(outside) == motion.coordinate(times[end])
+        assert np.any(motion.twist(times[-1]))
+
+    def test_keeps_read_only_copies(self):
+        times, translations, vectors = table()
+        motion = TableMotion(times, translations, vectors)
+        times[0] = -9.0
+        assert motion.times[0] == 0.0
+        with pytest.raises(ValueError, match="read-only"):
+            motion.translations[0, 0] = 1.0
+
+    @pytest.mark.parametrize(
+        ("times", "translations", "vectors", "message"),
+        [
+            ([0.0], np.zeros((1, 3)), None, r"times must have shape \(n_time,\) with at least two"),
+            ([0, 1, 1], np.zeros((3, 3)), None, "times must increase, entry 2 is 1 after 1 s"),
+            (
+                [0, 1],
+                np.zeros((3, 3)),
+                None,
+                r"translations must have shape \(2, 3\), got \(3, 3\)",
+            ),
+            ([0, 1], np.zeros((2, 3)), np.zeros((2, 4)), r"rotation_vectors must have shape \(2"),
+            ([0, 1], [[0, 0, 0], [0, np.inf, 0]], None, "translations must be finite, entry 1"),
+            ([0, 1], np.zeros((2, 3)), [[0, 0, 0], [0, 0, 3]], "got 171.9 from entry 0 to 1"),
+        ],
+    )
+    def test_refusals(self, times, translations, vectors, message):
+        with pytest.raises(ValueError, match=message):
+            TableMotion(times, translations, vectors)

@@ -1,0 +1,109 @@
+"""The progress display: its lines, its silence, and that it can neither stop nor slow a run."""
+
+import io
+import time
+
+import pytest
+
+from shellcut import progress
+from shellcut.progress import Progress
+
+UNITS = {"torque": "N*mm", "imbalance": "%"}
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class Clock:
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def run(stream, clock, *, n=41, each=1.0):
+    with Progress(95.0, "opening", "deg", figure_units=UNITS, stream=stream, clock=clock) as shown:
+        shown.note("compiling (first run only)")
+        for k in range(n):
+            shown.update(k, step=1000 * k, torque=143.6, imbalance=-0.04)
+            clock.now += each
+
+
+def test_lines_elsewhere_than_on_a_terminal_come_every_ten_seconds():
+    stream = io.StringIO()
+    run(stream, Clock())
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "opening: compiling (first run only)"
+    assert lines[1] == "opening: 0 %: angle 0 deg, torque 143.6 N*mm, imbalance -0.04 %"
+    assert lines[2] == (
+        "opening: 11 %: angle 10.0 deg, torque 143.6 N*mm, imbalance -0.04 %, "
+        "1,000 steps/s, 1 min 25 s left"
+    )
+    assert len(lines) == 1 + 5 + 1  # the note, at 0, 10, 20, 30, 40 s, and at the end
+
+
+def test_a_terminal_gets_a_bar_with_every_figure(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "160")
+    stream = Terminal()
+    run(stream, Clock())
+    text = stream.getvalue()
+    for piece in (
+        "compiling (first run only)",
+        "━",
+        "torque 143.6 N*mm",
+        "steps/s",
+        "left",
+        "42 %",
+    ):
+        assert piece in text
+
+
+def test_a_dumb_terminal_gets_lines(monkeypatch):
+    monkeypatch.setenv("TERM", "dumb")
+    stream = Terminal()
+    run(stream, Clock())
+    assert "\x1b" not in stream.getvalue()
+    assert "opening: 11 %: angle 10.0 deg" in stream.getvalue()
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_closed_stream_does_not_stop_the_run(terminal, monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    stream = Terminal() if terminal else io.StringIO()
+    shown = Progress(1.0, "opening", "deg", stream=stream)
+    stream.close()
+    shown.note("still here")
+    for k in range(3):
+        shown.update(k, step=k)
+    shown.close()
+
+
+def test_an_odd_run_does_not_stop_it(monkeypatch):
+    for total, position in ((0.0, 0.0), (1.0, float("nan")), (1.0, 2.0)):
+        with Progress(total, "opening", "deg", stream=io.StringIO()) as shown:
+            shown.update(position, step=1, torque=float("inf"))
+    monkeypatch.setattr("sys.stderr", None)
+    with Progress(1.0, "opening", "deg") as shown:
+        shown.update(0.5, step=1)
+
+
+def test_an_update_that_is_not_due_costs_nothing():
+    with Progress(95.0, "opening", "deg", stream=io.StringIO()) as shown:
+        shown.update(0.0, step=0)
+        n = 2000
+        begin = time.perf_counter()
+        for k in range(n):
+            shown.update(k, step=k, torque=143.6, imbalance=-0.04)
+        each = (time.perf_counter() - begin) / n
+    assert each < 50e-6  # measured 0.4e-6 s
+
+
+def test_durations():
+    assert progress._duration(7.4) == "7 s"
+    assert progress._duration(61) == "1 min 01 s"
+    assert progress._duration(3 * 3600 + 125) == "3 h 02 min"
+    assert progress._duration(-1.0) == "0 s"

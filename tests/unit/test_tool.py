@@ -1,0 +1,272 @@
+"""The triangulated tool: its checks, cutting edges, mid-planes and flanks."""
+
+import numpy as np
+import pytest
+
+from shellcut.tool import Tool, ToolError
+from shellcut.tool_shapes import straight_blade
+
+HALF_ANGLE = np.radians(8.0)  # the base of the wedge turns by 98°, below sharp_angle_deg
+
+
+def prism(section, height=2.0, at=(0.0, 0.0, 0.0)):
+    """A convex section (n, 2), counter-clockwise, from z = 0 to the height."""
+    section = np.asarray(section, dtype=float)
+    n = len(section)
+    vertices = np.zeros((2 * n, 3))
+    vertices[:, :2] = np.tile(section, (2, 1))
+    vertices[n:, 2] = height
+    triangles = []
+    for i in range(n):
+        j = (i + 1) % n
+        triangles += [(i, j, n + j), (i, n + j, n + i)]
+    for i in range(1, n - 1):
+        triangles += [(0, i + 1, i), (n, n + i, n + i + 1)]
+    return vertices + at, np.array(triangles)
+
+
+def wedge(half_angle=HALF_ANGLE, at=(0.0, 0.0, 0.0)):
+    """Edge on the z axis, solid towards -x: vertices 0 (low) and 3 (high) bound the edge."""
+    y = np.tan(half_angle)
+    return prism([(0.0, 0.0), (-1.0, y), (-1.0, -y)], at=at)
+
+
+def joined(*parts):
+    vertices, triangles, n = [], [], 0
+    for v, t in parts:
+        vertices.append(v)
+        triangles.append(t + n)
+        n += len(v)
+    return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def refusal(*args, **kwargs):
+    with pytest.raises(ToolError) as caught:
+        Tool.from_triangles(*args, **kwargs)
+    return str(caught.value)
+
+
+class TestCuttingEdge:
+    def test_wedge_edge_is_found_by_its_angle(self):
+        tool = Tool.from_triangles(*wedge())
+        assert tool.edges.tolist() == [[0, 3]]
+        assert tool.edge_chain.tolist() == [0]
+        assert tool.edge_body.tolist() == [0]
+
+    @pytest.mark.parametrize("half_angle_deg", [3.0, 12.0, 25.0])
+    def test_wedge_turns_by_180_minus_twice_its_half_angle(self, half_angle_deg):
+        surface = wedge(np.radians(half_angle_deg))
+        turn = 180.0 - 2.0 * half_angle_deg
+        assert Tool.from_triangles(*surface, sharp_angle_deg=turn - 0.01).n_edge == 1
+        assert f"the sharpest turns by {turn:.1f}" in refusal(*surface, sharp_angle_deg=turn + 0.01)
+
+    def test_plus_is_beside_the_segment_in_its_direction(self):
+        vertices, triangles = wedge()
+        for edge, plus_y in (([0, 3], -1.0), ([3, 0], 1.0)):
+            tool = Tool.from_triangles(vertices, triangles, edges=[edge])
+            np.testing.assert_allclose(tool.edge_normal, [[0.0, plus_y, 0.0]], atol=1e-15)
+            np.testing.assert_allclose(tool.edge_back, [[-1.0, 0.0, 0.0]], atol=1e-15)
+            assert tool.triangle_normals[tool.edge_flank_plus[0], 1] * plus_y > 0.9
+            assert tool.triangle_normals[tool.edge_flank_minus[0], 1] * plus_y < -0.9
+
+    def test_mid_plane_bisects_an_uneven_wedge(self):
+        section = [(0.0, 0.0), (-1.0, 0.5), (-1.0, 0.1)]
+        tool = Tool.from_triangles(*prism(section), sharp_angle_deg=150.0)
+        plus, minus = tool.edge_flank_plus[0], tool.edge_flank_minus[0]
+        normals, b, back = tool.triangle_normals, tool.edge_normal[0], tool.edge_back[0]
+        assert normals[plus] @ b == pytest.approx(-(normals[minus] @ b), rel=1e-12)
+        assert normals[plus] @ back == pytest.approx(normals[minus] @ back, rel=1e-12)
+        assert normals[plus] @ back < 0.0  # the faces look forward, the back vector into the solid
+        assert abs(b @ back) < 1e-15
+
+    def test_given_segments_are_chained_and_keep_the_first_direction(self):
+        angle = np.radians([0.0, 10.0, 20.0, 30.0])
+        rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(4)])
+        vertices = np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
+        fan = [(i, i + 1, 4) for i in range(3)] + [(i + 1, i, 5) for i in range(3)]
+        triangles = [*fan, (3, 5, 4), (0, 4, 5)]
+        tool = Tool.from_triangles(vertices, triangles, edges=[(2, 1), (0, 1), (3, 2)])
+        assert tool.edges.tolist() == [[3, 2], [2, 1], [1, 0]]
+        assert tool.edge_chain.tolist() == [0, 0, 0]
+        assert (tool.edge_normal[:, 2] < -0.99).all()
+        assert (tool.edge_back[:, 0] < 0.0).all()
+
+    def test_disc_knife_has_one_closed_chain_and_two_flanks(self):
+        n = 24
+        angle = 2.0 * np.pi * np.arange(n) / n
+        rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(n)])
+        vertices = np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
+        triangles = [(i, (i + 1) % n, n) for i in range(n)]
+        triangles += [((i + 1) % n, i, n + 1) for i in range(n)]
+        tool = Tool.from_triangles(vertices, triangles)
+        assert (tool.n_edge, tool.n_chain) == (n, 1)
+        np.testing.assert_array_equal(tool.edges[:, 1], np.roll(tool.edges[:, 0], -1))
+        np.testing.assert_array_equal(tool.flank, np.repeat([1, -1], n))
+
+    def test_both_edges_of_a_dagger_agree_on_the_plus_side(self):
+        dagger = prism([(1.0, 0.0), (0.0, 0.2), (-1.0, 0.0), (0.0, -0.2)])
+        tool = Tool.from_triangles(*dagger)
+        assert tool.n_chain == 2
+        assert tool.edge_normal[0] @ tool.edge_normal[1] > 0.99
+        side = np.sign(tool.triangle_normals @ tool.edge_normal[0])
+        np.testing.assert_array_equal(tool.flank, np.where(abs(side) > 0.5, side, 0.0))
+
+    def test_point_runs_from_the_first_vertex_to_the_second(self):
+        tool = Tool.from_triangles(*wedge())
+        np.testing.assert_allclose(tool.point(0, 0.25), [0.0, 0.0, 0.5], atol=1e-15)
+        with pytest.raises(ValueError, match=r"edge must be in \[0, 1\), got 1"):
+            tool.point(1, 0.5)
+        with pytest.raises(ValueError, match=r"s must be in \[0, 1\], got 1.5"):
+            tool.point(0, 1.5)
+
+
+class TestFlanks:
+    def test_flank_stops_at_the_flank_angle(self):
+        # wedge of 8° on parallel flanks: the shoulder turns by 8°
+        y = 0.2
+        section = [(0.0, 0.0), (-y / np.tan(HALF_ANGLE), y), (-3.0, y), (-3.0, -y)]
+        section.append((-y / np.tan(HALF_ANGLE), -y))
+        wide = Tool.from_triangles(*prism(section), flank_angle_deg=9.0)
+        narrow = Tool.from_triangles(*prism(section), flank_angle_deg=7.0)
+        assert np.bincount(wide.flank + 1).tolist() == [4, 8, 4]
+        assert np.bincount(narrow.flank + 1).tolist() == [2, 12, 2]
+
+    def test_round_back_is_shared_by_the_nearer_edge_side(self):
+        angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 16)
+        section = np.concatenate([[(3.0, 0.0)], np.column_stack([np.cos(angle), np.sin(angle)])])
+        tool = Tool.from_triangles(*prism(section), edges=[(17, 0)])
+        centre = tool.vertices[tool.triangles].mean(axis=1)
+        beside = np.abs(tool.triangle_normals[:, 2]) < 0.5
+        clear = beside & (np.abs(centre[:, 1]) > 0.2)
+        np.testing.assert_array_equal(tool.flank[clear], np.sign(centre[clear, 1]))
+        assert (tool.flank[beside] != 0).all()
+        assert (tool.flank[~beside] == 0).all()
+
+
+class TestSurface:
+    def test_duplicate_vertices_of_an_stl_file_are_merged(self):
+        vertices, triangles = wedge()
+        soup = vertices[triangles].reshape(-1, 3)
+        soup += 1e-9 * np.random.default_rng(3).standard_normal(soup.shape)
+        tool = Tool.from_triangles(soup, np.arange(len(soup)).reshape(-1, 3))
+        assert (tool.n_vertex, tool.n_edge, tool.n_body) == (6, 1, 1)
+
+    def test_unused_vertices_go_and_edges_follow(self):
+        vertices, triangles = wedge()
+        tool = Tool.from_triangles(
+            np.concatenate([[[9.0, 9.0, 9.0]], vertices]), triangles + 1, edges=[(1, 4)]
+        )
+        assert tool.n_vertex == 6
+        assert tool.edges.tolist() == [[0, 3]]
+
+    def test_volume_and_box_by_body(self):
+        tool = Tool.from_triangles(*joined(wedge(), wedge(np.radians(6.0), at=(5.0, 0.0, 0.0))))
+        expected = 2.0 * np.tan([HALF_ANGLE, np.radians(6.0)])
+        np.testing.assert_allclose(tool.volume(), expected, rtol=1e-12)
+        assert tool.triangle_body.tolist() == [0] * 8 + [1] * 8
+        assert tool.edge_body.tolist() == [0, 1]
+        lower, upper = tool.bounding_box()
+        np.testing.assert_allclose(lower, [-1.0, -np.tan(HALF_ANGLE), 0.0])
+        np.testing.assert_allclose(upper, [5.0, np.tan(HALF_ANGLE), 2.0])
+
+    def test_arrays_are_read_only_and_of_the_stated_types(self):
+        tool = straight_blade()
+        with pytest.raises(ValueError, match="read-only"):
+            tool.vertices[0, 0] = 1.0
+        for name in ("triangles", "triangle_body", "edges", "edge_body", "edge_chain"):
+            assert getattr(tool, name).dtype == np.int64
+        assert tool.flank.dtype == np.int8
+        assert tool.edge_flank_plus.dtype == tool.edge_flank_minus.dtype == np.int64
+        assert "straight blade" in repr(tool)
+
+    def test_caller_keeps_its_arrays(self):
+        vertices, triangles = wedge()
+        Tool.from_triangles(vertices, triangles)
+        vertices[0, 0] = 7.0
+
+
+class TestRefusals:
+    def test_shapes_and_types_together(self):
+        message = refusal(np.zeros((4, 2)), [[0.0, 1.0, 2.0]], edges=[1, 2])
+        assert "vertices must have shape (n_vertex, 3), got (4, 2)" in message
+        assert "triangles must hold integer vertex ids, got float64" in message
+        assert "edges must have shape (n_edge, 2) and at least one row, got (2,)" in message
+
+    def test_ids_out_of_range_and_non_finite(self):
+        vertices, triangles = wedge()
+        vertices[2, 1] = np.nan
+        message = refusal(vertices, triangles + 1)
+        assert "1 vertex not finite, first id 2" in message
+        assert "triangles must hold vertex ids in [0, 6), got 1 to 6" in message
+
+    def test_angles(self):
+        message = refusal(*wedge(), sharp_angle_deg=180.0, flank_angle_deg=0.0)
+        assert "sharp_angle_deg must be between 0 and 180, got 180.0" in message
+        assert "flank_angle_deg must be between 0 and 90, got 0.0" in message
+
+    def test_hole_says_how_many_and_where(self):
+        vertices, triangles = wedge()
+        message = refusal(vertices, triangles[:-1])
+        assert "3 open edges (the surface has a hole): (0, 0, 2) to " in message
+
+    def test_degenerate_triangle(self):
+        vertices, triangles = wedge()
+        flat = np.concatenate([vertices, [[0.0, 0.0, 1.0]]])
+        message = refusal(flat, np.concatenate([triangles, [(0, 3, 6)]]))
+        assert "1 degenerate triangle (no area), centred at (0, 0, 1)" in message
+
+    def test_non_manifold_edge(self):
+        vertices, triangles = wedge()
+        fin = np.concatenate([vertices, [[1.0, 0.0, 1.0]]])
+        message = refusal(fin, np.concatenate([triangles, [(0, 3, 6)]]))
+        assert (
+            "1 non-manifold edge (more than two triangles meet): (0, 0, 0) to (0, 0, 2)" in message
+        )
+
+    def test_non_manifold_vertex(self):
+        low, high = wedge(), wedge(at=(1.0, np.tan(HALF_ANGLE), 2.0))
+        message = refusal(*joined(low, high))
+        assert "1 non-manifold vertex" in message
+        assert "move them apart: (0, 0, 2)" in message
+
+    def test_inside_out_tooth_is_named_with_the_remedy(self):
+        (vertices, triangles), second = wedge(), wedge(at=(5.0, 0.0, 0.0))
+        message = refusal(*joined((vertices, triangles), (second[0], second[1][:, ::-1])))
+        assert "negative volume of tooth 1 (of 2)" in message
+        assert "vertices, triangles[:, ::-1] for the triangles of that tooth" in message
+        assert "give vertices, triangles[:, ::-1]" in refusal(vertices, triangles[:, ::-1])
+
+    def test_one_turned_triangle(self):
+        vertices, triangles = wedge()
+        triangles[0] = triangles[0, ::-1]
+        message = refusal(vertices, triangles)
+        assert "3 edges between triangles of opposite orientation" in message
+        assert "triangles[i, ::-1]" in message
+
+    def test_given_edges_that_are_not_there(self):
+        vertices, triangles = wedge()
+        vertices = np.concatenate([vertices, [[3.0, 0.0, 0.0]]])
+        message = refusal(vertices, triangles, edges=[(2, 4), (0, 3), (3, 0), (0, 6), (1, 3)])
+        assert "3 given cutting edges not an edge of the surface" in message
+        assert "with a vertex that no triangle uses" in message
+        assert "1 of the given cutting edges repeat" in message
+
+    def test_flat_given_edge(self):
+        vertices, triangles = wedge()
+        assert "1 given cutting edge flat or concave" in refusal(
+            vertices, triangles, edges=[(0, 4)]
+        )
+
+    def test_no_sharp_edge(self):
+        cube = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+        message = refusal(*cube)
+        assert "none turns by sharp_angle_deg = 100 or more, the sharpest turns by 90.0" in message
+        assert "lower sharp_angle_deg or give edges" in message
+
+    def test_all_problems_come_together(self):
+        (first, t), second = wedge(), wedge(at=(5.0, 0.0, 0.0))
+        message = refusal(*joined((first, t[:-1]), (second[0], second[1][:, ::-1])), edges=[(0, 9)])
+        assert message.startswith("the surface cannot be a tool:\n- ")
+        assert "3 open edges" in message
+        assert "negative volume of tooth 1" in message
+        assert "1 given cutting edge not an edge" in message

@@ -1,0 +1,183 @@
+"""The closest-point grid against brute force: all triangles, and the winding number."""
+
+import numpy as np
+import pytest
+
+from shellcut.tool_grid import ClosestTriangleGrid, closest_of_side, closest_on_triangle
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+
+def distances(points, tool):
+    """Distances (n_point, n_triangle) by projection on the plane, else on the three edges."""
+    a, b, c = (tool.vertices[tool.triangles[:, k]] for k in range(3))
+    p = points[:, None, :]
+    squared = np.full((len(points), tool.n_triangle), np.inf)
+    for u, v in ((a, b), (b, c), (c, a)):
+        along = v - u
+        s = np.clip(((p - u) * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
+        squared = np.minimum(squared, ((p - u - s[..., None] * along) ** 2).sum(-1))
+    normal = tool.triangle_normals
+    height = ((p - a) * normal).sum(-1)
+    foot = p - height[..., None] * normal
+    over = np.ones_like(squared, dtype=bool)
+    for u, v in ((a, b), (b, c), (c, a)):
+        over &= ((foot - u) * np.cross(normal, v - u)).sum(-1) >= 0.0
+    return np.where(over, np.abs(height), np.sqrt(squared))
+
+
+def winding_number(points, tool):
+    """1 inside, 0 outside: the solid angle of the surface over 4 pi (van Oosterom & Strackee)."""
+    a, b, c = (tool.vertices[tool.triangles[:, k]] - points[:, None, :] for k in range(3))
+    la, lb, lc = (np.linalg.norm(r, axis=-1) for r in (a, b, c))
+    volume = (a * np.cross(b, c)).sum(-1)
+    below = la * lb * lc
+    below += (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
+    return np.arctan2(volume, below).sum(axis=1) / (2.0 * np.pi)
+
+
+def random_points(tool, seed, n=500):
+    """Points all over the box and, at distances from 1e-6 to 0.1 mm, around the cutting edge."""
+    rng = np.random.default_rng(seed)
+    lower, upper = tool.bounding_box()
+    spread = rng.uniform(lower - 0.1, upper + 0.1, (n, 3))
+    edge = tool.edges[rng.integers(tool.n_edge, size=n)]
+    s = rng.uniform(0.0, 1.0, (n, 1))
+    s[: n // 5] = np.round(s[: n // 5])  # at the vertices of the edge and beyond the tip
+    on_edge = (1.0 - s) * tool.vertices[edge[:, 0]] + s * tool.vertices[edge[:, 1]]
+    direction = rng.standard_normal((n, 3))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    near = on_edge + 10.0 ** rng.uniform(-6.0, -1.0, (n, 1)) * direction
+    # inside, close to the edge: a thin wedge is hardly ever hit by chance
+    e = rng.integers(tool.n_edge, size=n)
+    on_edge = tool.vertices[tool.edges[e]].mean(axis=1)
+    behind = on_edge + 10.0 ** rng.uniform(-5.0, -0.5, (n, 1)) * tool.edge_back[e]
+    return np.concatenate([spread, near, behind])
+
+
+def assert_matches_brute_force(tool, grid, points):
+    table = distances(points, tool)
+    inside = winding_number(points, tool) > 0.5
+    needed = inside | (table.min(axis=1) <= grid.reach)
+    assert inside.sum() > 100
+    for side in (-1, 0, 1):
+        found, says_inside, triangle, closest = grid.query(points, side)
+        assert found[needed].all()
+        np.testing.assert_array_equal(says_inside, inside)
+        eligible = side * tool.flank >= 0
+        best = table[:, eligible].min(axis=1)[found]
+        assert eligible[triangle[found]].all()
+        gap = np.linalg.norm(points - closest, axis=1)[found]
+        np.testing.assert_allclose(gap, best, rtol=1e-9, atol=1e-13)
+        # the point lies on the triangle that is named
+        chosen = table[found, triangle[found]]
+        np.testing.assert_allclose(chosen, best, rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize("half_angle_deg", [3.0, 12.0, 30.0])
+@pytest.mark.parametrize("edge_angle_deg", [55.0, 90.0])
+def test_straight_blade_equals_brute_force(half_angle_deg, edge_angle_deg):
+    tool = straight_blade(
+        wedge_half_angle_deg=half_angle_deg,
+        edge_angle_deg=edge_angle_deg,
+        half_thickness=0.1,
+        length=2.5,
+        height=1.2,
+    )
+    grid = ClosestTriangleGrid.build(tool)
+    assert_matches_brute_force(tool, grid, random_points(tool, seed=11, n=1500))
+
+
+@pytest.mark.parametrize("half_angle_deg", [3.0, 12.0, 30.0])
+def test_teeth_equal_brute_force(half_angle_deg):
+    tool = tooth_ring(
+        n_teeth=2, radius=3.0, height=1.5, length=0.8, wedge_half_angle_deg=half_angle_deg, n_arc=8
+    )
+    grid = ClosestTriangleGrid.build(tool, cell_size=0.2)
+    assert_matches_brute_force(tool, grid, random_points(tool, seed=12, n=400))
+
+
+def test_any_cell_size_gives_the_same_answers():
+    tool = straight_blade(height=1.0, length=1.5)
+    points = random_points(tool, seed=13, n=1000)
+    fine = ClosestTriangleGrid.build(tool, cell_size=0.06)
+    coarse = ClosestTriangleGrid.build(tool, cell_size=0.5)
+    both = fine.query(points, 1)[0] & coarse.query(points, 1)[0]
+    _, inside_fine, _, closest_fine = fine.query(points[both], 1)
+    _, inside_coarse, _, closest_coarse = coarse.query(points[both], 1)
+    np.testing.assert_array_equal(inside_fine, inside_coarse)
+    np.testing.assert_allclose(closest_fine, closest_coarse, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("p", "closest", "feature"),
+    [
+        ((0.2, 0.2, 3.0), (0.2, 0.2, 0.0), 0),
+        ((-1.0, -1.0, 1.0), (0.0, 0.0, 0.0), 1),
+        ((3.0, -0.5, 1.0), (1.0, 0.0, 0.0), 2),
+        ((-0.5, 3.0, -1.0), (0.0, 1.0, 0.0), 3),
+        ((0.5, -2.0, 1.0), (0.5, 0.0, 0.0), 4),
+        ((1.0, 1.0, 0.0), (0.5, 0.5, 0.0), 5),
+        ((-2.0, 0.25, 1.0), (0.0, 0.25, 0.0), 6),
+    ],
+)
+def test_every_feature_of_a_triangle(p, closest, feature):
+    q, where = closest_on_triangle(p, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    assert q == pytest.approx(closest, abs=1e-15)
+    assert where == feature
+
+
+def test_side_decides_which_flank_is_closest():
+    tool = straight_blade(half_thickness=0.3, wedge_half_angle_deg=10.0)
+    grid = ClosestTriangleGrid.build(tool)
+    p = (-2.5, 0.1, 0.3)  # between the parallel flanks, nearer to plus
+    for side, y in ((1, 0.3), (-1, -0.3), (0, 0.3)):
+        found, triangle, feature, q = closest_of_side(p, side, *grid.arrays[:-1])
+        assert found
+        assert q == pytest.approx((-2.5, y, 0.3))
+        assert tool.flank[triangle] == np.sign(y)
+        assert feature in (0, 4, 5, 6)
+        _, inside, _, closest = grid.query(p, side)
+        assert inside[0]
+        np.testing.assert_allclose(closest[0], q)
+
+
+def test_far_points_are_not_found():
+    grid = ClosestTriangleGrid.build(straight_blade())
+    far = np.array([[50.0, 0.0, 0.0], [0.0, -9.0, 0.0], [0.0, 0.0, 1e300], [np.nan, 0.0, 0.0]])
+    found, inside, triangle, closest = grid.query(far)
+    assert not found.any()
+    assert not inside.any()
+    assert (triangle == 0).all()
+    np.testing.assert_array_equal(closest, far)
+
+
+def test_lists_are_sorted_and_arrays_read_only():
+    grid = ClosestTriangleGrid.build(straight_blade())
+    step = np.diff(grid.cell_distance)
+    new_cell = np.zeros(grid.cell_distance.size, dtype=bool)
+    new_cell[grid.cell_start[:-1][np.diff(grid.cell_start) > 0]] = True
+    assert (step >= 0.0)[~new_cell[1:]].all()
+    assert grid.cell_start.size == np.prod(grid.shape) + 1
+    with pytest.raises(ValueError, match="read-only"):
+        grid.cell_triangles[0] = 1
+    assert "cells of" in repr(grid)
+
+
+def test_number_of_cells_is_capped():
+    grid = ClosestTriangleGrid.build(straight_blade(), max_cells=500)
+    assert 250 < np.prod(grid.shape) <= 500
+
+
+def test_refusals():
+    tool = straight_blade()
+    with pytest.raises(ValueError, match=r"reach must be positive, got 0\.0 mm"):
+        ClosestTriangleGrid.build(tool, reach=0.0)
+    with pytest.raises(ValueError, match=r"cell_size must be positive, got -1\.0 mm"):
+        ClosestTriangleGrid.build(tool, cell_size=-1.0)
+    with pytest.raises(ValueError, match="max_cells must be at least 1, got 0"):
+        ClosestTriangleGrid.build(tool, max_cells=0)
+    grid = ClosestTriangleGrid.build(tool)
+    with pytest.raises(ValueError, match=r"points must have shape \(n_point, 3\), got \(1, 2\)"):
+        grid.query([0.0, 1.0])
+    with pytest.raises(ValueError, match=r"side must be -1, 0 or \+1, got 2"):
+        grid.query([0.0, 0.0, 0.0], side=2)
