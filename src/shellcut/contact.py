@@ -9,7 +9,7 @@ the mean reference area of the node's quads, and
 which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. The faces are
 frictionless: adhesion is in the joints of the cables.
 
-*Search.* Global: now and then the nodes in the tool's bounding box plus a margin are listed; the
+*Search.* Global: now and then the nodes in the bounding box of a tooth plus a margin are listed; the
 list lasts until tool and nodes together may have moved by the margin. Local: every step each listed
 node looks up the closest triangles of its cell in a grid fixed to the tool.
 
@@ -33,7 +33,7 @@ import numpy as np
 
 from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import cross, dot, load, store, sub
-from .cutting_edge import CuttingEdges, strip_coordinates, to_body, turn
+from .cutting_edge import CUT_DEPTH, CuttingEdges, strip_coordinates, to_body, turn
 from .state import State
 from .tool import Tool
 from .tool_grid import ClosestTriangleGrid, signed_distance
@@ -115,14 +115,15 @@ class PenaltyContact:
         self.smoothing_depth = contact.smoothing * thickness
         self._grid = ClosestTriangleGrid.build(tool)
         self._edges = CuttingEdges.of(tool)
+        corners = [tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)]
+        self._low = np.array([c.min(axis=(0, 1)) for c in corners]) - _MARGIN
+        self._high = np.array([c.max(axis=(0, 1)) for c in corners]) + _MARGIN
         low, high = tool.bounding_box()
-        self._low, self._high = low - _MARGIN, high + _MARGIN
-        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-        self._corners = corners
+        self._corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
         self._near = np.zeros(0, np.int64)
         self._revision = -1
         self._slack = 0.0
-        self._corner_positions = corners
+        self._corner_positions = self._corners
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -174,7 +175,9 @@ class PenaltyContact:
         if self._revision == state.revision and self._slack > 0.0:
             return
         body = (n.x[: n.count] - translation) @ rotation
-        inside = ((body > self._low) & (body < self._high)).all(axis=1)
+        inside = np.zeros(n.count, np.bool_)
+        for low, high in zip(self._low, self._high, strict=True):
+            inside |= ((body > low) & (body < high)).all(axis=1)
         near = np.flatnonzero(inside)
         left = np.setdiff1d(self._near, near)
         n.contact_side[left] = 0
@@ -226,8 +229,9 @@ def _side_of_quads(
     k_best = -1
     shallowest = np.inf
     for k in range(start.shape[0]):
-        _, _, depth, owns = strip_coordinates(here, k, start, vector, normal, back)
-        if owns and depth < shallowest:
+        _, lateral, depth, owns = strip_coordinates(here, k, start, vector, normal, back)
+        # The strip of the tooth across the ring reaches here too: it is lateral that tells.
+        if owns and depth < shallowest and abs(lateral) < CUT_DEPTH:
             shallowest = depth
             k_best = k
     if k_best < 0:

@@ -3,23 +3,25 @@
 All lengths in mm. Plane meshes lie in z = 0 with normals along +z.
 
 The disc is a butterfly: a core of n x n quads, a rounded square, and layers of 4 n quads around
-it. Its smallest edge sets the time step of a run, so the core's shape was chosen to make that edge
-as large as it gets. With u, v in [-1, 1] over the core and r the radius of the innermost circle,
+it. The core's shape was chosen for a long time step. With u, v in [-1, 1] over the core and r the
+radius of the innermost circle,
 
     x = w r u (1 + b1 v² + b2 u⁴ + b3 u² v² + b4 v⁴),    y likewise with u and v exchanged,
 
-and straight layers between core and circle. Over (w, b1 .. b4), the smallest edge was maximised
-with the scaled Jacobian held at 0.76 and above (differential evolution, then Nelder-Mead) for ten
-discs of 448 to 8,625 quads with 1 to 11 layers. The b hardly depend on the layers and are linear in
-1/n within a hundredth; w follows from layers as thick, at the middle of a side, as the smallest
-edge, which came to 0.877 to 0.889 of the mean spacing sqrt(area / quads).
+and straight layers between core and circle. Over w and b1 .. b4 the least step of a single plane
+stress quad (2 / omega of its stiffness on lumped masses) was maximised together for five discs of
+560 to 8,625 quads with 2 to 11 layers, holding, in units of the mean spacing s = sqrt(area /
+quads): smallest edge >= 0.825 s, largest about 1.55 s, scaled Jacobian >= 0.76. Result: a step of
+0.60 to 0.64 s / c with c = sqrt(E / density), smallest edge 0.825 to 0.86 s, Jacobian >= 0.816.
+The largest smallest edge alone (0.887 s) leaves slender, slanted quads in the core's corners and a
+step 11 % shorter; a smallest edge of 0.76 s would lengthen the step by 2 %.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import isfinite, pi, sqrt
+from math import ceil, isfinite, pi, sqrt
 from numbers import Integral, Real
 from typing import Literal
 
@@ -29,10 +31,10 @@ import numpy.typing as npt
 from ._jit import Floats, Ints
 from .mesh import Mesh, MeshError
 
-_CORE_SHAPE = ((-0.332, -0.25), (0.086, 0.61), (-0.154, -0.68), (0.167, 0.76))
+_CORE_SHAPE = ((-0.396, 0.20), (0.101, 0.57), (-0.146, -0.21), (0.226, 0.01))
 """b1 .. b4 above: value for a fine core, slope over 1/n_side."""
-_COARSEST_STUDIED = 16  # n_side; the slopes are not used below it
-_SMALLEST_EDGE = 0.887  # smallest edge over mean spacing that a disc of this shape attains
+_COARSEST_STUDIED = 18  # n_side; the slopes are not used below it
+_LAYER_THICKNESS = 0.927  # of a free layer at the middle of a core's side, over the mean spacing
 
 OpeningName = Literal["quick", "M1", "M2"]
 
@@ -123,17 +125,17 @@ def disc(
 
     Notes
     -----
-    The smallest edge inside the innermost ring is about 0.88 of the mean spacing there and the
-    least scaled Jacobian 0.75 or more (see the module's notes). Measured, in mm:
+    Inside the innermost ring the smallest edge is about 0.83 of the mean spacing (see the module's
+    notes). Measured, lengths in mm:
 
-    =============================  ======  =============  ==============
-    disc                           quads   smallest edge  least Jacobian
-    =============================  ======  =============  ==============
-    radius 10.2, 34 x 34, 11       2,652   0.306          0.756
-    ``opening_disc("quick")``      612     0.624          0.755
-    ``opening_disc("M1")``         2,660   0.296          0.756
-    ``opening_disc("M2")``         8,625   0.169          0.754
-    =============================  ======  =============  ==============
+    =============================  ======  =============  ============  ==============
+    disc                           quads   smallest edge  largest edge  least Jacobian
+    =============================  ======  =============  ============  ==============
+    radius 10.2, 34 x 34, 11       2,652   0.290          0.531         0.826
+    ``opening_disc("quick")``      612     0.581          1.096         0.816
+    ``opening_disc("M1")``         2,660   0.276          0.522         0.827
+    ``opening_disc("M2")``         8,625   0.164          0.300         0.833
+    =============================  ======  =============  ============  ==============
 
     More layers than a third of n_side make flat quads at the rim: the core shrinks until its edges
     are as short as the layers are thick.
@@ -148,7 +150,7 @@ def disc(
     _check_whole(n_side=n_side)
     rings = _check_rings(radius, ring_radii)
     n_exact = len(rings) - 1
-    n_free = max(1, round(n_side * (1.0 / pi - 0.25)))  # chord of the ring = mean spacing inside
+    n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
     if n_layer is not None:
         _check_whole(n_layer=n_layer)
         n_free = n_layer - n_exact
@@ -275,10 +277,10 @@ def cylinder(
 
 
 def _core_shape(n_side: int, n_free: int) -> tuple[float, float, float, float, float]:
-    # w, b1 .. b4 for a circle of radius 1
+    # w, b1 .. b4 for a circle of radius 1; the core's half width is w (1 + b2)
     b1, b2, b3, b4 = (b + slope / max(n_side, _COARSEST_STUDIED) for b, slope in _CORE_SHAPE)
     spacing = sqrt(pi / (n_side**2 + 4 * n_side * n_free))
-    w = (1.0 - n_free * _SMALLEST_EDGE * spacing) / (1.0 + b2)
+    w = (1.0 - n_free * _LAYER_THICKNESS * spacing) / (1.0 + b2)
     # many layers on a small core are flat and wide: as thick as the core's edges, 2 w / n_side
     thin = 1.0 / (1.0 + 2.0 * n_free / n_side)
     return (w if 3 * n_free < n_side else thin), b1, b2, b3, b4

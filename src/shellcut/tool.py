@@ -206,7 +206,7 @@ class Tool:
             triangles=surface.triangles,
             triangle_normals=surface.normals,
             triangle_body=surface.body,
-            flank=surface.flanks(plus, minus, segments, radians(flank_angle_deg)),
+            flank=surface.flanks(plus, minus, radians(flank_angle_deg)),
             edges=segments,
             edge_body=surface.body[plus],
             edge_chain=chain,
@@ -417,9 +417,9 @@ class _Surface:
         along = _unit(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
         return normal, _unit(np.cross(normal, along))
 
-    def flanks(self, plus: Ints, minus: Ints, segments: Ints, largest_turn: float) -> SmallInts:
+    def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
+        # a way across a cutting edge passes a seed of the other side first: no need to bar it
         smooth = self.manifold & (np.abs(self.turn) < largest_turn)
-        smooth[self._rows(segments)[0]] = False
         a, b = self.forward[smooth], self.backward[smooth]
         centre = self.vertices[self.triangles].mean(axis=1)
         way = np.linalg.norm(centre[a] - centre[b], axis=1)

@@ -37,8 +37,7 @@ def pretty(unit: str) -> str:
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Return a number with one decimal and its unit."""
-    if unit in ("-", ""):
-        return f"{value:.3g}"
+    """Return a number of four figures and its unit."""
+    number = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}"
     gap = "" if unit == "deg" else " "
-    return f"{value:.1f}{gap}{pretty(unit)}"
+    return number if unit in ("-", "") else f"{number}{gap}{pretty(unit)}"

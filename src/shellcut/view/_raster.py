@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..frame import Floats, Ints
+from shellcut.frame import Floats, Ints
 
 # Pixels tried at once; keeps the temporaries within the cache and some 10 MB.
 _BATCH = 1_000_000

@@ -1,2 +1,211 @@
-def draw_torque(): ...
-def draw_energy(): ...
+"""The curves of a run: reaction on the tool, and where its work went."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._figure import new_figure, pretty, save
+
+_TOTAL_COLOR = "#b2182b"
+_JOINTS_COLOR = "#ef8a62"
+_CONTACT_COLOR = "#2166ac"
+_TOOTH_COLOR = "0.7"
+_SECOND_COLOR = "0.25"
+# Told apart also by people who see no red or green (Okabe and Ito), calm enough for areas.
+_AREA_COLORS = (
+    "#e69f00",
+    "#56b4e9",
+    "#009e73",
+    "#f0e442",
+    "#0072b2",
+    "#d55e00",
+    "#cc79a7",
+    "#999999",
+    "#8c6d31",
+    "#5e3c99",
+)
+# A share may dip this far below zero, relative to the largest, and still be drawn as an area:
+# round-off and the half step between work and energy do that.
+_NEGATIVE_SHARE = 0.01
+
+
+def draw_torque(
+    path: str | os.PathLike[str],
+    coordinate: npt.ArrayLike,
+    total: npt.ArrayLike,
+    *,
+    contact: npt.ArrayLike | None = None,
+    joints: npt.ArrayLike | None = None,
+    teeth: npt.ArrayLike | None = None,
+    second: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    second_label: str = "classical cables",
+    levels: Mapping[str, float] | None = None,
+    coordinate_name: str = "angle",
+    coordinate_unit: str = "deg",
+    name: str = "torque",
+    unit: str = "N*mm",
+    title: str | None = None,
+    size: tuple[float, float] = (9.0, 5.4),
+    dpi: float = 110.0,
+) -> None:
+    """Draw the tool's torque (or force) over its way, whole and in parts.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+    coordinate : array_like, shape (n,)
+        The tool's angle or way, in ``coordinate_unit``.
+    total, contact, joints : array_like, shape (n,)
+        Torque on the tool, and its parts from the contact of the faces and from the cables
+        jointed to the edges, in ``unit``.
+    teeth : array_like, shape (n, n_tooth), optional
+        The total of each tooth, drawn faintly, in ``unit``.
+    second : (array_like, array_like), optional
+        Coordinate and total of another run, e.g. the same with classical cables.
+    second_label : str
+        What the other run is.
+    levels : mapping of str to float, optional
+        Horizontal lines to compare with, by label, in ``unit``.
+    coordinate_name, coordinate_unit, name, unit : str
+        What the axes show.
+    title, size, dpi
+        Of the figure; the size in inches.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If the columns differ in length.
+    """
+    x = np.asarray(coordinate, dtype=float)
+    figure = new_figure(size, dpi)
+    axes = figure.add_axes((0.09, 0.12, 0.88, 0.80))
+    if teeth is not None:
+        each = _column("teeth", teeth, x)
+        if each.ndim != 2:
+            raise ValueError(f"teeth must have shape (n, n_tooth), got {each.shape}")
+        for k in range(each.shape[1]):
+            label = f"each of {each.shape[1]} teeth" if k == 0 else None
+            axes.plot(x, each[:, k], color=_TOOTH_COLOR, lw=0.9, label=label)
+    if second is not None:
+        second_x = np.asarray(second[0], dtype=float)
+        second_total = _column("second", second[1], second_x)
+        axes.plot(second_x, second_total, color=_SECOND_COLOR, lw=1.6, ls="--", label=second_label)
+    if contact is not None:
+        y = _column("contact", contact, x)
+        axes.plot(x, y, color=_CONTACT_COLOR, lw=1.2, label="from contact")
+    if joints is not None:
+        y = _column("joints", joints, x)
+        axes.plot(x, y, color=_JOINTS_COLOR, lw=1.2, label="from cables at the edge")
+    axes.plot(x, _column("total", total, x), color=_TOTAL_COLOR, lw=2.2, label="total")
+    for k, (label, level) in enumerate((levels or {}).items()):
+        text = f"{label}: {level:.4g} {pretty(unit)}"
+        axes.axhline(level, color="black", lw=1.0, ls=(":", "-.")[k % 2], label=text)
+    _dress(axes, f"{name} [{pretty(unit)}]")
+    axes.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
+    handles, labels = axes.get_legend_handles_labels()
+    first = labels.index("total")  # drawn over all others, named before them
+    order = [first, *(k for k in range(len(labels)) if k != first)]
+    axes.legend([handles[k] for k in order], [labels[k] for k in order], frameon=False)
+    if title is not None:
+        axes.set_title(title)
+    save(figure, path)
+
+
+def draw_energy(
+    path: str | os.PathLike[str],
+    coordinate: npt.ArrayLike,
+    work: npt.ArrayLike,
+    shares: Mapping[str, npt.ArrayLike],
+    imbalance: npt.ArrayLike,
+    *,
+    coordinate_name: str = "angle",
+    coordinate_unit: str = "deg",
+    unit: str = "N*mm",
+    title: str | None = None,
+    size: tuple[float, float] = (9.0, 6.6),
+    dpi: float = 110.0,
+) -> None:
+    """Draw the energy ledger: the work put in, the shares it went to, and what is missing.
+
+    The shares are stacked, so that their upper rim meets the line of the work if the ledger
+    closes. If one of them is truly negative they are drawn as lines instead.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+    coordinate : array_like, shape (n,)
+        The tool's angle or way, in ``coordinate_unit``.
+    work : array_like, shape (n,)
+        Work of the tool and the loads, in ``unit``.
+    shares : mapping of str to array_like, shape (n,)
+        Where it went, in ``unit``; the first lies at the bottom of the stack.
+    imbalance : array_like, shape (n,)
+        What the ledger misses, relative to the work, [%].
+    coordinate_name, coordinate_unit, unit : str
+        What the axes show.
+    title, size, dpi
+        Of the figure; the size in inches.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If the columns differ in length.
+    """
+    x = np.asarray(coordinate, dtype=float)
+    columns = {name: _column(name, share, x) for name, share in shares.items()}
+    put_in = _column("work", work, x)
+    missing = _column("imbalance", imbalance, x)
+    figure = new_figure(size, dpi)
+    upper = figure.add_axes((0.10, 0.34, 0.87, 0.60))
+    lower = figure.add_axes((0.10, 0.09, 0.87, 0.20), sharex=upper)
+
+    largest = max((np.abs(y).max(initial=0.0) for y in columns.values()), default=0.0)
+    colors = [_AREA_COLORS[k % len(_AREA_COLORS)] for k in range(len(columns))]
+    if all((y >= -_NEGATIVE_SHARE * largest).all() for y in columns.values()):
+        if columns:
+            upper.stackplot(x, *columns.values(), labels=list(columns), colors=colors, alpha=0.85)
+    else:
+        for color, (label, y) in zip(colors, columns.items(), strict=True):
+            upper.plot(x, y, color=color, lw=1.8, label=label)
+    upper.plot(x, put_in, color="black", lw=1.8, ls="--", label="work put in")
+    _dress(upper, f"energy [{pretty(unit)}]")
+    upper.tick_params(labelbottom=False)
+    handles, labels = upper.get_legend_handles_labels()
+    upper.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False)
+    if title is not None:
+        upper.set_title(title)
+
+    lower.axhline(0.0, color="0.6", lw=0.8)
+    lower.plot(x, missing, color=_TOTAL_COLOR, lw=1.5)
+    _dress(lower, "imbalance [%]")
+    lower.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
+    save(figure, path)
+
+
+def _column(name: str, values: npt.ArrayLike, x: Any) -> Any:
+    array = np.asarray(values, dtype=float)
+    if array.shape[:1] != x.shape:
+        raise ValueError(
+            f"{name} must have as many rows as the coordinate, {len(x)}, got {array.shape}"
+        )
+    return array
+
+
+def _dress(axes: Any, label: str) -> None:
+    axes.set_ylabel(label)
+    axes.margins(x=0.0)
+    axes.grid(color="0.9", lw=0.8)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..frame import JOINTED, STRAIGHT, Floats, Frame, Ints
+from shellcut.frame import JOINTED, STRAIGHT, Floats, Frame, Ints
+
 from ._figure import new_figure, pretty, save, with_unit
 from ._raster import Camera, Canvas, shade, view_axes
 
@@ -56,7 +57,8 @@ def draw_snapshot(
         the right panel [deg]; it goes with the tooth. Bearing 0 looks straight at the edge, 90
         from the left of its way.
     close_width : float, optional
-        Width of the right panel [mm]; by default what shows the edge and its cables.
+        Width of the right panel [mm]; by default the edge and some room, the same all through a
+        run.
     tooth : int
         Which connected cutting edge the right panel follows, in the order of ``edge_points``.
     stress_limits : (float, float), optional
@@ -81,19 +83,21 @@ def draw_snapshot(
     colors, mappable = _stress_colors(frame, limits)
     figure.suptitle(_title(frame) if title is None else title, fontsize=15, y=0.975)
 
-    top, bottom = 0.92, 0.12
+    low, high = 0.12, 0.92
     if len(frame.edge_points):
-        boxes = [(0.01, bottom, 0.545, top - bottom), (0.565, bottom, 0.425, top - bottom)]
+        whole_box, close_box = (0.01, low, 0.545, high - low), (0.565, low, 0.425, high - low)
     else:
-        boxes = [(0.01, bottom, 0.98, top - bottom)]
-    for k, box in enumerate(boxes):
-        shape = round(box[3] * size[1] * dpi), round(box[2] * size[0] * dpi)
-        if k == 0:
-            camera = _whole_camera(frame, view, shape)
-        else:
-            toward = _direction(view)
-            camera = _close_camera(frame, tooth, close_view, toward, close_width, shape)
-        _show(figure.add_axes(box), _picture(frame, camera, colors), camera)
+        whole_box, close_box = (0.01, low, 0.98, high - low), None
+    camera = _whole_camera(frame, view, _pixels(whole_box, size, dpi))
+    whole = figure.add_axes(whole_box)
+    _show(whole, _picture(frame, camera, colors), camera)
+    if close_box is not None:
+        shape = _pixels(close_box, size, dpi)
+        close = _close_camera(frame, tooth, close_view, camera.axes[2], close_width, shape)
+        axes = figure.add_axes(close_box)
+        _show(axes, _picture(frame, close, colors), close)
+        axes.text(0.03, 0.955, f"tooth {tooth + 1}", transform=axes.transAxes, fontsize=12)
+        _mark(whole, camera, close)
     _add_color_bar(figure, mappable, limits, frame)
     _add_legend(figure, frame)
     save(figure, path)
@@ -144,6 +148,12 @@ def _picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
     return canvas.image(_OVERSAMPLING)
 
 
+def _pixels(
+    box: tuple[float, float, float, float], size: tuple[float, float], dpi: float
+) -> tuple[int, int]:
+    return round(box[3] * size[1] * dpi), round(box[2] * size[0] * dpi)
+
+
 def _direction(view: tuple[float, float]) -> Floats:
     elevation, azimuth = np.radians(view)
     return np.array(
@@ -190,7 +200,9 @@ def _close_camera(
     axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * normal, normal)
     length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
     if close_width is None:
-        close_width = max(1.3 * length, 8.0 * _edge_length(frame))
+        # Of what does not change in a run, so that the pictures of one run make a film.
+        whole = np.ptp(frame.reference, axis=0).max()
+        close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * _edge_length(frame))
     height, width = (_OVERSAMPLING * n for n in shape)
     # The way already cut is what there is to see: the edge stands off the middle, toward its front.
     centre = focus - 0.12 * close_width * forward
@@ -210,7 +222,7 @@ def _tooth_edge(frame: Frame, tooth: int) -> Floats:
     _, first = np.unique(label, return_index=True)
     if not 0 <= tooth < len(first):
         raise ValueError(f"tooth must be in 0..{len(first) - 1}, got {tooth}")
-    return frame.edge_points[label == label[np.sort(first)[tooth]]]
+    return np.asarray(frame.edge_points[label == label[np.sort(first)[tooth]]])
 
 
 def _membrane_normal(frame: Frame, focus: Floats) -> Floats:
@@ -253,7 +265,7 @@ def _creases(frame: Frame) -> Ints:
     edges, owner = edges[order], order // 3
     twice = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     turn = (normal[owner[twice]] * normal[owner[twice + 1]]).sum(axis=1)
-    return edges[twice[turn < np.cos(np.radians(20.0))]]
+    return np.asarray(edges[twice[turn < np.cos(np.radians(20.0))]])
 
 
 def _edge_length(frame: Frame) -> float:
@@ -291,6 +303,7 @@ def _title(frame: Frame) -> str:
 
 def _show(axes: Any, image: Floats, camera: Camera) -> None:
     axes.imshow(image.clip(0.0, 1.0), interpolation="none", aspect="equal")
+    axes.set_autoscale_on(False)
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():
@@ -304,6 +317,15 @@ def _show(axes: Any, image: Floats, camera: Camera) -> None:
     x, y = 0.04 * width, 0.955 * height
     axes.plot([x, x + length * scale], [y, y], color="black", lw=2.5, solid_capstyle="butt")
     axes.text(x + 0.5 * length * scale, y - 0.012 * height, f"{length:g} mm", ha="center")
+
+
+def _mark(axes: Any, whole: Camera, close: Camera) -> None:
+    # A circle in the picture of the whole around what the close picture shows.
+    from matplotlib.patches import Circle
+
+    x, y, _ = whole.project(close.centre) / _OVERSAMPLING
+    radius = 0.5 * close.shape[0] / close.scale * whole.scale / _OVERSAMPLING
+    axes.add_patch(Circle((x, y), radius, fill=False, ls="--", lw=1.2, ec="0.25"))
 
 
 def _add_color_bar(figure: Any, mappable: Any, limits: tuple[float, float], frame: Frame) -> None:

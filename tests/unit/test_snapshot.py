@@ -1,0 +1,227 @@
+"""The renderer's geometry, and that a snapshot shows what it promises."""
+
+import dataclasses
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from opening_frame import RADIUS, opening_frame
+
+from shellcut.frame import JOINTED, STRAIGHT, Frame
+from shellcut.view import draw_snapshot, snapshot
+from shellcut.view._figure import with_unit
+from shellcut.view._raster import Camera, Canvas, shade, view_axes
+
+RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+
+def pixels(path):
+    matplotlib_image = pytest.importorskip("matplotlib.image", reason="needs shellcut[plot]")
+    return matplotlib_image.imread(path)[..., :3]
+
+
+def near(image, color, tolerance=0.08):
+    return (np.abs(image - np.asarray(color)).max(axis=-1) < tolerance).sum()
+
+
+def membrane_only():
+    frame = opening_frame(0.0, n_side=6)
+    left_out = ("tool", "edge", "cable", "crack", "scalar")
+    names = [f.name for f in dataclasses.fields(Frame) if not f.name.startswith(left_out)]
+    return Frame(**{name: getattr(frame, name) for name in names})
+
+
+class TestCanvas:
+    def test_two_triangles_of_a_rectangle_fill_its_pixels_and_no_others(self):
+        box = np.array([[3.0, 2.0, 0], [13.0, 2.0, 0], [13.0, 9.0, 0], [3.0, 9.0, 0]])
+        canvas = Canvas((12, 16))
+        canvas.draw(np.stack((box[[0, 1, 2]], box[[0, 2, 3]])), RED)
+        filled = np.isfinite(canvas.depth).reshape(12, 16)
+        wanted = np.zeros((12, 16), bool)
+        wanted[2:9, 3:13] = True
+        np.testing.assert_array_equal(filled, wanted)
+
+    def test_triangles_that_cross_each_show_their_nearer_half(self):
+        def slab(slope):
+            corners = np.array([[0.0, 0, 0], [40, 0, 0], [40, 20, 0], [0, 20, 0]])
+            corners[:, 2] = slope * (corners[:, 0] - 20.0)
+            return np.stack((corners[[0, 1, 2]], corners[[0, 2, 3]]))
+
+        for order in ((1, -1), (-1, 1)):  # whichever is drawn first
+            canvas = Canvas((20, 40))
+            for slope in order:
+                canvas.draw(slab(slope), RED if slope == 1 else BLUE)
+            image = canvas.image(1)
+            assert (image[:, 20:] == RED).all()
+            assert (image[:, :20] == BLUE).all()
+
+    def test_depth_is_that_of_the_plane_for_any_size_and_orientation(self):
+        rng = np.random.default_rng(5)
+        corners = rng.uniform(0.0, 1.0, size=(40, 3, 3)) * [60.0, 50.0, 9.0]
+        canvas = Canvas((50, 60))
+        canvas.draw(corners, RED)
+        # slow twin: every pixel against every triangle
+        y, x = np.divmod(np.arange(50 * 60), 60)
+        wanted = np.full(50 * 60, -np.inf)
+        for triangle in corners:
+            matrix = np.vstack((triangle[:, :2].T, np.ones(3)))
+            weight = np.linalg.solve(matrix, np.stack((x + 0.5, y + 0.5, np.ones(len(x)))))
+            inside = (weight >= 0.0).all(axis=0)
+            wanted[inside] = np.maximum(wanted[inside], (triangle[:, 2] @ weight)[inside])
+        np.testing.assert_allclose(canvas.depth, wanted, rtol=0.0, atol=1e-9)
+
+    def test_a_layer_shows_only_in_front_unless_through(self):
+        sheet = np.array([[[0.0, 0, 0], [8, 0, 0], [0, 8, 0]]])
+        for offset, through, seen in ((1, False, 1), (-1, False, 0), (-1, True, 1)):
+            canvas, layer = Canvas((4, 4)), Canvas((4, 4))
+            canvas.draw(sheet, RED)
+            layer.draw(sheet + np.array([0, 0, offset]), BLUE)
+            canvas.blend(layer, 0.5, through=through)
+            np.testing.assert_allclose(canvas.color[0], 0.5 * (RED + BLUE) if seen else RED)
+
+    def test_lines_have_their_width(self):
+        canvas = Canvas((20, 40))
+        ends = np.array([[[5.0, 10.0, 0], [35, 10, 0]], [[20.0, 4, 0], [20, 4, 0]]])
+        canvas.draw_lines(ends, BLUE, 4.0)
+        drawn = np.isfinite(canvas.depth).reshape(20, 40)
+        assert drawn[:, 30].sum() == 4
+        assert drawn[2:6, 18:22].all()  # a segment without length is a dot
+
+    def test_nothing_to_draw(self):
+        canvas = Canvas((4, 4))
+        canvas.draw(np.zeros((0, 3, 3)), RED)
+        canvas.draw_lines(np.zeros((0, 2, 3)), RED, 2.0)
+        canvas.draw(np.full((1, 3, 3), 99.0), RED)  # outside, and without area
+        assert np.isinf(canvas.depth).all()
+
+
+@pytest.mark.parametrize("toward", [(1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (0.0, 0.0, -2.0)])
+def test_camera_axes_are_a_right_handed_frame(toward):
+    axes = view_axes(np.array(toward), np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) > 0.0
+    np.testing.assert_allclose(axes[2], toward / np.linalg.norm(toward))
+
+
+def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
+    axes = view_axes(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    camera = Camera(axes, np.array([1.0, 2.0, 3.0]), 10.0, (80, 100))
+    at = camera.project(np.array([[1.0, 2, 3], [2.0, 2, 3], [1.0, 2, 4], [1.0, 1, 3]]))
+    np.testing.assert_allclose(at, [[50, 40, 0], [60, 40, 0], [50, 30, 0], [50, 40, 10]])
+
+
+def test_shading_keeps_colours_within_bounds():
+    rng = np.random.default_rng(2)
+    shaded = shade(rng.normal(size=(30, 4, 3)), np.eye(3), np.ones(3))
+    assert shaded.min() >= 0.45 - 1e-12
+    assert shaded.max() <= 1.0 + 1e-12
+
+
+def test_numbers_in_the_title_have_units():
+    assert snapshot._title(opening_frame(45.0, n_side=6)) == (
+        "angle 45°      torque 143.6 N·mm      time 2.835 ms"
+    )
+    assert with_unit(6000.0, "mm/s") == "6000 mm/s"
+    assert with_unit(123456.0, "N") == "123,456 N"
+    assert with_unit(0.25, "-") == "0.25"
+
+
+@pytest.mark.parametrize("tooth", [0, 1, 2, 3])
+def test_the_close_camera_goes_with_the_tooth(tooth):
+    frame = opening_frame(30.0, n_side=20)
+    edge = snapshot._tooth_edge(frame, tooth)
+    np.testing.assert_array_equal(edge, frame.edge_points[12 * tooth : 12 * (tooth + 1)])
+    toward = np.array([0.0, 0.0, 1.0])
+    camera = snapshot._close_camera(frame, tooth, (0.0, 0.0), toward, None, (300, 400))
+    middle = edge.mean(axis=(0, 1))
+    # at elevation 0 and bearing 0 one looks back along the circle, with the membrane level
+    theta = np.arctan2(middle[1], middle[0])
+    along = np.array([-np.sin(theta), np.cos(theta), 0.0])
+    assert camera.axes[2] @ along > 0.95  # the wedge's front is taken at the edge, not at theta
+    np.testing.assert_allclose(camera.axes[1], [0.0, 0.0, 1.0], atol=1e-12)
+    # most cables of this tooth, and its edge, are in the picture
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - middle, axis=1) < 2.0
+    shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
+    at = camera.project(shown)[:, :2]
+    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
+
+
+def test_default_stress_limits_are_round_and_hold_nearly_all():
+    frame = opening_frame(30.0, n_side=10)
+    low, high = snapshot._stress_limits(frame)
+    assert low == 0.0
+    assert high in (15.0, 20.0)
+    assert (frame.quad_principal <= high).mean() > 0.99
+    squeezed = dataclasses.replace(frame, quad_principal=-frame.quad_principal)
+    assert snapshot._stress_limits(squeezed) == (0.0, 1.0)
+
+
+def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    path = tmp_path / "snap.png"
+    frame = opening_frame(45.0)
+    none = slice(0, 0)
+    uncut = dataclasses.replace(
+        frame,
+        cable_segments=frame.cable_segments[none],
+        cable_state=frame.cable_state[none],
+        cable_traction=frame.cable_traction[none],
+        tool_triangles=frame.tool_triangles[none],
+        crack_edges=frame.crack_edges[none],
+    )
+    counts = []
+    for shown in (frame, uncut):
+        draw_snapshot(path, shown, size=(10.0, 5.0), dpi=80)
+        image = pixels(path)
+        assert image.shape == (400, 800, 3)
+        right = image[50:350, 455:785]
+        orange, blue = snapshot._CABLE_COLORS[JOINTED], snapshot._CABLE_COLORS[STRAIGHT]
+        colors = (orange, blue, snapshot._EDGE_COLOR, snapshot._FLANK_COLOR)
+        counts.append([int(near(right, color, 0.15)) for color in colors])
+    drawn, missing = counts
+    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
+    assert drawn[0] > 200
+    assert drawn[1] > 10
+    assert min(drawn[2], missing[2]) > 40
+    assert drawn[3] > missing[3] + 80
+    assert missing[:2] == [0, 0]
+
+
+def test_a_membrane_alone_is_drawn_in_one_panel(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    path = tmp_path / "snap.png"
+    draw_snapshot(path, membrane_only(), size=(6.0, 4.0), dpi=60, view=(90.0, 0.0))
+    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
+
+
+def test_a_tooth_that_is_not_there_is_refused(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    with pytest.raises(ValueError, match=r"tooth must be in 0\.\.3, got 4"):
+        draw_snapshot(tmp_path / "snap.png", opening_frame(10.0, n_side=6), tooth=4, dpi=30)
+
+
+def test_8600_quads_are_drawn_within_two_seconds(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    frame = opening_frame(45.0, n_side=83)
+    assert len(frame.quads) > 8500
+    begin = time.process_time()
+    draw_snapshot(tmp_path / "snap.png", frame)
+    assert time.process_time() - begin < 2.0  # measured 0.9 s
+
+
+def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
+    script = (
+        "import sys; sys.modules['matplotlib'] = None\n"
+        "import shellcut.view\n"
+        "try:\n"
+        "    shellcut.view.draw_torque('x.png', [0, 1], [0, 1])\n"
+        "except ImportError as error:\n"
+        "    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
+    assert "pip install shellcut[plot]" in done.stdout
