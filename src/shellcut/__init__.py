@@ -1,1 +1,51 @@
-"""shellcut: a sharp rigid blade cuts a thin shell."""
+"""shellcut: a sharp rigid blade cuts a thin shell.
+
+Explicit dynamics of MITC4 shells with directional cohesive cables and penalty contact, after
+Frangi, Pagani, Perego and Borsari (CMES 57, 2010). Units throughout: mm, N, s, tonne, MPa.
+
+A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, supports, loads, a
+:class:`Tool` with a motion and a :class:`CohesiveLaw`, put into a :class:`Simulation` and run;
+:func:`opening_test` and :func:`guillotine` are ready models.
+"""
+
+from importlib.metadata import version
+
+from .cohesive_law import CohesiveLaw
+from .contact import Contact
+from .criterion import Fracture
+from .load import EdgeTraction, Gravity, NodalForce, Pressure
+from .material import ShellMaterial
+from .mesh import Mesh
+from .models import guillotine, opening_test
+from .motion import ScrewMotion, StraightMotion, TableMotion
+from .recorder import Recorder
+from .simulation import Simulation
+from .support import Support
+from .time_step import Stepping
+from .tool import Tool
+from .warmup import warmup
+
+__version__ = version("shellcut")
+
+__all__ = [
+    "CohesiveLaw",
+    "Contact",
+    "EdgeTraction",
+    "Fracture",
+    "Gravity",
+    "Mesh",
+    "NodalForce",
+    "Pressure",
+    "Recorder",
+    "ScrewMotion",
+    "ShellMaterial",
+    "Simulation",
+    "Stepping",
+    "StraightMotion",
+    "Support",
+    "TableMotion",
+    "Tool",
+    "guillotine",
+    "opening_test",
+    "warmup",
+]

@@ -206,6 +206,13 @@ class Simulation:
             for hook in hooks:
                 hook.close()
 
+    def close_ledger(self) -> Ledger:
+        """Bring the entries that are functions of the state up to t_n; return the ledger."""
+        book = self.ledger
+        book.cohesive_stored, book.cohesive_dissipated = self.cables.energies(self.state)
+        book.contact_stored = self.contact_forces.stored
+        return book
+
     def _serve(self, hooks: Sequence[Hook]) -> bool:
         going = True
         for hook in hooks:

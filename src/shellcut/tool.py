@@ -16,8 +16,8 @@ The 0.1 mm radius of a real edge is taken as sharp  # [Frangi2010] 5
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from math import degrees, radians
 
 import numpy as np
@@ -226,6 +226,13 @@ class Tool:
     def bounding_box(self) -> tuple[Floats, Floats]:
         """Return the least and greatest coordinates in the body frame, shape (3,) each, [mm]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    def translated(self, shift: Sequence[float] | Floats) -> Tool:
+        """Return the tool moved in its body frame by ``shift``, shape (3,), [mm]."""
+        move = np.asarray(shift, dtype=np.float64)
+        if move.shape != (3,) or not np.isfinite(move).all():
+            raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+        return replace(self, vertices=self.vertices + move)
 
     def point(self, edge: int, s: float) -> Floats:
         """Return the point of cutting segment ``edge`` at the part ``s`` in [0, 1] of its length.

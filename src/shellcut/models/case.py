@@ -1,0 +1,50 @@
+"""A case: a simulation and when it ends."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from ..recorder import Recorder
+from ..simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Case:
+    """A simulation that is ready to run.
+
+    Attributes
+    ----------
+    name : str
+        Stem of the result file and title of the pictures.
+    simulation : Simulation
+        At t = 0.
+    duration : float
+        End of the run [s].
+    """
+
+    name: str
+    simulation: Simulation
+    duration: float
+
+    def run(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        n_row: int = 1900,
+        n_frame: int = 100,
+        n_snapshot: int = 8,
+        progress: bool = True,
+    ) -> None:
+        """Run to the end and leave everything in ``folder``, see :class:`Recorder`."""
+        recorder = Recorder(
+            self.simulation,
+            folder,
+            until=self.duration,
+            name=self.name,
+            n_row=n_row,
+            n_frame=n_frame,
+            n_snapshot=n_snapshot,
+            progress=progress,
+        )
+        self.simulation.run(self.duration, [recorder])

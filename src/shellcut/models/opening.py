@@ -1,0 +1,93 @@
+"""The opening test of [Frangi2010] 5: a ring of teeth screws down through a clamped film.
+
+The paper draws its tool and motion without numbers; the defaults here fix them: four teeth at
+r = 9.4 mm, edge rising forward at eta = 60° to the sheet, wedge half-angle 12°, half thickness
+0.35 mm, length 1.5 mm, relief 30°, tip 0.02 mm above the sheet at the start; pitch 12 mm downwards,
+95° in 6 ms with a ramp over the first 3 %.
+
+A tooth that turns by dtheta also goes down by (p/2 pi) dtheta, which moves the place where its edge
+meets the sheet forward by (p/2 pi) cot eta dtheta: n teeth cut n (r + (p/2 pi) cot eta) per radian,
+so that in steady cutting the cables take
+
+    dW_coh/dtheta = n G h (r + (p/2 pi) cot eta).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..cohesive_law import CohesiveLaw
+from ..material import ShellMaterial
+from ..mesh import Mesh
+from ..meshing import OpeningName, opening_disc
+from ..motion import ScrewMotion
+from ..simulation import Simulation
+from ..support import Support
+from ..tool import Tool
+from ..tool_shapes import tooth_ring
+from .case import Case
+
+
+def opening_test(
+    mesh: OpeningName | Mesh = "M1",
+    *,
+    tool: Tool | None = None,
+    pitch: float = 12.0,
+    angle_deg: float = 95.0,
+    duration: float = 6.0e-3,
+    material: ShellMaterial | None = None,
+    law: CohesiveLaw | None = None,
+    **options: Any,
+) -> Case:
+    """Build the opening test.
+
+    Parameters
+    ----------
+    mesh : {"quick", "M1", "M2"} or Mesh
+        A disc of the package, or a film of one's own with a node set ``rim``.
+    tool : Tool, optional
+        The default is :func:`tooth_ring` with its defaults.
+    pitch : float
+        Advance of the screw a turn, downwards [mm].
+    angle_deg, duration : float
+        Angle [degrees] and time [s] of the whole motion.
+    material, law : ShellMaterial, CohesiveLaw, optional
+        The film of the paper by default.
+    **options
+        Of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``, ...
+
+    Returns
+    -------
+    Case
+    """
+    simulation = Simulation(
+        opening_disc(mesh) if isinstance(mesh, str) else mesh,
+        material or ShellMaterial.homogeneous(),
+        supports=[Support.clamped("rim")],
+        tool=tool or tooth_ring(),
+        motion=ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch),
+        law=law or CohesiveLaw(),
+        **options,
+    )
+    return Case("opening", simulation, duration)
+
+
+def steady_work_per_radian(
+    *,
+    n_teeth: int = 4,
+    radius: float = 9.4,
+    pitch: float = 12.0,
+    edge_inclination_deg: float = 60.0,
+    thickness: float = 0.074,
+    law: CohesiveLaw | None = None,
+) -> float:
+    """Return n G h (r + (p/2 pi) cot eta), the cables' work per radian of steady cutting [N·mm].
+
+    Examples
+    --------
+    >>> round(steady_work_per_radian(), 1)
+    135.2
+    """
+    lead = pitch / (2.0 * math.pi) / math.tan(math.radians(edge_inclination_deg))
+    return n_teeth * (law or CohesiveLaw()).fracture_energy * thickness * (radius + lead)

@@ -1,0 +1,342 @@
+"""Recorder: the hook that leaves a run in a folder, as it goes.
+
+``history.csv`` (a row at equal intervals of time), ``opening.vtkhdf`` or the like (one temporal
+file) and the pictures ``snapshot_*.png`` are written during the run, so that a killed run leaves
+what it had; ``summary.json``, ``torque.png`` and ``energy.png`` when it ends, however it ends.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ._jit import Floats
+from .capture import capture
+from .frame import Frame
+from .history import HistoryWriter, read_history
+from .hooks import Trigger
+from .progress import Progress
+from .resistance import Resistance
+from .simulation import Simulation
+from .vtkhdf import VtkHdfWriter
+
+# Fixed colour scale of the snapshots [MPa]: the strength of the paper's film.
+_STRESS_LIMITS = (0.0, 18.0)
+
+_ENERGIES = (
+    "tool_work",
+    "load_work",
+    "support_work",
+    "kinetic_translation",
+    "kinetic_rotation",
+    "strain",
+    "cohesive_work",
+    "cohesive_start_work",
+    "cohesive_stored",
+    "cohesive_dissipated",
+    "contact_work",
+    "contact_stored",
+    "damping_stiffness",
+    "damping_mass",
+)
+
+
+class Recorder:
+    """Write history, frames, snapshots and a summary of a run with a moving tool.
+
+    Parameters
+    ----------
+    sim : Simulation
+        The run; it must have a tool.
+    folder : path
+        Where to; made if need be. An earlier run's files in it are replaced.
+    until : float
+        End of the run [s], for the intervals and the progress.
+    name : str
+        Stem of the result file and title of the pictures.
+    n_row, n_frame, n_snapshot : int
+        How many rows, frames and pictures over the run.
+    progress : bool
+        Whether to show a progress bar on standard error.
+    """
+
+    def __init__(
+        self,
+        sim: Simulation,
+        folder: str | os.PathLike[str],
+        *,
+        until: float,
+        name: str,
+        n_row: int = 1900,
+        n_frame: int = 100,
+        n_snapshot: int = 8,
+        progress: bool = True,
+    ) -> None:
+        if sim.motion is None or sim.tool is None:
+            raise ValueError("a Recorder needs a simulation with a tool and its motion")
+        self.folder = Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for old in self.folder.glob("snapshot_*.png"):
+            old.unlink()
+        self.name = name
+        self.resistance = Resistance(sim.motion)
+        self._n_tooth = sim.tool.n_body
+        columns = [("time", "s"), (self.resistance.coordinate_name, self.resistance.coordinate_unit)]
+        for figure, unit in self.resistance.columns:
+            columns += [(figure, unit), (f"{figure}_contact", unit), (f"{figure}_joints", unit)]
+        first, unit = self.resistance.columns[0]
+        columns += [(f"{first}_tooth_{k + 1}", unit) for k in range(self._n_tooth)]
+        columns += [(e, "N*mm") for e in _ENERGIES]
+        columns += [("imbalance", "N*mm"), ("imbalance_rel", "-"), ("dt", "s")]
+        columns += [(f"cables_{c}", "-") for c in ("created", "jointed", "broken")]
+        columns += [("crack_length", "mm"), ("deepest_penetration", "mm")]
+        self._history = HistoryWriter(self.folder / "history.csv", columns)
+        self._result = VtkHdfWriter(self.folder / f"{name}.vtkhdf")
+        self._row_due = Trigger(until / n_row)
+        self._frame_due = Trigger(until / n_frame)
+        self._picture_due = Trigger(until / n_snapshot) if n_snapshot else None
+        self._n_picture = 0
+        self._until = until
+        self._last: Frame | None = None
+        self._can_draw = _matplotlib_is_there()
+        figures = {first: unit, "imbalance": "%"}
+        self._progress = (
+            Progress(
+                self.resistance.coordinate(until),
+                name,
+                self.resistance.coordinate_unit,
+                figure_units=figures,
+                position_name=self.resistance.coordinate_name,
+            )
+            if progress
+            else None
+        )
+        self._sim = sim
+        self._started = time.perf_counter()
+        self._drawing = 0.0
+        self._closed = False
+
+    def due(self, sim: Simulation) -> bool:
+        """Whether a row, a frame or a picture is due, or the progress wants to be shown."""
+        return sim.state.step % 10 == 0
+
+    def __call__(self, sim: Simulation) -> None:
+        """Write what is due."""
+        now = sim.state.time
+        if self._row_due(now):
+            self._history.append(self._row(sim))
+        frame_due = self._frame_due(now)
+        picture_due = self._picture_due is not None and self._picture_due(now)
+        if frame_due or picture_due:
+            frame = self._capture(sim)
+            if frame_due:
+                self._result.append(frame)
+            if picture_due:
+                self._draw(frame)
+            self._last = frame
+        if self._progress is not None:
+            first = self.resistance.columns[0][0]
+            book = sim.ledger
+            self._progress.update(
+                self.resistance.coordinate(now),
+                step=sim.state.step,
+                **{
+                    first: self.resistance.of(_total(sim).sum(axis=0), sim.translation)[0],
+                    "imbalance": 100.0 * book.relative(book.imbalance),
+                },
+            )
+
+    def close(self) -> None:
+        """Write summary and curves, close the files."""
+        if self._closed:
+            return
+        self._closed = True
+        wall = time.perf_counter() - self._started
+        if self._progress is not None:
+            self._progress.close()
+        if self._can_draw and self._picture_due is not None:
+            frame = self._capture(self._sim)
+            if self._last is None or frame.time > self._last.time:
+                self._draw(frame)
+        self._history.close()
+        self._result.close()
+        history, _ = read_history(self.folder / "history.csv")
+        summary = self.summary(history, wall)
+        (self.folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+        if self._can_draw and len(history["time"]) > 1:
+            self._draw_curves(history)
+
+    # ------------------------------------------------------------------ parts
+
+    def _row(self, sim: Simulation) -> dict[str, float]:
+        s, book, origin = sim.state, sim.ledger, sim.translation
+        contact, joints = sim.contact_forces.wrench, sim.cable_forces.wrench
+        r = self.resistance
+        row = {"time": s.time, r.coordinate_name: r.coordinate(s.time)}
+        of_contact = r.of(contact.sum(axis=0), origin)
+        of_joints = r.of(joints.sum(axis=0), origin)
+        for (figure, _), c, j in zip(r.columns, of_contact, of_joints, strict=True):
+            row |= {figure: c + j, f"{figure}_contact": c, f"{figure}_joints": j}
+        first = r.columns[0][0]
+        for k, wrench in enumerate(contact + joints):
+            row[f"{first}_tooth_{k + 1}"] = r.of(wrench, origin)[0]
+        sim.close_ledger()
+        row |= {e: getattr(book, e) for e in _ENERGIES}
+        row |= {
+            "imbalance": book.imbalance,
+            "imbalance_rel": book.relative(book.imbalance),
+            "dt": s.dt,
+            "cables_created": s.n_cable,
+            "cables_jointed": sim.n_joint_made,
+            "cables_broken": sim.n_cable_broken,
+            "crack_length": s.crack_length,
+            "deepest_penetration": sim.contact_forces.deepest,
+        }
+        return row
+
+    def _capture(self, sim: Simulation) -> Frame:
+        r = self.resistance
+        figures = r.of(_total(sim).sum(axis=0), sim.translation)
+        scalars = dict(zip((name for name, _ in r.columns), figures, strict=True))
+        return capture(
+            sim,
+            coordinate=r.coordinate(sim.state.time),
+            coordinate_name=r.coordinate_name,
+            coordinate_unit=r.coordinate_unit,
+            scalars=scalars | {"crack length": sim.state.crack_length},
+            scalar_units=dict(r.columns) | {"crack length": "mm"},
+        )
+
+    def _draw(self, frame: Frame) -> None:
+        if not self._can_draw:
+            return
+        from .view import draw_snapshot
+
+        began = time.perf_counter()
+        path = self.folder / f"snapshot_{self._n_picture:02d}.png"
+        draw_snapshot(path, frame, stress_limits=_STRESS_LIMITS)
+        self._n_picture += 1
+        self._drawing += time.perf_counter() - began
+
+    def summary(self, history: dict[str, Floats], wall: float) -> dict[str, float]:
+        """Return the figures of ``summary.json``; names carry the units."""
+        sim, r = self._sim, self.resistance
+        sim.close_ledger()
+        book, s = sim.ledger, sim.state
+        x = history[r.coordinate_name]
+        # The first tenth of the way is the start: next to no work has been done to compare with.
+        trusted = x >= 0.1 * r.coordinate(self._until)
+        work = np.abs(history["tool_work"][trusted])
+        kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
+
+        def largest_relative(energy: Floats) -> float:
+            share = np.abs(energy[trusted]) / np.maximum(work, np.finfo(float).tiny)
+            return float(share.max(initial=0.0))
+
+        stepping = wall - self._drawing
+        figures = {
+            "n_quad": sim.mesh.n_quad,
+            "n_step": s.step,
+            "dt_s": s.time / max(s.step, 1),
+            "wall_s": stepping,
+            "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
+            "pictures_s": self._drawing,
+            f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
+            "tool_work_Nmm": book.tool_work,
+            "kinetic_Nmm": book.kinetic,
+            "strain_Nmm": book.strain,
+            "cohesive_work_Nmm": book.cohesive_work,
+            "cohesive_dissipated_Nmm": book.cohesive_dissipated,
+            "cohesive_stored_Nmm": book.cohesive_stored,
+            "contact_Nmm": book.contact_work,
+            "damping_Nmm": book.damping,
+            "imbalance_rel": largest_relative(history["imbalance"]),
+            "kinetic_rel": largest_relative(kinetic),
+            "n_cable_created": s.n_cable,
+            "n_cable_jointed": sim.n_joint_made,
+            "n_cable_broken": sim.n_cable_broken,
+            "crack_length_mm": s.crack_length,
+            "added_inertia_factor": sim.shell.added_inertia_factor,
+        }
+        figures |= self._plateau(history)
+        return {k: (int(v) if k.startswith("n_") else float(v)) for k, v in figures.items()}
+
+    def _plateau(self, history: dict[str, Floats]) -> dict[str, float]:
+        """Return mean, peak and slopes of the resistance; of a screw over 30 to 70 degrees."""
+        r = self.resistance
+        x = history[r.coordinate_name]
+        first, unit = r.columns[0]
+        turns = r.coordinate_unit == "deg"
+        low, high = (30.0, 70.0) if turns else (0.4 * x[-1], x[-1])
+        window = (x >= low) & (x <= high)
+        if window.sum() < 3 or x[window][-1] <= x[window][0]:
+            return {}
+        way = x[window] / r.coordinate_scale
+        slope = np.polyfit(way, history["cohesive_work"][window], 1)[0]
+        name = unit.replace("*", "")
+        figures = {
+            f"{first}_plateau_{name}": _mean_over(way, history[first][window]),
+            f"{first}_peak_{name}": float(history[first].max()),
+            ("dWcoh_dtheta_Nmm" if turns else "dWcoh_ds_N"): float(slope),
+            ("dW_dtheta_Nmm" if turns else "dW_ds_N"): float(
+                np.polyfit(way, history["tool_work"][window], 1)[0]
+            ),
+        }
+        if turns:
+            figures["axial_force_plateau_N"] = _mean_over(way, history["axial_force"][window])
+        return figures
+
+    def _draw_curves(self, history: dict[str, Floats]) -> None:
+        from .view import draw_energy, draw_torque
+
+        r = self.resistance
+        first, unit = r.columns[0]
+        x = history[r.coordinate_name]
+        axis = {"coordinate_name": r.coordinate_name, "coordinate_unit": r.coordinate_unit}
+        teeth = np.stack([history[f"{first}_tooth_{k + 1}"] for k in range(self._n_tooth)], axis=1)
+        draw_torque(
+            self.folder / f"{first}.png",
+            x,
+            history[first],
+            contact=history[f"{first}_contact"],
+            joints=history[f"{first}_joints"],
+            teeth=teeth if self._n_tooth > 1 else None,
+            name=first,
+            unit=unit,
+            title=self.name,
+            **axis,
+        )
+        draw_energy(
+            self.folder / "energy.png",
+            x,
+            history["tool_work"] + history["load_work"] + history["support_work"],
+            {
+                "cables": history["cohesive_work"] + history["cohesive_start_work"],
+                "damping": history["damping_stiffness"] + history["damping_mass"],
+                "strain": history["strain"],
+                "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
+                "contact": history["contact_work"],
+            },
+            history["imbalance"],
+            title=self.name,
+            **axis,
+        )
+
+
+def _total(sim: Simulation) -> Floats:
+    """Return the wrench on every tooth, contact and joints together, shape (n_body, 6)."""
+    return np.asarray(sim.contact_forces.wrench + sim.cable_forces.wrench)
+
+
+def _mean_over(x: Floats, y: Floats) -> float:
+    """Return the mean of y over x, by the trapezoidal rule."""
+    return float(np.trapezoid(y, x) / (x[-1] - x[0]))
+
+
+def _matplotlib_is_there() -> bool:
+    return importlib.util.find_spec("matplotlib") is not None

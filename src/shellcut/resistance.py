@@ -1,0 +1,68 @@
+"""What the drive of the tool has to overcome: torque and axial force, or a cutting force.
+
+Signs: positive resists the motion, so that resistance x rate is the power that the tool puts in. On
+a screw of pitch p this is T dtheta + F p/(2 pi) dtheta.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._jit import Floats
+from .motion import Motion, ScrewMotion, StraightMotion
+
+
+class Resistance:
+    """Read the resistance from the wrench on the tool.
+
+    Attributes
+    ----------
+    columns : list of (name, unit)
+        Names and units of the figures; the first is the one to plot.
+    coordinate_name, coordinate_unit : str
+        What the figures are plotted over, in the unit shown to users.
+    coordinate_scale : float
+        From the motion's own coordinate to that unit.
+    """
+
+    def __init__(self, motion: Motion) -> None:
+        self._motion = motion
+        if isinstance(motion, ScrewMotion):
+            self.columns = [("torque", "N*mm"), ("axial_force", "N")]
+            axis = np.array(motion.axis, float)
+            self._axis = axis / np.linalg.norm(axis)
+            advance = -axis if motion.advance is None else np.array(motion.advance, float)
+            self._advance = advance / np.linalg.norm(advance)
+            self._point = np.array(motion.axis_point, float)
+        elif isinstance(motion, StraightMotion):
+            self.columns = [("force", "N")]
+            direction = np.array(motion.direction, float)
+            self._direction = direction / np.linalg.norm(direction)
+        else:
+            self.columns = [(f"force_{c}", "N") for c in "xyz"]
+            self.columns += [(f"moment_{c}", "N*mm") for c in "xyz"]
+        turns = motion.coordinate_unit == "rad"
+        self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
+        self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
+
+    def coordinate(self, time: float) -> float:
+        """Return the coordinate at a time in the unit shown to users."""
+        return self._motion.coordinate(time) * self.coordinate_scale
+
+    def of(self, wrench: Floats, origin: Floats) -> list[float]:
+        """Return the figures of one wrench.
+
+        Parameters
+        ----------
+        wrench : ndarray, shape (6,)
+            Force [N] and moment about ``origin`` [N·mm] on the tool.
+        origin : ndarray, shape (3,)
+            Where the moment is taken: the present place of the body's origin [mm].
+        """
+        force, moment = wrench[:3], wrench[3:]
+        if isinstance(self._motion, ScrewMotion):
+            about_axis = moment + np.cross(origin - self._point, force)
+            return [-float(self._axis @ about_axis), -float(self._advance @ force)]
+        if isinstance(self._motion, StraightMotion):
+            return [-float(self._direction @ force)]
+        return [-float(f) for f in wrench]
