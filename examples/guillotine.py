@@ -2,7 +2,7 @@
 
     python examples/guillotine.py --size 0.4 --out DIR
 
-leaves history.csv, summary.json, force.png, energy.png, snapshot_*.png and guillotine.vtkhdf in DIR.
+leaves history.csv, summary.json, force.png, energy.png, snapshot_*.png, guillotine.vtkhdf in DIR.
 """
 
 import argparse

@@ -21,8 +21,8 @@ literal form.
 **Joint.** Let a segment of the cutting edge run from a with unit vector e, and let b be the normal
 of the blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane
 where its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when
-c lies along the segment, 0 <= (c - a)·e <= L, and the edge has reached it, 0 <= (c - a)·k. This is a
-test of positions, not of motions: a cable born with the edge already past is caught at once. The
+c lies along the segment, 0 <= (c - a)·e <= L, and the edge has reached it, 0 <= (c - a)·k. This is
+a test of positions, not of motions: a cable born with the edge already past is caught at once. The
 joint sticks to its point of the edge (perfect adhesion), there is one joint a cable, and only the
 edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then on
 
@@ -51,6 +51,7 @@ SHORT_BRANCH = 1e-3
 
 START_OPENING = 0.05
 """ell_b, opening over which the equilibrium-start force fades [mm]."""
+
 
 @dataclass(frozen=True)
 class CableForces:

@@ -86,7 +86,9 @@ def _lamina_stress(sim: Simulation) -> tuple[Floats, Floats]:
     return np.stack([s11, s22, s12], axis=1), np.stack([mean + radius, mean - radius], axis=1)
 
 
-def _cable_segments(sim: Simulation) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.int8]], Floats]:
+def _cable_segments(
+    sim: Simulation,
+) -> tuple[Floats, np.ndarray[tuple[int, ...], np.dtype[np.int8]], Floats]:
     c, x = sim.state.cable, sim.state.node.x
     live = np.flatnonzero(c.status[: c.count] != BROKEN)
     bent = c.status[live] == JOINTED

@@ -154,7 +154,7 @@ def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
 
 @inline
 def traction(opening: float, opening_max: float, law: Floats) -> float:
-    """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far, this included."""
+    """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far."""
     if opening >= opening_max:
         return envelope(opening, law)
     peak = envelope(opening_max, law)

@@ -9,9 +9,9 @@ the mean reference area of the node's quads, and
 which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. The faces are
 frictionless: adhesion is in the joints of the cables.
 
-*Search.* Global: now and then the nodes in the bounding box of a tooth plus a margin are listed; the
-list lasts until tool and nodes together may have moved by the margin. Local: every step each listed
-node looks up the closest triangles of its cell in a grid fixed to the tool.
+*Search.* Global: now and then the nodes in the bounding box of a tooth plus a margin are listed;
+the list lasts until tool and nodes together may have moved by half the margin. Local: every step
+each listed node looks up the closest triangles of its cell in a grid fixed to the tool.
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
@@ -115,7 +115,9 @@ class PenaltyContact:
         self.smoothing_depth = contact.smoothing * thickness
         self._grid = ClosestTriangleGrid.build(tool)
         self._edges = CuttingEdges.of(tool)
-        corners = [tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)]
+        corners = [
+            tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
+        ]
         self._low = np.array([c.min(axis=(0, 1)) for c in corners]) - _MARGIN
         self._high = np.array([c.max(axis=(0, 1)) for c in corners]) + _MARGIN
         low, high = tool.bounding_box()
@@ -295,7 +297,11 @@ def _add_contact_forces(
         p = to_body(load(x, n), rotation, translation)
         found, inside, triangle, q = signed_distance(p, side[n], *grid)
         if not (found and inside):
-            if contact_force[n, 0] != 0.0 or contact_force[n, 1] != 0.0 or contact_force[n, 2] != 0.0:
+            if (
+                contact_force[n, 0] != 0.0
+                or contact_force[n, 1] != 0.0
+                or contact_force[n, 2] != 0.0
+            ):
                 work += 0.5 * dt * dot(load(contact_force, n), load(velocity, n))
                 store(contact_force, n, (0.0, 0.0, 0.0))
             side[n] = 0
@@ -304,8 +310,18 @@ def _add_contact_forces(
             continue
         if side[n] == 0:
             lies = _side_of_quads(
-                n, x, rotation, translation, start, vector, normal, back,
-                quads, quads_at, n_quad_at, contact_area,
+                n,
+                x,
+                rotation,
+                translation,
+                start,
+                vector,
+                normal,
+                back,
+                quads,
+                quads_at,
+                n_quad_at,
+                contact_area,
             )
             if lies == 0:
                 lies = flank[triangle]
@@ -328,8 +344,10 @@ def _add_contact_forces(
         f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
         old = load(contact_force, n)
         moved = load(velocity, n)
-        work += 0.5 * dt * (
-            (old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2]
+        work += (
+            0.5
+            * dt
+            * ((old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2])
         )
         store(contact_force, n, f)
         here = load(x, n)

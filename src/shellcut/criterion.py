@@ -16,13 +16,14 @@ Two criteria, each of which splits a node when its measure reaches 1:
     sigma_I / sigma_F with the recovered stress ([Frangi2010] 4). The edges chosen are the most
     nearly normal to the direction of sigma_I.
 
-Which nodes may split: the crack tips and the nodes pierced by a cutting edge (``candidates="tips"``)
-or any node ("all", the wording of [Frangi2010]). Supported nodes never split.
+Which nodes may split: the crack tips and the nodes that a cutting edge has pierced
+(``candidates="tips"``) or any node ("all", the wording of [Frangi2010]). Supported nodes never
+split.
 
-**The blade-cut rule** differs from [Frangi2010]: a node that the edge has pierced, and a tip that it
-has passed, split whatever the stress. Under a blade the sheet is held by the cables and the tip may
-stay below the strength while the blade runs on; the stress criterion alone then opens cracks on the
-rows on either side of it. The rule knows the blade's geometry and the nodes' positions only; it
+**The blade-cut rule** differs from [Frangi2010]: a node that the edge has pierced, and a tip that
+it has passed, split whatever the stress. Under a blade the sheet is held by the cables and the tip
+may stay below the strength while the blade runs on; the stress criterion alone then opens cracks on
+the rows on either side of it. The rule knows the blade's geometry and the nodes' positions only; it
 takes the edges nearest to the trace of the blade's mid-plane in the sheet.
 """
 
@@ -49,6 +50,7 @@ from .tool import Tool
 # tip belongs to the nearest row.
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
+
 
 @dataclass(frozen=True)
 class Fracture:
@@ -249,12 +251,18 @@ class SplitCriterion:
             options = self._admissible(state, n)
             if not options:
                 continue
-            option = min(options, key=lambda o: abs(float(_direction(state, n, o) @ pull)))  # noqa: B023
+            option = min(options, key=lambda o: abs(float(_direction(state, n, o) @ pull)))
             split = self._weigh(state, n, option, dt, blade=False)
             found.append(
                 Split(
-                    split.node, split.minus, split.plus, split.half_edges, split.m,
-                    float(stress.principal[i] / self._strength), split.force, False,
+                    split.node,
+                    split.minus,
+                    split.plus,
+                    split.half_edges,
+                    split.m,
+                    float(stress.principal[i] / self._strength),
+                    split.force,
+                    False,
                 )
             )
         return found
@@ -272,26 +280,27 @@ class SplitCriterion:
             rest = tuple(e for fan in fans[1:] for e in fan.quads)
             mine = {first.far[0], first.far[-1]}
             pairs = [p for p in cracks if mine & set(p)]
-            back = pairs[0]
-            ahead = pairs[1] if len(pairs) > 1 else ()
-            # Orient so that the first fan lies to the right of the way from back to ahead.
-            if pairs[0][0] == first.far[-1]:
-                back, ahead = (pairs[1] if len(pairs) > 1 else ()), pairs[0]
-            return [self._option(state, node, first.quads, rest, back, ahead, [])]
+            # The first fan lies to the right of the way from back to ahead.
+            ahead = next((p for p in pairs if p[0] == first.far[-1]), ())
+            behind = next((p for p in pairs if p[1] == first.far[0] and p != ahead), ())
+            return [self._option(state, node, first.quads, rest, behind, ahead, [])]
         far = first.far
         if first.closed:
             return [
                 self._option(
-                    state, node, first.quads[i:j], first.quads[j:] + first.quads[:i],
-                    (far[i],), (far[j],), [far[i], far[j]],
+                    state,
+                    node,
+                    first.quads[i:j],
+                    first.quads[j:] + first.quads[:i],
+                    (far[i],),
+                    (far[j],),
+                    [far[i], far[j]],
                 )
                 for i, j in combinations(range(len(far)), 2)
             ]
-        back = cracks[0] if cracks else ()
+        back: tuple[int, ...] = cracks[0] if cracks else ()
         return [
-            self._option(
-                state, node, first.quads[:j], first.quads[j:], back, (far[j],), [far[j]]
-            )
+            self._option(state, node, first.quads[:j], first.quads[j:], back, (far[j],), [far[j]])
             for j in range(1, len(first.quads))
         ]
 
@@ -324,9 +333,7 @@ class SplitCriterion:
         cos = float(arrive @ leave) / float(np.linalg.norm(arrive) * np.linalg.norm(leave))
         return cos >= self._cos_limit
 
-    def _weigh(
-        self, state: State, node: int, option: _Option, dt: float, *, blade: bool
-    ) -> Split:
+    def _weigh(self, state: State, node: int, option: _Option, dt: float, *, blade: bool) -> Split:
         e = _direction(state, node, option)
         m = np.cross(state.node.t[node], e)
         m /= np.linalg.norm(m)
@@ -474,9 +481,7 @@ def _cut_nodes(
         if supported[n] or (halved[n] and not tip[n]):
             continue
         p = to_body(load(x, n), rotation, translation)
-        if not (
-            low[0] < p[0] < high[0] and low[1] < p[1] < high[1] and low[2] < p[2] < high[2]
-        ):
+        if not (low[0] < p[0] < high[0] and low[1] < p[1] < high[1] and low[2] < p[2] < high[2]):
             continue
         reach = np.sqrt(4.0 * contact_area[n]) * (_PASSED_REACH if tip[n] else _PIERCED_REACH)
         shallowest = np.inf

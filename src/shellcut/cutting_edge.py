@@ -1,4 +1,4 @@
-"""Where a point of the sheet lies as seen from a cutting edge; shared by cables, contact, criterion.
+"""Where a point lies as seen from a cutting edge; shared by cables, contact and criterion.
 
 A segment of the cutting edge runs from a with unit vector e over the length L; b is the normal of
 the blade's mid-plane there (the plane that bisects the two faces) and k = the direction into the

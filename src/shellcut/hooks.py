@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 
-class StopRun(Exception):  # noqa: N818  (it is no error)
+class StopRun(Exception):
     """Raised by a hook that has seen enough."""
 
 

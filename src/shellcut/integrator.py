@@ -75,9 +75,7 @@ class CentralDifference:
     def drift(self, state: State, dt: float) -> None:
         """Take positions and directors from t_n to t_{n+1}."""
         n = state.node
-        _drift(
-            n_node=n.count, dt=dt, velocity=n.velocity_half, spin=n.spin_half, x=n.x, t=n.t
-        )
+        _drift(n_node=n.count, dt=dt, velocity=n.velocity_half, spin=n.spin_half, x=n.x, t=n.t)
 
 
 @kernel
@@ -98,7 +96,7 @@ def _kick(
     spin: Floats,
     reaction: Floats,
 ) -> tuple[float, float, float, float]:
-    """Advance velocity and spin : (n_node, 3) by dt; write reaction : (n_node, 6) where supported."""
+    """Advance velocity and spin : (n_node, 3) by dt; write reaction : (n_node, 6)."""
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     push = dt / (1.0 + 0.5 * alpha * dt)
     translation = 0.0

@@ -97,9 +97,7 @@ class LoadSet:
                 ids = choose_nodes(mesh, one.nodes)
                 self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
             elif isinstance(one, Pressure):
-                quads = (
-                    np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
-                )
+                quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
                     self._following.append((quads, float(one.value), one.factor))
                 else:
@@ -175,9 +173,7 @@ def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
 
 
 @kernel
-def _scatter_rows(
-    quads: Ints, which: Ints, rows: Floats, factor: float, force: Floats
-) -> None:
+def _scatter_rows(quads: Ints, which: Ints, rows: Floats, factor: float, force: Floats) -> None:
     """Add rows : (n, 4, 3) of the quads ``which`` to force : (n_node, 3)."""
     for i in range(which.shape[0]):
         for a in range(4):

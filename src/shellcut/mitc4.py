@@ -14,7 +14,7 @@ K_alphabeta        its slope in xi^3                           mm       [Frangi2
 =================  ==========================================  =======  =====================
 
 With x(xi, eta) bilinear, a_1 depends on eta alone and a_2 on xi alone, so that at the 2 x 2 Gauss
-points (+-g, +-g), g = 1/sqrt(3), the covariant strains of a quad are twenty numbers, not thirty-two:
+points (+-g, +-g), g = 1/sqrt(3), the covariant strains of a quad are twenty numbers, not 32:
 
 ====== ============================ ===========================================
 rows   strain                       taken at

@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from ._jit import Floats
 from .capture import capture
@@ -27,6 +28,10 @@ from .vtkhdf import VtkHdfWriter
 
 # Fixed colour scale of the snapshots [MPa]: the strength of the paper's film.
 _STRESS_LIMITS = (0.0, 18.0)
+
+# Imbalance and kinetic energy are compared with the tool's work from this angle on [degrees], or
+# after a tenth of a straight way.
+_TRUSTED_FROM_DEG = 10.0
 
 _ENERGIES = (
     "tool_work",
@@ -86,7 +91,10 @@ class Recorder:
         self.name = name
         self.resistance = Resistance(sim.motion)
         self._n_tooth = sim.tool.n_body
-        columns = [("time", "s"), (self.resistance.coordinate_name, self.resistance.coordinate_unit)]
+        columns = [
+            ("time", "s"),
+            (self.resistance.coordinate_name, self.resistance.coordinate_unit),
+        ]
         for figure, unit in self.resistance.columns:
             columns += [(figure, unit), (f"{figure}_contact", unit), (f"{figure}_joints", unit)]
         first, unit = self.resistance.columns[0]
@@ -229,8 +237,9 @@ class Recorder:
         sim.close_ledger()
         book, s = sim.ledger, sim.state
         x = history[r.coordinate_name]
-        # The first tenth of the way is the start: next to no work has been done to compare with.
-        trusted = x >= 0.1 * r.coordinate(self._until)
+        # At the start next to no work has been done to compare with.
+        turns = r.coordinate_unit == "deg"
+        trusted = x >= (_TRUSTED_FROM_DEG if turns else 0.1 * r.coordinate(self._until))
         work = np.abs(history["tool_work"][trusted])
         kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
 
@@ -297,7 +306,6 @@ class Recorder:
         r = self.resistance
         first, unit = r.columns[0]
         x = history[r.coordinate_name]
-        axis = {"coordinate_name": r.coordinate_name, "coordinate_unit": r.coordinate_unit}
         teeth = np.stack([history[f"{first}_tooth_{k + 1}"] for k in range(self._n_tooth)], axis=1)
         draw_torque(
             self.folder / f"{first}.png",
@@ -309,7 +317,8 @@ class Recorder:
             name=first,
             unit=unit,
             title=self.name,
-            **axis,
+            coordinate_name=r.coordinate_name,
+            coordinate_unit=r.coordinate_unit,
         )
         draw_energy(
             self.folder / "energy.png",
@@ -324,7 +333,8 @@ class Recorder:
             },
             history["imbalance"],
             title=self.name,
-            **axis,
+            coordinate_name=r.coordinate_name,
+            coordinate_unit=r.coordinate_unit,
         )
 
 
@@ -335,7 +345,7 @@ def _total(sim: Simulation) -> Floats:
 
 def _mean_over(x: Floats, y: Floats) -> float:
     """Return the mean of y over x, by the trapezoidal rule."""
-    return float(np.trapezoid(y, x) / (x[-1] - x[0]))
+    return float(trapezoid(y, x) / (x[-1] - x[0]))
 
 
 def _matplotlib_is_there() -> bool:

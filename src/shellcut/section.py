@@ -148,14 +148,14 @@ def cartesian_map(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
 
 def _covariant_stiffness(C: Floats, G1: Floats, G2: Floats, G3: Floats) -> Floats:
     Q, _ = cartesian_map(G1, G2, G3)
-    return np.einsum("eki,kl,elj->eij", Q, C, Q)
+    return np.asarray(np.einsum("eki,kl,elj->eij", Q, C, Q))
 
 
 def _compact(D: Floats, volume: Floats, z: float) -> Floats:
     upper = (np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2]))
     membrane = D[:, upper[0], upper[1]]
     shear = D[:, [3, 3, 4], [3, 4, 4]]
-    return volume[:, None] * np.concatenate([membrane, z * z * membrane, shear], axis=1)
+    return np.asarray(volume[:, None] * np.concatenate([membrane, z * z * membrane, shear], axis=1))
 
 
 def _spread(D: Floats, volume: Floats, z: float) -> Floats:
@@ -163,4 +163,4 @@ def _spread(D: Floats, volume: Floats, z: float) -> Floats:
     P[:3, :3] = np.eye(3)
     P[:3, 3:6] = z * np.eye(3)
     P[3:, 6:] = np.eye(2)
-    return volume[:, None, None] * np.einsum("ki,ekl,lj->eij", P, D, P)
+    return np.asarray(volume[:, None, None] * np.einsum("ki,ekl,lj->eij", P, D, P))

@@ -21,7 +21,7 @@ from .mesh import Mesh
 from .motion import Motion
 from .shell import MITC4Shell
 from .start_check import check_tool_outside
-from .state import State, initial_state
+from .state import initial_state
 from .support import Support, SupportSet
 from .time_step import StableStep, Stepping
 from .tool import Tool
@@ -126,6 +126,7 @@ class Simulation:
         self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
         self.n_joint_made = self.n_cable_broken = 0
         self._mass_damping = 0.0
+        self._dt = 0.0
         # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
         self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
         self._place_tool()
@@ -265,8 +266,8 @@ class Simulation:
         quad = int(np.argmax(bad))
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         raise UnstableStep(
-            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: quad "
-            f"{quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer finite; "
-            f"the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, or leave "
-            "Stepping.fixed unset"
+            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
+            f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer "
+            f"finite; the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, "
+            "or leave Stepping.fixed unset"
         )

@@ -39,13 +39,12 @@ def _some(ids: np.ndarray[tuple[int, ...], np.dtype[np.int64]], places: Floats) 
     return shown + more
 
 
-def _pierced_quads(
-    corners: Floats, tool: Tool
-) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+def _pierced_quads(corners: Floats, tool: Tool) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
     """Return the quads (corners in the body frame) that an edge of the tool's surface crosses."""
     pair = np.sort(
-        np.concatenate([tool.triangles[:, [0, 1]], tool.triangles[:, [1, 2]],
-                        tool.triangles[:, [2, 0]]]),
+        np.concatenate(
+            [tool.triangles[:, [0, 1]], tool.triangles[:, [1, 2]], tool.triangles[:, [2, 0]]]
+        ),
         axis=1,
     )
     pair = np.unique(pair, axis=0)

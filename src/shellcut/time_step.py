@@ -8,7 +8,8 @@ K being the tangent of the shells (pre-stress counted), K_c that of contact and 
 not damped. With omega_e² the largest eigenvalue of a quad's own stiffness on its share of the mass
 and omega_c² the largest K_c / m of its nodes, the sum over quads gives the sufficient condition
 
-    dt <= [-beta omega_e² + sqrt((beta omega_e²)² + 4 (omega_e² + omega_c²))] / (omega_e² + omega_c²)
+    dt <= [-beta omega_e² + sqrt((beta omega_e²)² + 4 omega²)] / omega²,
+    omega² = omega_e² + omega_c²,
 
 for the worst quad; without contact it is the known 2/omega (sqrt(1 + xi²) - xi), xi = beta omega/2.
 On squares the bound omega_e is some 12 % above the exact frequency of the assembly.

@@ -3,8 +3,8 @@
 The node keeps the quads on the minus side; its twin, a new row, takes those on the plus side.
 Position, director, velocity and spin are copied; mass and rotary inertia are the sums over each
 half's own quads, so that mass, momentum, angular momentum and kinetic energy stay as they were to
-round-off, and the strain energy exactly. A cable joins the halves. Cables that already held the node
-go, half-edge by half-edge, with the half that owns their flank.
+round-off, and the strain energy exactly. A cable joins the halves. Cables that already held the
+node go, half-edge by half-edge, with the half that owns their flank.
 """
 
 from __future__ import annotations
@@ -127,5 +127,3 @@ def _reattach(
         for extensive in (c.start_force, c.force, c.work, c.start_work):
             extensive[k] *= share
     c.ends[other, end] = twin
-
-

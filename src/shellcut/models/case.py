@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-from ..recorder import Recorder
-from ..simulation import Simulation
+from shellcut.recorder import Recorder
+from shellcut.simulation import Simulation
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """The guillotine: a straight blade cuts a clamped strip along its middle.
 
 Steady cutting takes the force F = G h whatever blade, speed or mesh: all work goes into the new
-crack, G h a millimetre. About 8 mm of cut pass before the plateau, because a cable breaks only after
-some 2 mm of drag; the force is a sawtooth with the node spacing, so it is averaged over whole
+crack, G h a millimetre. About 8 mm of cut pass before the plateau, because a cable breaks only
+after some 2 mm of drag; the force is a sawtooth with the node spacing, so it is averaged over whole
 periods. With classical cables, which the blade never meets, the flanks open by no more than the
 blade's width w and F = h ∫_0^w sigma dl.
 """
@@ -13,15 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from ..cohesive_law import CohesiveLaw
-from ..material import ShellMaterial
-from ..mesh import Mesh
-from ..meshing import rectangle
-from ..motion import StraightMotion
-from ..simulation import Simulation
-from ..support import Support
-from ..tool import Tool
-from ..tool_shapes import straight_blade
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.material import ShellMaterial
+from shellcut.mesh import Mesh
+from shellcut.meshing import rectangle
+from shellcut.motion import StraightMotion
+from shellcut.simulation import Simulation
+from shellcut.support import Support
+from shellcut.tool import Tool
+from shellcut.tool_shapes import straight_blade
+
 from .case import Case
 
 # Gap between the cutting edge and the film's end at the start [mm].

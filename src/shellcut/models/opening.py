@@ -17,15 +17,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..cohesive_law import CohesiveLaw
-from ..material import ShellMaterial
-from ..mesh import Mesh
-from ..meshing import OpeningName, opening_disc
-from ..motion import ScrewMotion
-from ..simulation import Simulation
-from ..support import Support
-from ..tool import Tool
-from ..tool_shapes import tooth_ring
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.material import ShellMaterial
+from shellcut.mesh import Mesh
+from shellcut.meshing import OpeningName, opening_disc
+from shellcut.motion import ScrewMotion
+from shellcut.simulation import Simulation
+from shellcut.support import Support
+from shellcut.tool import Tool
+from shellcut.tool_shapes import tooth_ring
+
 from .case import Case
 
 

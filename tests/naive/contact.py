@@ -1,0 +1,47 @@
+"""Contact force of one node by brute force over all triangles of the tool."""
+
+import numpy as np
+
+
+def closest_point(p, corners):
+    """Closest point of a triangle to p: its plane if the foot lies inside, else its edges."""
+    a, b, c = corners
+    normal = np.cross(b - a, c - a)
+    foot = p - ((p - a) @ normal) / (normal @ normal) * normal
+    if all(np.cross(v - u, foot - u) @ normal >= 0 for u, v in ((a, b), (b, c), (c, a))):
+        return foot
+    candidates = []
+    for u, v in ((a, b), (b, c), (c, a)):
+        s = np.clip((p - u) @ (v - u) / ((v - u) @ (v - u)), 0.0, 1.0)
+        candidates.append(u + s * (v - u))
+    return min(candidates, key=lambda q: np.linalg.norm(p - q))
+
+
+def winding_number(p, tool):
+    """1 inside, 0 outside: solid angle of the surface over 4 pi (van Oosterom & Strackee 1983)."""
+    total = 0.0
+    for triangle in tool.vertices[tool.triangles]:
+        a, b, c = triangle - p
+        la, lb, lc = np.linalg.norm(a), np.linalg.norm(b), np.linalg.norm(c)
+        below = la * lb * lc + (a @ b) * lc + (b @ c) * la + (c @ a) * lb
+        total += 2.0 * np.arctan2(a @ np.cross(b, c), below)
+    return total / (4.0 * np.pi)
+
+
+def smoothed(g, g_m):
+    """f(g) of [Frangi2010] 5.2."""
+    return (g / g_m) ** 3 * (3 * g_m - 2 * g) if g < g_m else g
+
+
+def node_force(x, tool, rotation, translation, side, area, penalty, g_m):
+    """Force [N] on a node at x, depth [mm], and the tooth that is hit (None outside)."""
+    p = rotation.T @ (x - translation)
+    if winding_number(p, tool) < 0.5:
+        return np.zeros(3), 0.0, None
+    allowed = [k for k in range(tool.n_triangle) if side * tool.flank[k] >= 0]
+    places = {k: closest_point(p, tool.vertices[tool.triangles[k]]) for k in allowed}
+    hit = min(allowed, key=lambda k: np.linalg.norm(p - places[k]))
+    normal = tool.triangle_normals[hit]
+    depth = (places[hit] - p) @ normal
+    force = penalty * area * smoothed(depth, g_m) * (rotation @ normal)
+    return force, depth, int(tool.triangle_body[hit])

@@ -1,0 +1,65 @@
+"""Materials: the plane-stress law, the thickness rule, and what is refused."""
+
+import numpy as np
+import pytest
+
+from shellcut.material import POINTS_PER_LAYER, Elastic, Layer, ShellMaterial
+
+FOIL, POLYMER = Elastic(70e3, 0.33, 2.7e-9), Elastic(200.0, 0.4, 0.92e-9)
+
+
+def test_plane_stress_inverts_hookes_law():
+    compliance = np.array([[1, -0.33, 0], [-0.33, 1, 0], [0, 0, 2 * 1.33]]) / 70e3
+    np.testing.assert_allclose(FOIL.plane_stress() @ compliance, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(FOIL.transverse_shear(), np.eye(2) * 70e3 / 2.66, rtol=1e-15)
+
+
+def test_defaults_are_the_film_of_the_paper():
+    film = ShellMaterial.homogeneous()
+    assert film.thickness == 0.074
+    assert film.shear_factor == 5 / 6
+    assert film.layers == (Layer(Elastic(1678.0, 0.3, 1.0e-9), 0.074),)
+
+
+def test_thickness_points_run_from_the_bottom_and_integrate_polynomials():
+    section = ShellMaterial([Layer(POLYMER, 0.04), Layer(FOIL, 0.009)])
+    z, w, materials = section.thickness_points()
+    assert materials == [POLYMER] * POINTS_PER_LAYER + [FOIL] * POINTS_PER_LAYER
+    assert (np.diff(z) > 0).all()
+    assert section.thickness == pytest.approx(0.049, rel=1e-15)
+    # Gauss points are exact to the degree 2 n - 1 = 7: round-off.
+    for degree in range(2 * POINTS_PER_LAYER):
+        low, high = np.array([-0.0245, 0.0155]), np.array([0.0155, 0.0245])
+        exact = ((high ** (degree + 1) - low ** (degree + 1)) / (degree + 1)).sum()
+        size = 0.0245 ** (degree + 1)
+        assert np.sum(w * z**degree) == pytest.approx(exact, abs=1e-14 * size)
+
+
+def test_symmetry_looks_at_material_and_thickness():
+    a, b = Layer(POLYMER, 0.03), Layer(FOIL, 0.01)
+    assert ShellMaterial([a]).is_symmetric
+    assert ShellMaterial([a, b, a]).is_symmetric
+    assert not ShellMaterial([a, b]).is_symmetric
+    assert not ShellMaterial([a, b, Layer(POLYMER, 0.02)]).is_symmetric
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Elastic(-1.0, 0.3, 1e-9), ["young", "MPa", "-1.0"]),
+        (lambda: Elastic(float("nan"), 0.3, 1e-9), ["young"]),
+        (lambda: Elastic(1.0, 0.5, 1e-9), ["poisson", "0.5"]),
+        (lambda: Elastic(1.0, -1.0, 1e-9), ["poisson"]),
+        (lambda: Elastic(1.0, 0.3, 0.0), ["density", "t/mm³"]),
+        (lambda: Elastic(1.0, 0.3, 0.92), ["density", "1 g/cm³ is 1e-9"]),
+        (lambda: Elastic(-1.0, 0.7, 0.0), ["young", "poisson", "density"]),
+        (lambda: Layer(FOIL, 0.0), ["thickness", "mm"]),
+        (lambda: ShellMaterial([]), ["at least one layer"]),
+        (lambda: ShellMaterial([Layer(FOIL, 0.1)], shear_factor=0.0), ["shear_factor"]),
+    ],
+)
+def test_refusals_name_the_field_and_list_all(make, words):
+    with pytest.raises(ValueError, match="must") as refusal:
+        make()
+    for word in words:
+        assert word in str(refusal.value)

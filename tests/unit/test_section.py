@@ -1,0 +1,194 @@
+"""Section stiffness: curved reference, volume factor, layers, the flat shortcut."""
+
+import numpy as np
+import pytest
+from naive import cases
+from naive import shell as naive
+
+from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.meshing import cylinder
+from shellcut.section import build_sections, cartesian_map, shape_functions
+
+SOFT, STIFF = Elastic(1000.0, 0.3, 1e-9), Elastic(70e3, 0.33, 2.7e-9)
+
+
+def naive_stiffness(X, T, q, material, n_point):
+    """H of one Gauss point from the stresses of unit strains, n_point points a layer."""
+    value, *by = naive.shape(*naive.GAUSS[q])
+    A, dT, T0 = [d @ X for d in by], [d @ T for d in by], value @ T
+    normal = T0 / np.linalg.norm(T0)
+    H = np.zeros((8, 8))
+
+    def tensor(v, contra, z):
+        E = np.zeros((3, 3))
+        for k, (i, j) in enumerate(((0, 0), (1, 1), (0, 1))):  # v[2] is 2 E_12
+            both = np.outer(contra[i], contra[j]) + np.outer(contra[j], contra[i])
+            E += 0.5 * (v[k] + z * v[3 + k]) * both
+        for k in range(2):
+            both = np.outer(contra[k], contra[2]) + np.outer(contra[2], contra[k])
+            E += 0.5 * v[6 + k] * both
+        return E
+
+    for z, weight, elastic in naive.thickness_rule(material, n_point):
+        G = np.array([A[0] + z * dT[0], A[1] + z * dT[1], T0])
+        contra, volume = np.linalg.inv(G.T), np.linalg.det(G)
+
+        strains = [tensor(unit, contra, z) for unit in np.eye(8)]
+        for i, E in enumerate(strains):
+            stress = naive.stress_of(E, normal, elastic, material.shear_factor)
+            for j, other in enumerate(strains):
+                H[i, j] += weight * volume * np.sum(stress * other)
+    return H
+
+
+@pytest.mark.parametrize("layers", [[(SOFT, 0.3)], [(SOFT, 0.2), (STIFF, 0.05), (SOFT, 0.05)]])
+def test_curved_reference_against_a_converged_quadrature(layers):
+    # Thickness / radius = 0.15, twice what a shell is for; four points a layer are converged to
+    # (h/R)^8 there, 1e-8 or better (measured 2e-10).
+    mesh = cases.curved(2, 1)
+    material = ShellMaterial([Layer(*pair) for pair in layers])
+    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
+    assert not section.flat.any()
+    for e, quad in enumerate(mesh.quads):
+        for q in range(4):
+            H = naive_stiffness(mesh.nodes[quad], mesh.directors[quad], q, material, 12)
+            scale = np.sqrt(np.outer(np.diag(H), np.diag(H)))
+            error = np.abs(section.h_full[section.row[e], q] - H) / scale
+            assert error.max() < 1e-8
+
+
+def test_curvature_couples_stretching_and_bending():
+    # A single layer on a curved reference: without the volume factor and G_alpha at its own
+    # height the coupling would vanish.
+    mesh = cases.curved(1, 1)
+    section = build_sections(
+        mesh.nodes, mesh.directors, mesh.quads, ShellMaterial([Layer(SOFT, 0.3)])
+    )
+    H = section.h_full[0, 0]
+    coupling = H[0, 3] / np.sqrt(H[0, 0] * H[3, 3])
+    # Of the size of h / R = 0.15 times a number of order one: a bound either way.
+    assert 0.03 < abs(coupling) < 0.3
+
+
+def test_volume_factor_gives_the_mass_of_a_layered_sector():
+    # Dense outside, light inside: without mu the mass would be that of the flat sheet, 9 % less.
+    inner, outer = Elastic(1000.0, 0.3, 1e-9), Elastic(1000.0, 0.3, 9e-9)
+    material = ShellMaterial([Layer(inner, 0.3), Layer(outer, 0.3)])
+    radius, length, arc = 1.0, 2.0, np.radians(90.0)
+    sector = 0.5 * arc * length
+    r = radius + np.array([-0.3, 0.0, 0.3])
+    exact = sector * (1e-9 * (r[1] ** 2 - r[0] ** 2) + 9e-9 * (r[2] ** 2 - r[1] ** 2))
+    error = []
+    for n in (4, 8, 16):
+        mesh = cylinder(radius, length, n_around=n, n_along=2, arc_deg=90.0)
+        section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
+        error.append(abs(section.mass.sum() / exact - 1.0))
+    order = np.log2(np.array(error[:-1]) / np.array(error[1:]))
+    # Discretisation: chords for arcs, second order, within the usual 0.15.
+    np.testing.assert_allclose(order, 2.0, atol=0.15)
+    assert error[-1] < 2e-3
+
+
+def test_mass_and_area_of_a_skewed_flat_sheet_are_exact():
+    mesh = cases.skewed_flat()
+    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
+    # Round-off: 2 x 2 points integrate a bilinear Jacobian exactly.
+    np.testing.assert_allclose(section.area, mesh.quad_areas(), rtol=1e-13)
+    np.testing.assert_allclose(section.mass.sum(axis=1), 1e-9 * 0.074 * section.area, rtol=1e-13)
+    x = mesh.nodes[mesh.quads]
+    for e in range(mesh.n_quad):
+        share = np.zeros(4)
+        for xi, eta in naive.GAUSS:
+            value, *by = naive.shape(xi, eta)
+            share += value * np.linalg.norm(np.cross(by[0] @ x[e], by[1] @ x[e]))
+        np.testing.assert_allclose(section.mass[e], 1e-9 * 0.074 * share, rtol=1e-13)
+
+
+def test_only_flat_quads_of_symmetric_layers_take_the_compact_form():
+    flat, bent = cases.skewed_flat(2, 1), cases.warped(2, 1)
+    lopsided = ShellMaterial([Layer(SOFT, 0.05), Layer(STIFF, 0.02)])
+    even = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)])
+
+    def shapes(mesh, material):
+        s = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
+        return s.flat.tolist(), s.h_flat.shape[0], s.h_full.shape[0], s.row.tolist()
+
+    assert shapes(flat, cases.FILM) == ([True] * 2, 2, 0, [0, 1])
+    assert shapes(flat, even) == ([True] * 2, 2, 0, [0, 1])
+    assert shapes(flat, lopsided) == ([False] * 2, 0, 2, [0, 1])
+    assert shapes(bent, cases.FILM) == ([False] * 2, 0, 2, [0, 1])
+
+
+def test_rows_of_a_sheet_that_is_partly_flat():
+    # The two forms are numbered apart; the row of each quad must be its own.
+    mesh = cases.skewed_flat(4, 1, seed=6)
+    nodes = mesh.nodes.copy()
+    nodes[[4, 9], 2] = 0.3  # the last column of nodes is lifted: quad 3 is bent, 2 has its directors
+    mesh = cases.moved_mesh(mesh, nodes)
+    s = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
+    assert s.flat.tolist() == [True, True, False, False]
+    assert s.row.tolist() == [0, 1, 0, 1]
+    for e in range(mesh.n_quad):
+        quad = mesh.quads[e : e + 1]
+        alone = build_sections(mesh.nodes, mesh.directors, quad, cases.FILM)
+        mine = s.h_flat[s.row[e]] if s.flat[e] else s.h_full[s.row[e]]
+        both = alone.h_flat if s.flat[e] else alone.h_full
+        np.testing.assert_array_equal(mine, both[0])
+
+
+def test_symmetric_layers_equal_one_layer_of_the_same_stiffness():
+    # All layers of one material: the thickness integral may not depend on how it is parted.
+    mesh = cases.curved(2, 1)
+    one = build_sections(mesh.nodes, mesh.directors, mesh.quads, ShellMaterial([Layer(SOFT, 0.09)]))
+    three = build_sections(
+        mesh.nodes,
+        mesh.directors,
+        mesh.quads,
+        ShellMaterial([Layer(SOFT, 0.02), Layer(SOFT, 0.05), Layer(SOFT, 0.02)]),
+    )
+    # Round-off and the quadrature's (h/R)^8 = 2e-11 / 2^8.
+    np.testing.assert_allclose(three.h_full, one.h_full, rtol=0, atol=1e-12 * one.h_full.max())
+
+
+def test_layered_stretching_and_bending_stiffness_on_a_unit_square():
+    # Square of side 2: G_alpha are unit vectors, so H holds the Cartesian stiffness itself.
+    X = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
+    T = np.tile([0.0, 0.0, 1.0], (4, 1))
+    quads = np.array([[0, 1, 2, 3]])
+    material = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)], 0.8)
+    H = build_sections(X, T, quads, material).h_flat[0]
+    soft, stiff = 1000.0 / (1 - 0.3**2), 70e3 / (1 - 0.33**2)
+    shear = 0.8 * (0.06 * 1000.0 / 2.6 + 0.01 * 70e3 / 2.66)
+    core = 2 / 3 * stiff * 0.005**3
+    for q in range(4):
+        assert H[q, 0] == pytest.approx(0.06 * soft + 0.01 * stiff, rel=1e-13)
+        assert H[q, 6] == pytest.approx(2 / 3 * soft * (0.035**3 - 0.005**3) + core, rel=1e-13)
+        assert H[q, 12] == pytest.approx(shear, rel=1e-13)
+        assert H[q, 13] == pytest.approx(0.0, abs=1e-13 * shear)
+
+
+def test_cartesian_map_turns_a_tensor():
+    rng = np.random.default_rng(3)
+    G = np.eye(3)[None] + rng.uniform(-0.4, 0.4, (5, 3, 3))  # rows G_1, G_2, G_3
+    Q, frame = cartesian_map(G[:, 0], G[:, 1], G[:, 2])
+    v = rng.uniform(-1, 1, 5)  # E_11, E_22, 2E_12, 2E_13, 2E_23
+    E = np.array([[v[0], v[2] / 2, v[3] / 2], [v[2] / 2, v[1], v[4] / 2], [v[3] / 2, v[4] / 2, 0]])
+    for e in range(5):
+        contra = np.linalg.inv(G[e].T)
+        space = contra.T @ E @ contra
+        e1, e2 = frame[e]
+        e3 = G[e, 2] / np.linalg.norm(G[e, 2])
+        # Right-handed, normal to the director, the first along G_2 x e_3.
+        np.testing.assert_allclose(np.cross(e1, e2), e3, atol=1e-15)
+        assert e1 @ np.cross(G[e, 1], e3) == pytest.approx(np.linalg.norm(np.cross(G[e, 1], e3)))
+        wanted = [
+            *(e1 @ space @ e1, e2 @ space @ e2, 2 * e1 @ space @ e2),
+            *(2 * e1 @ space @ e3, 2 * e2 @ space @ e3),
+        ]
+        # Round-off of the inverse of a matrix of condition below ten.
+        np.testing.assert_allclose(Q[e] @ v, wanted, rtol=0, atol=1e-13)
+
+
+def test_shape_functions_match_their_definition():
+    for place in ((0.3, -0.7), *naive.CORNERS):
+        np.testing.assert_allclose(shape_functions(*place), naive.shape(*place), atol=1e-16)
