@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._jit import Floats
+from .point_law import ELASTIC
 
 # Gauss points a layer when a section is integrated through the thickness. The integrand is a
 # rational function of xi^3 whose departure from a cubic is of order (thickness / radius)^4.
@@ -63,6 +64,20 @@ class Elastic:
             e / (1.0 - nu * nu)
         )
 
+    @property
+    def kind(self) -> int:
+        """Branch of :func:`shellcut.point_law.point_stress`."""
+        return ELASTIC
+
+    @property
+    def n_history(self) -> int:
+        """History numbers kept at a thickness point."""
+        return 0
+
+    def parameters(self) -> Floats:
+        """Return what the point law takes: the upper triangle of C, shape (6,) [MPa]."""
+        return np.asarray(self.plane_stress()[np.triu_indices(3)])
+
     def transverse_shear(self) -> Floats:
         """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
         return np.eye(2) * (0.5 * self.young / (1.0 + self.poisson))
@@ -90,6 +105,9 @@ class ShellMaterial:
         At least one.
     shear_factor : float
         Factor on the transverse shear stiffness, 5/6 by default.
+    points_per_layer : int, optional
+        Integrate by so many points (1 to 9) in each layer, as a material with history needs;
+        without it the section is integrated once, before the run.
 
     Notes
     -----
@@ -100,6 +118,7 @@ class ShellMaterial:
 
     layers: Sequence[Layer]
     shear_factor: float = 5.0 / 6.0
+    points_per_layer: int | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -108,6 +127,10 @@ class ShellMaterial:
             problems.append("layers must name at least one layer, got none")
         if not (math.isfinite(self.shear_factor) and self.shear_factor > 0):
             problems.append(f"shear_factor must be positive, got {self.shear_factor!r}")
+        if self.points_per_layer is not None and self.points_per_layer not in range(1, 10):
+            problems.append(
+                f"points_per_layer must be a count from 1 to 9, got {self.points_per_layer!r}"
+            )
         _refuse(problems)
 
     @classmethod
@@ -119,9 +142,11 @@ class ShellMaterial:
         density: float = 1.0e-9,
         thickness: float = 0.074,
         shear_factor: float = 5.0 / 6.0,
+        points_per_layer: int | None = None,
     ) -> ShellMaterial:
         """Build a single isotropic layer; the defaults are the film of [Frangi2010] 5.1."""
-        return cls([Layer(Elastic(young, poisson, density), thickness)], shear_factor)
+        layer = Layer(Elastic(young, poisson, density), thickness)
+        return cls([layer], shear_factor, points_per_layer)
 
     @property
     def thickness(self) -> float:
@@ -133,15 +158,17 @@ class ShellMaterial:
         """Whether the layers read the same from below and from above."""
         return tuple(self.layers) == tuple(reversed(self.layers))
 
-    def thickness_points(self) -> tuple[Floats, Floats, list[Elastic]]:
+    def thickness_points(
+        self, points_per_layer: int = POINTS_PER_LAYER
+    ) -> tuple[Floats, Floats, list[Elastic]]:
         """Return places xi^3 [mm], weights [mm] and materials of the thickness quadrature."""
-        place, weight = np.polynomial.legendre.leggauss(POINTS_PER_LAYER)
+        place, weight = np.polynomial.legendre.leggauss(points_per_layer)
         z, w, materials = [], [], []
         bottom = -0.5 * self.thickness
         for layer in self.layers:
             half = 0.5 * layer.thickness
             z.append(bottom + half * (1.0 + place))
             w.append(half * weight)
-            materials += [layer.material] * POINTS_PER_LAYER
+            materials += [layer.material] * points_per_layer
             bottom += layer.thickness
         return np.concatenate(z), np.concatenate(w), materials

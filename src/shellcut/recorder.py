@@ -1,16 +1,19 @@
 """Recorder: the hook that leaves a run in a folder, as it goes.
 
-``history.csv`` (a row at equal intervals of time), ``opening.vtkhdf`` or the like (one temporal
-file) and the pictures ``snapshot_*.png`` are written during the run, so that a killed run leaves
-what it had; ``summary.json``, ``torque.png`` and ``energy.png`` when it ends, however it ends.
+``history.csv`` (a row at equal intervals of time), ``NAME.vtkhdf`` (one temporal file) and the
+pictures ``snapshot_*.png`` are written during the run, so that a killed run leaves what it had;
+``summary.json``, ``splits.csv`` (time, place and force jump of every split), ``torque.png`` or
+``force.png`` and ``energy.png`` when it ends, however it ends.
 """
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import json
 import os
 import time
+from dataclasses import astuple
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +24,7 @@ from .capture import capture
 from .frame import Frame
 from .history import HistoryWriter, read_history
 from .hooks import Trigger
+from .piercing import ToolWires, unfelt_penetration
 from .progress import Progress
 from .resistance import Resistance
 from .simulation import Simulation
@@ -103,6 +107,7 @@ class Recorder:
         columns += [("imbalance", "N*mm"), ("imbalance_rel", "-"), ("dt", "s")]
         columns += [(f"cables_{c}", "-") for c in ("created", "jointed", "broken")]
         columns += [("crack_length", "mm"), ("deepest_penetration", "mm")]
+        columns += [("unfelt_penetration", "mm")]
         self._history = HistoryWriter(self.folder / "history.csv", columns)
         self._result = VtkHdfWriter(self.folder / f"{name}.vtkhdf")
         self._row_due = Trigger(until / n_row)
@@ -125,6 +130,8 @@ class Recorder:
             else None
         )
         self._sim = sim
+        self._wires = ToolWires(sim.tool)
+        self._unfelt, self._largest_unfelt = 0.0, 0.0
         self._started = time.perf_counter()
         self._drawing = 0.0
         self._closed = False
@@ -144,6 +151,10 @@ class Recorder:
             frame = self._capture(sim)
             if frame_due:
                 self._result.append(frame)
+                _, self._unfelt = unfelt_penetration(
+                    self._wires, sim.state, sim.rotation, sim.translation
+                )
+                self._largest_unfelt = max(self._largest_unfelt, self._unfelt)
             if picture_due:
                 self._draw(frame)
             self._last = frame
@@ -176,6 +187,7 @@ class Recorder:
         history, _ = read_history(self.folder / "history.csv")
         summary = self.summary(history, wall)
         (self.folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+        self._write_splits()
         if self._can_draw and len(history["time"]) > 1:
             self._draw_curves(history)
 
@@ -204,6 +216,7 @@ class Recorder:
             "cables_broken": sim.n_cable_broken,
             "crack_length": s.crack_length,
             "deepest_penetration": sim.contact_forces.deepest,
+            "unfelt_penetration": self._unfelt,
         }
         return row
 
@@ -270,10 +283,30 @@ class Recorder:
             "n_cable_jointed": sim.n_joint_made,
             "n_cable_broken": sim.n_cable_broken,
             "crack_length_mm": s.crack_length,
+            "n_recovery_borrowed": sim.criterion.n_borrowed if sim.criterion else 0,
+            "unfelt_penetration_mm": self._largest_unfelt,
+            "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
             "added_inertia_factor": sim.shell.added_inertia_factor,
         }
         figures |= self._plateau(history)
         return {k: (int(v) if k.startswith("n_") else float(v)) for k, v in figures.items()}
+
+    def _write_splits(self) -> None:
+        with (self.folder / "splits.csv").open("w", newline="") as file:
+            table = csv.writer(file)
+            places = [f"{name} [mm]" for name in ("x", "y", "z", "X", "Y", "Z")]
+            names = [
+                "time [s]",
+                "node [-]",
+                "twin [-]",
+                "kind [-]",
+                "measure [-]",
+                "force_jump [N]",
+            ]
+            table.writerow([*names, *places])
+            for split in self._sim.state.split_log:
+                row = astuple(split)
+                table.writerow([*row[:3], *row[5:], *split.place, *split.reference])
 
     def _plateau(self, history: dict[str, Floats]) -> dict[str, float]:
         """Return mean, peak and slopes of the resistance; of a screw over 30 to 70 degrees."""

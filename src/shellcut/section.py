@@ -18,6 +18,7 @@ apart into membrane, bending and shear: fifteen numbers instead of thirty-six.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,22 @@ def shape_functions(xi: float, eta: float) -> tuple[Floats, Floats, Floats]:
     """Return N_a and its derivatives by xi and eta, each of shape (4,), at one point."""
     n = 0.25 * (1.0 + xi * _XI) * (1.0 + eta * _ETA)
     return n, 0.25 * _XI * (1.0 + eta * _ETA), 0.25 * _ETA * (1.0 + xi * _XI)
+
+
+def gauss_geometry(X: Floats, T: Floats) -> Iterator[tuple[Floats, ...]]:
+    """Yield N_a, A_1, A_2, T, T_,1, T_,2 at the four Gauss points of quads.
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors.
+    """
+    g = 1.0 / np.sqrt(3.0)
+    for xi, eta in zip(g * _XI, g * _ETA, strict=True):
+        n, n1, n2 = shape_functions(xi, eta)
+        A1, A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
+        T0 = np.einsum("a,eai->ei", n, T)
+        yield n, A1, A2, T0, np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)
 
 
 @dataclass(frozen=True)
@@ -90,12 +107,7 @@ def build_sections(
     h_full = np.zeros((int((~flat).sum()), 4, 8, 8))
     mass = np.zeros((n_quad, 4))
     area = np.zeros(n_quad)
-    g = 1.0 / np.sqrt(3.0)
-    for q in range(4):
-        n, n1, n2 = shape_functions(g * _XI[q], g * _ETA[q])
-        A1, A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
-        T0 = np.einsum("a,eai->ei", n, T)
-        T1, T2 = np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)
+    for q, (n, A1, A2, T0, T1, T2) in enumerate(gauss_geometry(X, T)):
         area += np.linalg.norm(np.cross(A1, A2), axis=1)
         for z, weight, layer in zip(*material.thickness_points(), strict=True):
             G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)

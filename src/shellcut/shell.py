@@ -16,6 +16,7 @@ from .mesh import Mesh
 from .mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
 from .section import build_sections, cartesian_map, shape_functions
 from .state import State
+from .thickness_points import build_points, point_resultants
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
 # set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
@@ -43,6 +44,7 @@ class MITC4Shell:
         self.material = material
         self.damping_beta = damping_beta
         self.section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
+        self.points = build_points(mesh.nodes, mesh.directors, mesh.quads, material)
         rotary = np.maximum(material.thickness**2 / 12.0, self.section.area / _INERTIA_AREA)
         self.quad_inertia = self.section.mass * rotary[:, None]
         """Share of each node in the quad's rotary inertia [t·mm²], shape (n_quad, 4)."""
@@ -71,7 +73,9 @@ class MITC4Shell:
         )
 
     def initialise(self, state: State) -> None:
-        """Write mass, rotary inertia and contact area of all nodes."""
+        """Write mass, rotary inertia and contact area of all nodes; lay out the history."""
+        p = self.points
+        state.history = np.zeros((self.metric.shape[0], 4, p.n_point, p.n_history))
         for n in range(state.n_node):
             mass, inertia, area = self.node_inertia(state, n)
             state.node.mass[n], state.node.inertia[n] = mass, inertia
@@ -87,7 +91,7 @@ class MITC4Shell:
         damping_work : float
             Dissipated since t_{n-1} [N·mm].
         """
-        s, n = self.section, state.node
+        s, p, n = self.section, self.points, state.node
         rate = self.damping_beta / state.dt if state.dt > 0 else 0.0
         return _add_quad_forces(
             x=n.x,
@@ -98,6 +102,13 @@ class MITC4Shell:
             row=s.row,
             h_flat=s.h_flat,
             h_full=s.h_full,
+            cartesian=p.map,
+            weight=p.weight,
+            place=p.place,
+            kind=p.kind,
+            parameters=p.parameters,
+            shear=p.shear,
+            history=state.history,
             damping_rate=rate,
             strain=state.strain,
             strain_step=state.strain_step,
@@ -107,7 +118,7 @@ class MITC4Shell:
 
     def fan_force(self, state: State, node: int, fan: Ints, dt: float) -> Floats:
         """Return minus the internal and damping force of the quads ``fan`` on a node [N]."""
-        s = self.section
+        s, p = self.section, self.points
         force = np.zeros(3)
         _add_fan_force(
             node=node,
@@ -120,6 +131,13 @@ class MITC4Shell:
             row=s.row,
             h_flat=s.h_flat,
             h_full=s.h_full,
+            cartesian=p.map,
+            weight=p.weight,
+            place=p.place,
+            kind=p.kind,
+            parameters=p.parameters,
+            shear=p.shear,
+            history=state.history,
             damping_rate=self.damping_beta / dt if dt > 0 else 0.0,
             strain=state.strain,
             force=force,
@@ -270,6 +288,13 @@ def _add_quad_forces(
     row: Ints,
     h_flat: Floats,
     h_full: Floats,
+    cartesian: Floats,
+    weight: Floats,
+    place: Floats,
+    kind: Ints,
+    parameters: Floats,
+    shear: Floats,
+    history: Floats,
     damping_rate: float,
     strain: Floats,
     strain_step: Floats,
@@ -279,7 +304,9 @@ def _add_quad_forces(
     """Add minus dW/dx and dW/dt of every quad, with stiffness damping, to the nodal forces.
 
     x, t, force, director_force : (n_node, 3).  quads : (n_quad, 4).  metric : (n_quad, 20).
-    damping_rate : beta / dt.  Writes strain and strain_step : (n_quad, 20), reading the last ones.
+    cartesian .. shear : fields of PointTable, taken if it has points, with history : (n_quad, 4,
+    n_point, n_history).  damping_rate : beta / dt.  Writes history, strain and strain_step :
+    (n_quad, 20), reading the last ones.
     Returns strain energy and damping work [N·mm].
     """
     xe, te = np.empty((4, 3)), np.empty((4, 3))
@@ -295,9 +322,14 @@ def _add_quad_forces(
         for k in range(20):
             s[k] -= metric[e, k]
             ds[k] = s[k] - strain[e, k]
-        resultants(s, flat[e], h_flat, h_full, row[e], r)
-        for k in range(20):
-            energy += 0.5 * s[k] * r[k]
+        if place.shape[0] > 0:
+            energy += point_resultants(
+                s, e, cartesian, weight, place, kind, parameters, shear, history[e], history[e], r
+            )
+        else:
+            resultants(s, flat[e], h_flat, h_full, row[e], r)
+            for k in range(20):
+                energy += 0.5 * s[k] * r[k]
         if damping_rate > 0.0:
             resultants(ds, flat[e], h_flat, h_full, row[e], rd)
             work = 0.0
@@ -329,6 +361,13 @@ def _add_fan_force(
     row: Ints,
     h_flat: Floats,
     h_full: Floats,
+    cartesian: Floats,
+    weight: Floats,
+    place: Floats,
+    kind: Ints,
+    parameters: Floats,
+    shear: Floats,
+    history: Floats,
     damping_rate: float,
     strain: Floats,
     force: Floats,
@@ -337,6 +376,8 @@ def _add_fan_force(
     xe, te = np.empty((4, 3)), np.empty((4, 3))
     fx, ft = np.empty((4, 3)), np.empty((4, 3))
     s, r = np.empty(20), np.empty(20)
+    ds, rd = np.empty(20), np.empty(20)
+    trial = np.empty_like(history[0])
     for i in range(fan.shape[0]):
         e = fan[i]
         _gather(x, quads, e, xe)
@@ -344,8 +385,16 @@ def _add_fan_force(
         covariant_metric(xe, te, s)
         for k in range(20):
             s[k] -= metric[e, k]
-            s[k] += damping_rate * (s[k] - strain[e, k])
-        resultants(s, flat[e], h_flat, h_full, row[e], r)
+            ds[k] = damping_rate * (s[k] - strain[e, k])
+        resultants(ds, flat[e], h_flat, h_full, row[e], rd)
+        if place.shape[0] > 0:
+            point_resultants(
+                s, e, cartesian, weight, place, kind, parameters, shear, history[e], trial, r
+            )
+        else:
+            resultants(s, flat[e], h_flat, h_full, row[e], r)
+        for k in range(20):
+            r[k] += rd[k]
         nodal_forces(xe, te, r, fx, ft)
         for a in range(4):
             if quads[e, a] == node:

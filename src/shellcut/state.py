@@ -165,6 +165,26 @@ class CableTable(_Table):
     """Time at which it broke [s], zero while it lives, shape (n,)."""
 
 
+@dataclass(frozen=True)
+class SplitRecord:
+    """What is kept of one split."""
+
+    time: float
+    """[s]"""
+    node: int
+    twin: int
+    place: tuple[float, float, float]
+    """Position at the split [mm]."""
+    reference: tuple[float, float, float]
+    """Reference position [mm]."""
+    kind: str
+    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.criterion`."""
+    measure: float
+    """Of the criterion; due at 1."""
+    force_jump: float
+    """Size of the difference between what the node carried and the new cable's force [N]."""
+
+
 @dataclass
 class State:
     """All that changes in time; what does not is in the mesh, the sections and the tool."""
@@ -175,6 +195,8 @@ class State:
     """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
     strain: Floats
     """Covariant strains of the last force evaluation, shape (n_quad, 20)."""
+    history: Floats
+    """History of the thickness points, shape (n_quad, 4, n_point, n_history)."""
     strain_step: Floats
     """Their change over the last step, shape (n_quad, 20)."""
     time: float = 0.0
@@ -186,8 +208,8 @@ class State:
     """Counts the splits: topology is that of this number."""
     crack_length: float = 0.0
     """Sum of the half-edges that carry or carried a cable [mm]."""
-    split_log: list[dict[str, object]] = field(default_factory=list)
-    """Time, place, kind and force jump of each split."""
+    split_log: list[SplitRecord] = field(default_factory=list)
+    """Every split, in order."""
 
     @property
     def n_node(self) -> int:
@@ -256,6 +278,7 @@ def initial_state(mesh: Mesh) -> State:
         quads=mesh.quads.copy(),
         strain=np.zeros((mesh.n_quad, N_STRAIN)),
         strain_step=np.zeros((mesh.n_quad, N_STRAIN)),
+        history=np.zeros((mesh.n_quad, 4, 0, 0)),
     )
 
 

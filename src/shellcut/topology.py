@@ -14,7 +14,7 @@ import numpy as np
 from .cohesive_law import CohesiveLaw
 from .criterion import Split, owns_flank
 from .shell import MITC4Shell
-from .state import State
+from .state import SplitRecord, State
 
 
 def split_node(
@@ -51,17 +51,19 @@ def split_node(
     area = shell.material.thickness * length
     state.crack_length += length
     state.revision += 1
+    # With the equilibrium start the cable begins with the very force that the node carried.
+    new_force = split.force if equilibrium_start else law.strength * area * split.m
     state.split_log.append(
-        {
-            "time": state.time,
-            "node": node,
-            "twin": twin,
-            "place": n.x[node].tolist(),
-            "reference": n.X[node].tolist(),
-            "kind": "blade" if split.blade else "criterion",
-            "measure": split.measure,
-            "force_jump": float(np.linalg.norm(split.force - law.strength * area * split.m)),
-        }
+        SplitRecord(
+            time=state.time,
+            node=node,
+            twin=twin,
+            place=tuple(n.x[node].tolist()),
+            reference=tuple(n.X[node].tolist()),
+            kind="blade" if split.blade else "criterion",
+            measure=split.measure,
+            force_jump=float(np.linalg.norm(split.force - new_force)),
+        )
     )
     return twin
 

@@ -19,7 +19,7 @@ def moved_mesh(mesh, nodes, **options):
     )
 
 
-def skewed_flat(n_x=4, n_y=3, seed=0, amount=0.15):
+def skewed_flat(n_x=3, n_y=2, seed=0, amount=0.15):
     """A plane sheet of unit squares, its inner and outer nodes moved in the plane."""
     mesh = rectangle(float(n_x), float(n_y), n_x=n_x, n_y=n_y)
     nodes = mesh.nodes.copy()

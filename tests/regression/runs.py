@@ -29,6 +29,4 @@ def broken_ratio(case: Case) -> np.ndarray:
     cable = case.simulation.state.cable
     broken = cable.status[: cable.count] == 2
     fracture_energy = case.simulation.law.fracture_energy
-    return cable.work[: cable.count][broken] / (
-        fracture_energy * cable.area[: cable.count][broken]
-    )
+    return cable.work[: cable.count][broken] / (fracture_energy * cable.area[: cable.count][broken])

@@ -30,7 +30,7 @@ def check_cut(size: float, tmp_path) -> float:
     assert ratio.size > 10
     assert abs(ratio - 1.0).max() < 0.01
     state = case.simulation.state
-    assert all(abs(split["reference"][1]) < 1e-9 for split in state.split_log)
+    assert all(abs(split.reference[1]) < 1e-9 for split in state.split_log)
     # One cable a node of the line, area and crack length to round-off.
     area = state.cable.area[: state.cable.count].sum()
     assert area == pytest.approx(0.074 * state.crack_length, rel=1e-12)

@@ -43,8 +43,8 @@ def naive_stiffness(X, T, q, material, n_point):
 
 @pytest.mark.parametrize("layers", [[(SOFT, 0.3)], [(SOFT, 0.2), (STIFF, 0.05), (SOFT, 0.05)]])
 def test_curved_reference_against_a_converged_quadrature(layers):
-    # Thickness / radius = 0.15, twice what a shell is for; four points a layer are converged to
-    # (h/R)^8 there, 1e-8 or better (measured 2e-10).
+    # Thickness / radius = 0.15, twice what a shell is for. Quadrature: four points a layer leave
+    # 9e-8 of the bending stiffness there (measured), and less of the rest.
     mesh = cases.curved(2, 1)
     material = ShellMaterial([Layer(*pair) for pair in layers])
     section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
@@ -54,7 +54,7 @@ def test_curved_reference_against_a_converged_quadrature(layers):
             H = naive_stiffness(mesh.nodes[quad], mesh.directors[quad], q, material, 12)
             scale = np.sqrt(np.outer(np.diag(H), np.diag(H)))
             error = np.abs(section.h_full[section.row[e], q] - H) / scale
-            assert error.max() < 1e-8
+            assert error.max() < 2e-7
 
 
 def test_curvature_couples_stretching_and_bending():

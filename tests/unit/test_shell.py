@@ -182,7 +182,7 @@ def test_frequencies_are_updated_where_asked_only():
 
 
 def affine_patch(F):
-    mesh = cases.skewed_flat()
+    mesh = cases.skewed_flat(4, 3)
     shell, state = cases.set_up(mesh)
     R = Rotation.from_rotvec([0.4, 1.2, -0.8]).as_matrix()
     state.node.x[: mesh.n_node] = mesh.nodes @ F.T @ R.T

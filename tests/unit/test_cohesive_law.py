@@ -1,0 +1,147 @@
+"""The law of Fig. 4: envelope, energies on any path, both unloadings, refusals."""
+
+import itertools
+
+import numpy as np
+import pytest
+from naive import cable as naive
+
+from shellcut.cohesive_law import CohesiveLaw, area_below, envelope
+
+LAWS = {
+    "secant": CohesiveLaw(),
+    "elastic": CohesiveLaw(unloading="elastic"),
+    "soft elastic": CohesiveLaw(unloading="elastic", unloading_stiffness=40.0),
+    "no onset": CohesiveLaw(onset=0.0),
+    "no drop": CohesiveLaw(strength=12.0),
+    "no plateau": CohesiveLaw(opening_p=0.5),
+}
+
+
+def energies(law, opening, largest):
+    stored, dissipated = law.energies(np.array([opening]), np.array([largest]))
+    return float(stored[0]), float(dissipated[0])
+
+
+def test_fracture_energy_is_that_of_the_paper():
+    assert CohesiveLaw().fracture_energy == pytest.approx(43.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_area_of_the_envelope_is_the_fracture_energy(law):
+    corners = np.array([0.0, law.opening_a, law.opening_p, law.opening_u])
+    by_corners = np.trapezoid(naive.envelope(corners, law), corners)
+    # Round-off: the envelope is linear between its corners.
+    assert law.fracture_energy == pytest.approx(by_corners, rel=1e-12)
+    parameters = law.parameters()
+    for ell in (0.1, 0.5, 0.7, 2.9, 3.0, 3.6, 4.0, 9.0):
+        grid = np.unique(np.clip(np.concatenate([corners, [0.0, ell]]), 0.0, ell))
+        area = np.trapezoid(naive.envelope(grid, law), grid)
+        assert area_below(ell, parameters) == pytest.approx(area, rel=1e-12)
+    assert area_below(-1.0, parameters) == 0.0
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_traction_matches_the_naive_twin(law):
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        largest = rng.choice([rng.uniform(0, 4.2), rng.uniform(0, 0.02)])
+        opening = largest * rng.uniform(-0.2, 1.0)
+        wanted = naive.stress(opening, largest, law)
+        got = law.traction(opening, largest)
+        assert got == pytest.approx(wanted, rel=1e-12, abs=1e-12 * law.strength)
+    for ell in np.linspace(-0.1, 4.5, 60):
+        wanted = naive.envelope(ell, law)
+        assert law.traction(ell) == pytest.approx(wanted, rel=1e-12, abs=1e-13)
+        assert envelope(ell, law.parameters()) == law.traction(ell)
+
+
+def test_secant_unloads_to_the_origin_and_elastic_to_a_permanent_length():
+    secant, elastic = LAWS["secant"], LAWS["elastic"]
+    assert secant.traction(0.5, 1.0) == pytest.approx(6.0)
+    assert secant.traction(0.0, 1.0) == 0.0
+    # 12 MPa at 1 mm, down by 1000 MPa/mm: slack below 0.988 mm, and never a push.
+    assert elastic.traction(0.994, 1.0) == pytest.approx(6.0)
+    assert elastic.traction(0.9, 1.0) == 0.0
+    # Below the onset the secant is capped: 18 MPa over 5e-3 mm.
+    assert secant.traction(1e-4, 1.1e-3) == pytest.approx(
+        naive.envelope(1.1e-3, secant) - 18.0 / 5e-3 * 1e-3
+    )
+
+
+def path_work(law, path, n=40_001):
+    """Work per area along a piecewise straight path of openings, and the largest opening."""
+    work, largest = 0.0, path[0]
+    for start, end in itertools.pairwise(path):
+        ell = np.linspace(start, end, n)
+        history = np.maximum.accumulate(np.concatenate([[largest], ell]))[1:]
+        stress = np.array([law.traction(*pair) for pair in zip(ell, history, strict=True)])
+        work += np.trapezoid(stress, ell)
+        largest = history[-1]
+    return work, largest
+
+
+PATHS = {
+    "monotone": [0.0, 4.0],
+    "over the end": [0.0, 4.6],
+    "cyclic": [0.0, 0.3, 0.0, 0.3, 2.0, 1.1, 2.5, 0.0, 3.5, 3.2, 3.5],
+    "small cycle": [0.0, 0.004, 0.001, 0.009, 0.002],
+    "unloaded": [0.0, 1.0, 0.97],
+}
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS)
+@pytest.mark.parametrize("name", ["secant", "elastic", "soft elastic"])
+def test_stored_and_dissipated_are_the_work(name, path):
+    law = LAWS[name]
+    work, largest = path_work(law, path, n=4_001)
+    stored, dissipated = energies(law, path[-1], largest)
+    # Trapezoids of 4000 a leg, at most a step of 1e-3 mm at a kink: 18 MPa · 1e-3 mm a leg.
+    assert stored + dissipated == pytest.approx(work, abs=1e-4 * law.fracture_energy)
+
+
+def test_dissipation_never_falls_and_what_is_stored_comes_back():
+    for law in (LAWS["secant"], LAWS["elastic"]):
+        booked = [energies(law, ell, ell)[1] for ell in np.linspace(0.01, 4.0, 200)]
+        assert (np.diff(booked) >= -1e-12).all()
+        for largest in (0.2, 1.0, 3.4):
+            stored, before = energies(law, largest, largest)
+            work, _ = path_work(law, [largest, 0.0], n=20_001)
+            after = energies(law, 0.0, largest)
+            assert after == (pytest.approx(0.0, abs=1e-12), pytest.approx(before))
+            assert -work == pytest.approx(stored, rel=1e-3)
+
+
+def test_birth_energy_is_repaid():
+    # Born with ½ sigma_F delta_0 stored and as much of negative dissipation: no net work.
+    stored, dissipated = energies(CohesiveLaw(), 0.0, 0.0)
+    assert stored == pytest.approx(0.5 * 18.0 * 5e-3, rel=1e-12)
+    assert dissipated == pytest.approx(-stored, rel=1e-12)
+    for law in LAWS.values():
+        assert energies(law, 4.2, 4.2) == (0.0, pytest.approx(law.fracture_energy, rel=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"plateau": 20.0}, ["must decrease", "plateau 20.0 MPa", "strength 18.0"]),
+        ({"plateau": 0.0}, ["0 < plateau"]),
+        ({"opening_a": 3.5}, ["must decrease", "opening_a <= opening_p", "3.5, 3.0, 4.0"]),
+        ({"opening_p": 4.0}, ["opening_p < opening_u"]),
+        ({"opening_u": np.inf}, ["opening_u"]),
+        ({"strength": -1.0}, ["strength must be a number that is not negative, got -1.0"]),
+        ({"plateau": np.nan}, ["plateau", "nan"]),
+        ({"onset": 0.5}, ["onset must be small beside opening_u = 4.0 mm, got 0.5"]),
+        ({"unloading": "plastic"}, ["'secant' or 'elastic'", "'plastic'"]),
+        (
+            {"unloading": "elastic", "unloading_stiffness": 10.0},
+            ["unloading_stiffness must exceed", "12.0 MPa/mm", "got 10.0"],
+        ),
+        ({"plateau": 20.0, "opening_p": 5.0}, ["plateau 20.0", "0.5, 5.0, 4.0"]),
+    ],
+)
+def test_refusals_say_what_must_hold(changes, words):
+    with pytest.raises(ValueError, match="must") as refusal:
+        CohesiveLaw(**changes)
+    for word in words:
+        assert word in str(refusal.value)

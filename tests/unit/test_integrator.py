@@ -1,0 +1,213 @@
+"""Central difference on systems whose discrete solution is known in closed form."""
+
+import numpy as np
+import pytest
+from naive import cases
+
+from shellcut.integrator import CentralDifference
+from shellcut.load import Gravity
+from shellcut.meshing import rectangle
+from shellcut.simulation import Simulation
+from shellcut.state import initial_state
+from shellcut.support import Support, SupportSet
+
+EPS = np.finfo(float).eps
+MASS, INERTIA = 2e-9, 3e-10
+
+
+def one_quad(alpha=0.0):
+    mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
+    state = initial_state(mesh)
+    state.node.mass[:], state.node.inertia[:] = MASS, INERTIA
+    return mesh, state, CentralDifference(damping_alpha=alpha)
+
+
+def test_director_stays_unit_and_spin_tangent_over_random_rotations():
+    _, state, scheme = one_quad()
+    node = state.node
+    rng = np.random.default_rng(11)
+    # Ten thousand kicks and drifts by random moments, on ten directors: 1e5 rotations. A quad of
+    # a hundred nodes would do as well; the table has spare rows enough.
+    node.count = 10
+    node.t[:10] = rng.standard_normal((10, 3))
+    node.t[:10] /= np.linalg.norm(node.t[:10], axis=1)[:, None]
+    dt, size = 1e-7, INERTIA / 1e-7**2 * 0.3  # some 0.3 rad a step from each moment
+    g = size * rng.standard_normal((10_000, 10, 3))
+    for k in range(10_000):
+        node.director_force[:10] = g[k]
+        scheme.kick(state, dt, dt)
+        if k % 20 == 19:
+            node.spin_half[:10] *= 0.5  # a random walk would run away
+        scheme.drift(state, dt)
+    length = np.linalg.norm(node.t[:10], axis=1)
+    # Round-off: a random walk of 1e4 roundings of EPS/2 each, 1e-14; measured 4e-15.
+    assert np.abs(length - 1.0).max() < 2e-14
+    spin = np.linalg.norm(node.spin_half[:10], axis=1)
+    assert spin.min() * dt > 0.1  # it did turn
+    along = np.abs(np.einsum("ni,ni->n", node.t[:10], node.spin_half[:10]))
+    # Rounded at every kick and rotation, never corrected: relative to the largest spin so far.
+    assert (along / spin).max() < 1e-12
+
+
+def spring(state, k):
+    state.node.force[:4] = -k * state.node.x[:4]
+
+
+def test_oscillator_follows_the_discrete_solution():
+    _, state, scheme = one_quad()
+    k, dt = 5.0, 1e-5
+    omega = np.sqrt(k / MASS)
+    assert omega * dt == pytest.approx(0.5)
+    start = np.array([0.3, -0.2, 0.7])
+    state.node.x[:4] = start
+    spring(state, k)
+    scheme.kick(state, 0.0, dt)
+    n_step = 400
+    for n in range(1, n_step + 1):
+        scheme.drift(state, dt)
+        # x_n = x_0 cos(n phi), sin(phi / 2) = omega dt / 2: the period is 1.06 % short at
+        # omega dt = 0.5, exactly as the scheme has it. Round-off grows with the steps.
+        phase = 2.0 * np.arcsin(0.5 * omega * dt)
+        wanted = np.tile(start * np.cos(n * phase), (4, 1))
+        np.testing.assert_allclose(state.node.x[:4], wanted, rtol=0, atol=1e-12)
+        spring(state, k)
+        scheme.kick(state, dt, dt)
+
+
+def test_energy_is_an_identity_to_round_off():
+    # Any forces at all, director forces too: change of ½ m v- v+ = ½ (f_n-1 + f_n) dx.
+    _, state, scheme = one_quad()
+    rng = np.random.default_rng(4)
+    dt, node = 1e-6, state.node
+    node.velocity_half[:4] = rng.standard_normal((4, 3))
+    work, scale, last = 0.0, 0.0, None
+    for n in range(200):
+        node.force[:4] = rng.standard_normal((4, 3))
+        node.director_force[:4] = 1e-2 * rng.standard_normal((4, 3))
+        moment = np.cross(node.t[:4], node.director_force[:4])
+        if n:
+            done = 0.5 * dt * (last[0] + node.force[:4]) * node.velocity_half[:4]
+            turned = 0.5 * dt * (last[1] + moment) * node.spin_half[:4]
+            work += done.sum() + turned.sum()
+            scale += np.abs(done).sum() + np.abs(turned).sum()
+        result = scheme.kick(state, dt, dt)
+        kinetic = result.kinetic_translation + result.kinetic_rotation
+        if n == 0:
+            start = kinetic
+        last = node.force[:4].copy(), moment
+        scheme.drift(state, dt)
+    # Round-off relative to the sum of all works, taken without their signs.
+    assert abs(kinetic - start - work) < 1e-13 * scale
+    assert result.kinetic_rotation > 1e-4 * kinetic
+    assert result.mass_damping == 0.0
+    assert result.support_work == 0.0
+
+
+def test_first_kick_from_rest_is_a_half_one():
+    _, state, scheme = one_quad()
+    state.node.force[:4] = [1.0, 0.0, 0.0]
+    scheme.kick(state, 0.0, 2e-6)
+    assert state.node.velocity_half[0, 0] == pytest.approx(1e-6 / MASS, rel=4 * EPS)
+
+
+def test_kick_takes_the_mean_of_two_unequal_steps():
+    _, state, scheme = one_quad()
+    state.node.force[:4] = [1.0, 0.0, 0.0]
+    scheme.kick(state, 1e-6, 3e-6)
+    assert state.node.velocity_half[0, 0] == pytest.approx(2e-6 / MASS, rel=4 * EPS)
+
+
+def test_alpha_damps_as_the_scheme_has_it_and_books_the_loss():
+    alpha, dt = 2e4, 1e-6
+    _, state, scheme = one_quad(alpha)
+    node = state.node
+    node.velocity_half[:4], node.spin_half[:4] = [3.0, -1.0, 2.0], [1.0, 5.0, 0.0]
+    v0, w0 = node.velocity_half[:4].copy(), node.spin_half[:4].copy()
+    booked = []
+    kinetic = []
+    for _ in range(100):
+        result = scheme.kick(state, dt, dt)
+        booked.append(result.mass_damping)
+        kinetic.append(result.kinetic_translation + result.kinetic_rotation)
+    keep = (1 - 0.5 * alpha * dt) / (1 + 0.5 * alpha * dt)
+    np.testing.assert_allclose(node.velocity_half[:4], v0 * keep**100, rtol=1e-13)
+    np.testing.assert_allclose(node.spin_half[:4], w0 * keep**100, rtol=1e-13)
+    # exp(-alpha t) to second order: (alpha dt)²/12 a step.
+    assert keep**100 == pytest.approx(np.exp(-100 * alpha * dt), rel=100 * (alpha * dt) ** 3 / 6)
+    # Half of each end belongs to the steps outside. What is left is of the two ends only,
+    # alpha dt / 2 of the kinetic energy lost there, and does not add up.
+    loss = sum(booked) - 0.5 * (booked[0] + booked[-1])
+    assert loss == pytest.approx(kinetic[0] - kinetic[-1], rel=(alpha * dt) ** 2)
+
+
+def test_constant_acceleration_needs_the_reaction_m_a():
+    mesh, state, scheme = one_quad()
+    a, dt = 1e7, 1e-6
+    support = Support([1], rotation="", velocity={"x": lambda time: a * time})
+    supports = SupportSet(mesh, [support])
+    supports.initialise(state)
+    time = 0.0
+    booked = []
+    state.node.force[1] = [0.4, 0.3, 0.0]
+    for n in range(50):
+        supports.prescribe(state, time + 0.5 * dt)
+        result = scheme.kick(state, dt if n else 0.0, dt)
+        work = booked[-1][0] + result.support_work if n else result.support_work
+        booked.append((work, result.kinetic_translation, state.node.x[1, 0]))
+        # m a minus the applied force along x, minus the force where it is held at rest.
+        np.testing.assert_allclose(
+            state.node.reaction[1, :3], [MASS * a - 0.4, -0.3, 0.0], rtol=0, atol=1e-12
+        )
+        scheme.drift(state, dt)
+        time += dt
+    assert state.node.x[1, 0] - 1.0 == pytest.approx(0.5 * a * time**2, rel=1e-12)
+    # The work of reaction and force together is the change of kinetic energy, to round-off of the
+    # sum; from the second kick on, as the first is a half one.
+    (work_1, kinetic_1, x_1), (work_n, kinetic_n, x_n) = booked[1], booked[-1]
+    assert work_n - work_1 + 0.4 * (x_n - x_1) == pytest.approx(kinetic_n - kinetic_1, rel=1e-11)
+    assert supports.reaction(state, 0) == pytest.approx([MASS * a - 0.4, -0.3, 0.0], abs=1e-12)
+    assert not state.node.reaction[[0, 2, 3]].any()
+
+
+def test_a_held_spin_does_not_turn_and_its_reaction_balances_the_moment():
+    mesh, state, scheme = one_quad()
+    SupportSet(mesh, [Support([2], translation="", rotation="xyz")]).initialise(state)
+    state.node.director_force[:4] = [2.0, 3.0, 4.0]
+    scheme.kick(state, 0.0, 1e-6)
+    scheme.drift(state, 1e-6)
+    np.testing.assert_array_equal(state.node.t[2], [0, 0, 1])
+    assert np.abs(state.node.t[0] - [0, 0, 1]).max() > 1e-4
+    # t x g = (0, 0, 1) x (2, 3, 4) = (-3, 2, 0); the reaction is minus that.
+    np.testing.assert_allclose(state.node.reaction[2, 3:], [3.0, -2.0, 0.0], atol=4 * EPS)
+
+
+def test_drift_leaves_spare_rows_alone():
+    _, state, scheme = one_quad()
+    state.node.x[4:] = np.nan
+    state.node.velocity_half[:] = 1.0
+    scheme.kick(state, 1e-6, 1e-6)
+    scheme.drift(state, 1e-6)
+    assert np.isnan(state.node.x[4:]).all()
+    assert (state.node.velocity_half[4:] == 1.0).all()
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+def test_free_fall_is_g(case):
+    mesh = cases.ALL[case]()
+    # So strong that the inner forces, the rounding of positions times the frequency squared or some
+    # 1e-2 mm/s², are below 1e-12 of it.
+    g = np.array([2e11, -3e11, -5e11])
+    sim = Simulation(mesh, cases.FILM, loads=[Gravity(g)], damping_alpha=0.0)
+    sim.step()
+    book = sim.ledger
+    start = book.kinetic - book.load_work
+    for _ in range(49):
+        sim.step()
+    s = sim.state
+    half = s.time + 0.5 * sim._dt
+    fallen = s.node.velocity_half[: mesh.n_node] / (g * half)
+    assert np.abs(fallen - 1.0).max() < 1e-12
+    moved = s.node.x[: mesh.n_node] - mesh.nodes
+    np.testing.assert_allclose(moved, np.tile(0.5 * g * s.time**2, (mesh.n_node, 1)), rtol=1e-9)
+    # From the second kick on, as the first is a half one.
+    assert book.load_work == pytest.approx(book.kinetic - start, rel=1e-12)

@@ -1,0 +1,148 @@
+"""Loads against quadrature, closed forms, and the share of each half of a split node."""
+
+import numpy as np
+import pytest
+from naive import cases
+from naive import load as naive
+
+from shellcut.load import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
+from shellcut.meshing import cylinder, rectangle
+from shellcut.state import initial_state
+
+EPS = np.finfo(float).eps
+
+
+def loaded(mesh, *loads, deform=False):
+    state = initial_state(mesh)
+    state.node.mass[: mesh.n_node] = np.arange(1.0, mesh.n_node + 1)
+    if deform:
+        cases.deform(state)
+    state.node.force[mesh.n_node :] = np.nan
+    loads = LoadSet(mesh, loads)
+    loads.add_forces(state)
+    assert np.isnan(state.node.force[mesh.n_node :]).all()
+    return state, loads
+
+
+def by_quadrature(x, quads, pressure):
+    force = np.zeros_like(x)
+    for quad in quads:
+        force[quad] += naive.pressure_rows(x[quad], pressure)
+    return force
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+@pytest.mark.parametrize("following", [False, True])
+def test_pressure_against_quadrature(case, following):
+    mesh = cases.ALL[case]()
+    state, _ = loaded(mesh, Pressure(0.3, following=following), deform=True)
+    x = state.node.x[: mesh.n_node] if following else mesh.nodes
+    wanted = by_quadrature(x, mesh.quads, 0.3)
+    # Round-off: 2 x 2 points are exact for the product of bilinear functions.
+    np.testing.assert_allclose(
+        state.node.force[: mesh.n_node], wanted, rtol=0, atol=1e-14 * np.abs(wanted).max() * 10
+    )
+
+
+def test_pressure_acts_on_the_named_quads_along_the_director():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1).with_sets(quad_sets={"one": [1]})
+    state, _ = loaded(mesh, Pressure(0.5, quads="one"))
+    assert state.node.force[:6, 2].tolist() == pytest.approx([0, 0.125, 0.125] * 2, abs=4 * EPS)
+    assert not state.node.force[:6, :2].any()
+
+
+def test_following_pressure_is_the_gradient_of_the_volume_of_a_closed_surface():
+    # On a closed cylinder with flat ends left out the resultant along x and z must vanish, and
+    # virtual work of a growing radius is p times the change of volume.
+    mesh = cylinder(2.0, 3.0, n_around=24, n_along=3)
+    state, _ = loaded(mesh, Pressure(0.1, following=True))
+    force = state.node.force[: mesh.n_node]
+    assert np.abs(force.sum(axis=0)).max() < 1e-13 * np.abs(force).max() * mesh.n_node
+    radial = mesh.directors
+    prism = 0.5 * 24 * np.sin(2 * np.pi / 24) * 3.0  # volume / radius²
+    assert (force * radial).sum() == pytest.approx(0.1 * prism * 2 * 2.0, rel=1e-13)
+
+
+def test_gravity_nodal_force_and_factor():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    state, loads = loaded(
+        mesh, Gravity((0, 0, -2.0)), NodalForce([1, 4], (3.0, 0, 0), lambda t: 1 + 10 * t)
+    )
+    np.testing.assert_allclose(state.node.force[:6, 2], -2.0 * np.arange(1, 7))
+    assert state.node.force[:6, 0].tolist() == [0, 3, 0, 0, 3, 0]
+    state.time = 0.1
+    state.node.force[:6] = 0.0
+    loads.add_forces(state)
+    assert state.node.force[1, 0] == pytest.approx(6.0, rel=2 * EPS)
+
+
+def test_edge_traction_is_shared_by_the_ends_of_boundary_edges():
+    mesh = cases.skewed_flat()
+    right = mesh.node_set("right")
+    state, _ = loaded(mesh, EdgeTraction("right", (0.0, 2.0, -1.0)))
+    length = np.linalg.norm(np.diff(mesh.nodes[right], axis=0), axis=1)
+    wanted = np.zeros(right.size)
+    wanted[:-1] += 0.5 * length
+    wanted[1:] += 0.5 * length
+    force = state.node.force[: mesh.n_node]
+    np.testing.assert_allclose(force[right, 1], 2.0 * wanted, rtol=1e-14)
+    np.testing.assert_allclose(force[right, 2], -wanted, rtol=1e-14)
+    assert not np.delete(force, right, axis=0).any()
+
+
+def test_work_is_the_trapezoid_of_force_and_step():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    state = initial_state(mesh)
+    loads = LoadSet(mesh, [NodalForce([2], (3.0, 1.0, 0), lambda t: 1 + t)])
+    assert loads.add_forces(state) == 0.0
+    state.dt, state.time = 0.5, 0.5
+    state.node.velocity_half[2] = [2.0, -4.0, 7.0]
+    # ½ (1 + 1.5) (3 · 2 - 1 · 4) · 0.5
+    assert loads.add_forces(state) == pytest.approx(0.5 * 2.5 * 2.0 * 0.5, rel=4 * EPS)
+    assert state.node.force[2].tolist() == [3.0 * 2.5, 1.0 * 2.5, 0.0]
+
+
+@pytest.mark.parametrize("following", [False, True])
+def test_fan_forces_add_up_to_the_load_on_the_node(following):
+    mesh = cases.warped()
+    loads = LoadSet(
+        mesh,
+        [
+            Pressure(0.2, following=following, factor=lambda t: 1 + t),
+            EdgeTraction("bottom", (0.1, 0.2, 0.3)),
+        ],
+    )
+    state = initial_state(mesh)
+    cases.deform(state)
+    state.time = 0.5
+    loads.add_forces(state)
+    for node in (5, 1):  # inside, and on the loaded side
+        around = state.node.quads[node, : state.node.n_quad_at[node]]
+        parts = [loads.fan_force(state, node, around[k : k + 1]) for k in range(around.size)]
+        np.testing.assert_allclose(np.sum(parts, axis=0), state.node.force[node], atol=1e-15)
+        np.testing.assert_allclose(loads.fan_force(state, node, around), state.node.force[node])
+
+
+def test_gravity_is_left_out_of_the_fan_force():
+    # It accelerates both halves alike: F_c would not see it, m1 f2 - m2 f1 = 0.
+    mesh = cases.warped()
+    loads = LoadSet(mesh, [Gravity((0, 0, -1e4))])
+    state = initial_state(mesh)
+    assert not loads.fan_force(state, 5, np.arange(4)).any()
+    assert not loads.is_empty
+    assert LoadSet(mesh, []).is_empty
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        (Gravity((0, 1)), "acceleration must be three finite numbers"),
+        (NodalForce([0], (0, np.nan, 0)), "force must be three finite numbers"),
+        (EdgeTraction([0, 4], (1, 0, 0)), "boundary edges between its nodes, found none"),
+        (Pressure(1.0, quads="top"), "top"),
+        (NodalForce("nowhere", (1, 0, 0)), "nowhere"),
+    ],
+)
+def test_refusals(load, message):
+    with pytest.raises(ValueError, match=message):
+        LoadSet(rectangle(2.0, 1.0, n_x=2, n_y=1), [load])

@@ -1,0 +1,86 @@
+"""Tables that grow, and the state of a mesh at rest."""
+
+import inspect
+import re
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from naive import cases
+
+from shellcut.meshing import rectangle
+from shellcut.state import CableTable, NodeTable, initial_state, quads_of_nodes
+
+
+def test_rows_are_appended_and_the_old_ones_survive_growth():
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
+    node = state.node
+    capacity = len(node.x)
+    node.x[3], node.origin[3], node.support[3, 4], node.contact_side[3] = (1, 2, 3), 7, True, -1
+    for k in range(capacity):  # far past the reserve
+        assert node.append_copy(3) == 4 + k
+    assert node.count == 4 + capacity
+    assert len(node.x) >= node.count
+    for row in (3, 4, node.count - 1):
+        assert node.x[row].tolist() == [1, 2, 3]
+        assert node.origin[row] == 7
+        assert node.support[row].tolist() == [False] * 4 + [True, False]
+        assert node.contact_side[row] == -1
+    lengths = {len(getattr(node, f.name)) for f in fields(node) if f.name != "count"}
+    assert len(lengths) == 1
+    for f in fields(node):
+        if f.name != "count":
+            array = getattr(node, f.name)
+            assert array.flags.c_contiguous
+            assert array.dtype in (np.float64, np.int64, np.bool_, np.int8)
+
+
+def test_a_blank_row_is_zero_even_where_rubbish_was():
+    cable = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)).cable
+    cable.force[0], cable.status[0], cable.ends[0] = np.nan, 2, 9
+    assert cable.append_blank() == 0
+    assert not cable.force[0].any()
+    assert (cable.status[0], *cable.ends[0]) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("table", [NodeTable, CableTable])
+def test_arrays_have_the_shape_and_type_that_their_docs_say(table):
+    state = initial_state(cases.curved())
+    rows = state.node if table is NodeTable else state.cable
+    source = inspect.getsource(table)
+    types = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_, "SmallInts": np.int8}
+    documented = re.findall(r'(\w+): (\w+)\n    """[^"]*?shape \(n,([^)]*)\)', source)
+    assert len(documented) == len(fields(table)) - 1
+    for name, kind, rest in documented:
+        tail = tuple(12 if d.strip() == "MAX_VALENCE" else int(d) for d in rest.split(",") if d)
+        array = getattr(rows, name)
+        assert (array.shape[1:], array.dtype) == (tail, types[kind]), name
+
+
+def test_initial_state_is_the_mesh_at_rest():
+    mesh = rectangle(3.0, 2.0, n_x=3, n_y=2)
+    mesh = mesh.cut([4, 5])  # a notch at the left: node 4 has a twin, node 12
+    state = initial_state(mesh)
+    n = state.n_node
+    assert n == mesh.n_node == 13
+    np.testing.assert_array_equal(state.node.x[:n], mesh.nodes)
+    np.testing.assert_array_equal(state.node.t[:n], mesh.directors)
+    assert np.flatnonzero(state.node.halved).tolist() == [4, 12]
+    assert state.node.origin[12] == 4
+    assert not state.node.velocity_half.any()
+    state.node.x[0] = 99.0  # no view of the frozen mesh, nor of the reference
+    state.quads[0, 0] = 7
+    assert mesh.nodes[0, 0] == 0.0
+    assert state.node.X[0, 0] == 0.0
+    assert mesh.quads[0, 0] == 0
+    assert (state.time, state.step, state.revision, state.crack_length) == (0.0, 0, 0, 0.0)
+    assert state.n_cable == 0
+
+
+def test_quads_of_nodes_by_brute_force():
+    quads = cases.warped(4, 3).quads
+    table, count = quads_of_nodes(quads, 25)
+    for node in range(25):
+        mine = [e for e in range(len(quads)) if node in quads[e]]
+        assert table[node, : count[node]].tolist() == mine
+        assert not table[node, count[node] :].any()

@@ -1,0 +1,90 @@
+"""Supports: which components are held, prescribed velocities, refusals."""
+
+import numpy as np
+import pytest
+
+from shellcut.meshing import rectangle
+from shellcut.state import initial_state
+from shellcut.support import Support, SupportSet, choose_nodes
+
+MESH = rectangle(2.0, 1.0, n_x=2, n_y=1)
+
+
+def masks(*supports):
+    state = initial_state(MESH)
+    SupportSet(MESH, supports).initialise(state)
+    assert (state.node.supported == state.node.support.any(axis=1)).all()
+    return {int(n): state.node.support[n].astype(int).tolist() for n in
+            np.flatnonzero(state.node.supported)}  # fmt: skip
+
+
+def test_kinds_of_support():
+    assert masks(Support.clamped([1])) == {1: [1] * 6}
+    assert masks(Support.pinned([1])) == {1: [1, 1, 1, 0, 0, 0]}
+    # In the plane x = 0 the director may not leave the plane: no spin about y and z.
+    assert masks(Support.symmetry([1], "x")) == {1: [1, 0, 0, 0, 1, 1]}
+    assert masks(Support("left", "z", "")) == {0: [0, 0, 1, 0, 0, 0], 3: [0, 0, 1, 0, 0, 0]}
+
+
+def test_supports_of_one_node_add_up():
+    both = masks(Support([0], "x", ""), Support([0], "y", "z"))
+    assert both == {0: [1, 1, 0, 0, 0, 1]}
+
+
+def test_prescribed_velocity_is_written_at_the_half_step():
+    state = initial_state(MESH)
+    moving = Support("right", velocity={"x": lambda t: 3.0 * t, "z": np.cos})
+    supports = SupportSet(MESH, [Support.clamped("left"), moving])
+    supports.initialise(state)
+    supports.prescribe(state, 0.5)
+    for node in MESH.node_set("right"):
+        assert state.node.support_rate[node].tolist() == [1.5, 0.0, np.cos(0.5), 0, 0, 0]
+    assert not state.node.support_rate[MESH.node_set("left")].any()
+
+
+def test_reaction_is_the_sum_over_one_support():
+    state = initial_state(MESH)
+    supports = SupportSet(MESH, [Support.clamped("left"), Support.clamped("right")])
+    state.node.reaction[: MESH.n_node] = np.arange(36.0).reshape(6, 6)
+    assert supports.reaction(state, 1).tolist() == [12 + 30, 13 + 31, 14 + 32]
+
+
+def test_nodes_by_name_or_ids():
+    assert choose_nodes(MESH, "left").tolist() == [0, 3]
+    assert choose_nodes(MESH, (1, 2)).dtype == np.int64
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Support([0], "xw"), "translation must be made of the letters x, y, z, got 'xw'"),
+        (lambda: Support([0], rotation="q"), "rotation must be made of"),
+        (
+            lambda: Support([0], "xy", velocity={"z": np.cos}),
+            r"prescribed along \['z'\].*'xy' does not hold",
+        ),
+        (lambda: SupportSet(MESH, [Support([6])]), r"0\.\.5, got \[6\]"),
+        (lambda: SupportSet(MESH, [Support([-1])]), r"got \[-1\]"),
+        (lambda: SupportSet(MESH, [Support([])]), "name of a node set or a list of node ids"),
+        (lambda: SupportSet(MESH, [Support([0.5])]), "list of node ids"),
+        (lambda: SupportSet(MESH, [Support("lft")]), "did you mean 'left'"),
+        (
+            lambda: SupportSet(
+                MESH,
+                [
+                    Support("left", velocity={"x": np.cos}),
+                    Support([3], velocity={"x": np.sin}),
+                ],
+            ),
+            r"two supports prescribe the velocity along x of nodes \[3\]",
+        ),
+    ],
+)
+def test_refusals(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_same_motion_twice_is_no_clash():
+    both = {"x": np.cos}
+    SupportSet(MESH, [Support("left", velocity=both), Support([0], velocity=both)])

@@ -1,0 +1,133 @@
+"""A row of nodes split under uniform tension: with the equilibrium start nothing moves.
+
+A strip is stretched homogeneously, uniaxial stress along x, and held at its ends. The element
+carries a homogeneous strain exactly whatever its shape, so the strip is in equilibrium to
+round-off. Then all nodes of its middle line are split across the pull, chosen by the criterion
+itself, and the run goes on. The strength of the law is taken as the stress divided by ``mismatch``.
+"""
+
+import numpy as np
+import pytest
+
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.criterion import Fracture
+from shellcut.material import ShellMaterial
+from shellcut.mesh import Mesh
+from shellcut.meshing import rectangle
+from shellcut.simulation import Simulation
+from shellcut.support import Support
+from shellcut.topology import split_node
+
+E, NU, THICKNESS = 1678.0, 0.3, 0.074
+LENGTH, WIDTH, SIZE = 4.0, 2.0, 0.25  # short: the fall of the start force is softer than the strip
+STRAIN = 0.02  # Green-Lagrange, along x
+STRETCH = np.array([np.sqrt(1.0 + 2.0 * STRAIN), np.sqrt(1.0 - 2.0 * NU * STRAIN), 1.0])
+NOMINAL = STRETCH[0] * E * STRAIN  # force per reference area [MPa]
+
+
+def _mesh(jitter: float) -> Mesh:
+    mesh = rectangle(LENGTH, WIDTH, size=SIZE)
+    nodes = mesh.nodes.copy()
+    inner = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
+    inner = inner[np.abs(nodes[inner, 0] - 0.5 * LENGTH) > 1e-9]
+    nodes[inner, :2] += np.random.default_rng(3).uniform(-jitter, jitter, (inner.size, 2))
+    return Mesh.from_arrays(nodes, mesh.quads, node_sets=dict(mesh.node_sets))
+
+
+def _stretched(mesh: Mesh, mismatch: float, *, equilibrium_start: bool) -> Simulation:
+    sim = Simulation(
+        mesh,
+        ShellMaterial.homogeneous(young=E, poisson=NU, thickness=THICKNESS),
+        supports=[Support.clamped("left"), Support.clamped("right")],
+        law=CohesiveLaw(strength=NOMINAL / mismatch),
+        fracture=Fracture(equilibrium_start=equilibrium_start),
+        damping_alpha=0.0,
+        damping_beta=0.0,
+    )
+    sim.state.node.x[: mesh.n_node] = mesh.nodes * STRETCH
+    sim._forces()
+    return sim
+
+
+def _largest_residual(sim: Simulation) -> float:
+    """Return the largest force on a free node over that of one edge length of the section."""
+    n = sim.state.node
+    free = ~n.supported[: n.count]
+    return float(np.abs(n.force[: n.count][free]).max() / (NOMINAL * THICKNESS * SIZE))
+
+
+def _split_middle_row(sim: Simulation, mesh: Mesh) -> list[float]:
+    """Split all nodes at half the length as the criterion says; return its measures."""
+    row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9).tolist()
+    s, measures = sim.state, []
+    assert sim.criterion is not None
+    assert sim.law is not None
+    while due := sim.criterion.due(s, row, np.eye(3), np.zeros(3), sim._dt):
+        for split in due:
+            split_node(
+                s,
+                split,
+                sim.shell,
+                sim.law,
+                equilibrium_start=sim.fracture.equilibrium_start,
+            )
+            row.remove(split.node)
+            measures.append(split.measure)
+    assert not row
+    return measures
+
+
+def _largest_kinetic(sim: Simulation, n_step: int) -> float:
+    """Return the largest kinetic energy over some steps, relative to the strain energy before."""
+    strain, largest = sim.ledger.strain, 0.0
+    for _ in range(n_step):
+        sim.step()
+        largest = max(largest, sim.ledger.kinetic)
+    return largest / strain
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.06])
+@pytest.mark.parametrize("mismatch", [1.0, 1.4])
+def test_equilibrium_start_leaves_everything_at_rest(jitter: float, mismatch: float) -> None:
+    mesh = _mesh(jitter)
+    # One part in 1e9 above the strength, lest round-off decide whether the row splits at all.
+    sim = _stretched(mesh, mismatch * (1.0 + 1e-9), equilibrium_start=True)
+    # Round-off, of forces relative to the force of an edge: measured 1e-13.
+    assert _largest_residual(sim) < 1e-11
+    strain, momentum_mass = sim.ledger.strain, float(sim.state.node.mass.sum())
+
+    measures = _split_middle_row(sim, mesh)
+    # The row carries sigma A, every node of it, on both meshes: round-off, measured 2e-14.
+    assert np.allclose(measures, mismatch, rtol=1e-8)
+    cables = sim.state.cable
+    assert sim.state.crack_length == pytest.approx(WIDTH, rel=1e-14)
+    assert cables.area[: cables.count].sum() == pytest.approx(WIDTH * THICKNESS, rel=1e-14)
+    assert np.allclose(cables.m[: cables.count] * np.sign(cables.m[: cables.count, :1]), [1, 0, 0])
+    assert float(sim.state.node.mass[: sim.state.n_node].sum()) == pytest.approx(momentum_mass)
+
+    sim._forces()
+    assert sim.ledger.strain == strain  # bitwise: the quads have not noticed
+    assert _largest_residual(sim) < 1e-11
+    # A bound far above round-off, far below any unrest: measured 1e-25.
+    assert _largest_kinetic(sim, 300) < 1e-10
+    assert cables.opening_max[: cables.count].max() < 1e-10
+
+
+def test_without_it_a_mismatch_shakes_the_strip() -> None:
+    mesh = _mesh(0.0)
+    sim = _stretched(mesh, 1.4, equilibrium_start=False)
+    _split_middle_row(sim, mesh)
+    sim._forces()
+    # The two flanks lack (1 - 1/1.4) of what the section carries, over the edge length: 0.29.
+    assert _largest_residual(sim) == pytest.approx(1.0 - 1.0 / 1.4, rel=0.05)
+    # A lower bound: measured 0.08.
+    assert _largest_kinetic(sim, 300) > 1e-3
+
+
+def test_without_it_but_without_mismatch_nothing_moves() -> None:
+    mesh = _mesh(0.0)
+    sim = _stretched(mesh, 1.0 + 1e-9, equilibrium_start=False)
+    _split_middle_row(sim, mesh)
+    sim._forces()
+    # The mismatch of 1e-9 moves it: kinetic energy of order 1e-18. Measured 4e-20.
+    assert _largest_kinetic(sim, 300) < 1e-15
