@@ -25,6 +25,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 Floats: TypeAlias = npt.NDArray[np.float64]
+Numbers: TypeAlias = npt.NDArray[Any]
+"""Real, or complex where the element is differentiated by a complex step."""
 Ints: TypeAlias = npt.NDArray[np.int64]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]

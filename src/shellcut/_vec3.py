@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ._jit import Floats, Vec3, inline
+from ._jit import Floats, Numbers, Vec3, inline
 
 
 @inline
-def load(rows: Floats, i: int) -> Vec3:
+def load(rows: Numbers, i: int) -> Vec3:
     return rows[i, 0], rows[i, 1], rows[i, 2]
 
 

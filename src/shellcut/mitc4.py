@@ -39,7 +39,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ._jit import Floats, inline
+from ._jit import Floats, Numbers, inline
 from ._vec3 import add, combine, dot, load, scale, sub
 
 N_STRAIN = 20
@@ -55,7 +55,7 @@ XI_SIDE = (0, 1, 1, 0)
 
 
 @inline
-def covariant_metric(x: Floats, t: Floats, m: Floats) -> None:
+def covariant_metric(x: Numbers, t: Numbers, m: Numbers) -> None:
     """Write the twenty scalar products whose change is the strain.
 
     Parameters
@@ -100,7 +100,7 @@ def covariant_metric(x: Floats, t: Floats, m: Floats) -> None:
 
 
 @inline
-def resultants(s: Floats, flat: bool, h_flat: Floats, h_full: Floats, e: int, r: Floats) -> None:
+def resultants(s: Numbers, flat: bool, h_flat: Floats, h_full: Floats, e: int, r: Numbers) -> None:
     """Write r = H s, the derivative of ½ sᵀ H s by the twenty strains.
 
     Parameters
@@ -163,7 +163,7 @@ def resultants(s: Floats, flat: bool, h_flat: Floats, h_full: Floats, e: int, r:
 
 
 @inline
-def nodal_forces(x: Floats, t: Floats, r: Floats, fx: Floats, ft: Floats) -> None:
+def nodal_forces(x: Numbers, t: Numbers, r: Numbers, fx: Numbers, ft: Numbers) -> None:
     """Write dW/dx and dW/dt of one quad from its resultants r = dW/ds.
 
     Parameters

@@ -16,15 +16,12 @@ from .mesh import Mesh
 from .mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
 from .section import build_sections, cartesian_map, shape_functions
 from .state import State
+from .tangent import N_FREEDOM, largest_eigenvalues, quad_tangents
 from .thickness_points import build_points, point_resultants
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
 # set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
-
-# Step of the central differences behind the element stiffness, in element sizes. The nodal force is
-# a cubic in the positions: the error is (1e-4)² relative, the round-off 1e-16 / 1e-4.
-_DIFFERENCE = 1e-4
 
 
 class MITC4Shell:
@@ -171,8 +168,23 @@ class MITC4Shell:
         The largest eigenvalue of a quad's stiffness (pre-stress counted) on its own share of mass
         and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
         """
+        squared = np.empty(quads.size)
+        largest_eigenvalues(
+            self.tangents(state, quads),
+            self.section.mass[quads],
+            self.quad_inertia[quads],
+            squared,
+        )
+        self.squared_frequency[quads] = squared
+
+    def tangents(self, state: State, quads: Ints) -> Floats:
+        """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
+
+        Freedoms as in :mod:`shellcut.tangent`; of the pre-integrated section.
+        """
         s, n = self.section, state.node
-        _quad_frequencies(
+        tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
+        quad_tangents(
             which=quads,
             x=n.x,
             t=n.t,
@@ -182,11 +194,9 @@ class MITC4Shell:
             row=s.row,
             h_flat=s.h_flat,
             h_full=s.h_full,
-            mass=s.mass,
-            inertia=self.quad_inertia,
-            difference=_DIFFERENCE,
-            squared=self.squared_frequency,
+            tangent=tangent,
         )
+        return tangent
 
 
 class _CentreStressMap:
@@ -400,113 +410,3 @@ def _add_fan_force(
             if quads[e, a] == node:
                 for c in range(3):
                     force[c] -= fx[a, c]
-
-
-@kernel
-def _quad_frequencies(
-    which: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
-    metric: Floats,
-    flat: Bools,
-    row: Ints,
-    h_flat: Floats,
-    h_full: Floats,
-    mass: Floats,
-    inertia: Floats,
-    difference: float,
-    squared: Floats,
-) -> None:
-    """Write the largest eigenvalue of M⁻¹ K of each quad ``which`` into ``squared`` : (n_quad,).
-
-    K is the derivative of the quad's own nodal forces by central differences, the directors turned
-    in their tangent planes: twelve translations and eight rotations.
-    """
-    xe, te = np.empty((4, 3)), np.empty((4, 3))
-    fx, ft = np.empty((4, 3)), np.empty((4, 3))
-    s, r = np.empty(20), np.empty(20)
-    tangent = np.empty((4, 2, 3))
-    column = np.empty((2, 20))
-    K = np.empty((20, 20))
-    scale_of = np.empty(20)
-    for i in range(which.shape[0]):
-        e = which[i]
-        _gather(x, quads, e, xe)
-        _gather(t, quads, e, te)
-        size = 0.0
-        for c in range(3):
-            size += (xe[2, c] - xe[0, c]) ** 2
-        size = np.sqrt(size)
-        for a in range(4):
-            _tangent_basis(te, a, tangent)
-            for c in range(3):
-                scale_of[3 * a + c] = 1.0 / np.sqrt(mass[e, a])
-            for b in range(2):
-                scale_of[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[e, a])
-        for j in range(20):
-            step = difference * size if j < 12 else difference
-            for sign in range(2):
-                delta = step if sign == 0 else -step
-                _turn(xe, te, tangent, j, delta)
-                covariant_metric(xe, te, s)
-                for k in range(20):
-                    s[k] -= metric[e, k]
-                resultants(s, flat[e], h_flat, h_full, row[e], r)
-                nodal_forces(xe, te, r, fx, ft)
-                _gather(x, quads, e, xe)
-                _gather(t, quads, e, te)
-                for a in range(4):
-                    for c in range(3):
-                        column[sign, 3 * a + c] = fx[a, c]
-                    for b in range(2):
-                        column[sign, 12 + 2 * a + b] = (
-                            ft[a, 0] * tangent[a, b, 0]
-                            + ft[a, 1] * tangent[a, b, 1]
-                            + ft[a, 2] * tangent[a, b, 2]
-                        )
-            for k in range(20):
-                K[k, j] = (column[0, k] - column[1, k]) / (2.0 * step)
-        # The director moves on the unit sphere: W(t cos θ + b sin θ) has the second derivative
-        # b·W_tt·b - t·W_t, the latter from the force at the undisturbed state.
-        covariant_metric(xe, te, s)
-        for k in range(20):
-            s[k] -= metric[e, k]
-        resultants(s, flat[e], h_flat, h_full, row[e], r)
-        nodal_forces(xe, te, r, fx, ft)
-        for a in range(4):
-            along = te[a, 0] * ft[a, 0] + te[a, 1] * ft[a, 1] + te[a, 2] * ft[a, 2]
-            for b in range(2):
-                K[12 + 2 * a + b, 12 + 2 * a + b] -= along
-        for k in range(20):
-            for j in range(k + 1):
-                sym = 0.5 * (K[k, j] + K[j, k]) * scale_of[k] * scale_of[j]
-                K[k, j] = sym
-                K[j, k] = sym
-        squared[e] = np.linalg.eigvalsh(K)[-1]
-
-
-@inline
-def _tangent_basis(te: Floats, a: int, tangent: Floats) -> None:
-    # The axis least along the director gives the best conditioned tangent.
-    axis = 0
-    for c in range(1, 3):
-        if abs(te[a, c]) < abs(te[a, axis]):
-            axis = c
-    length = np.sqrt(1.0 - te[a, axis] ** 2)
-    for c in range(3):
-        unit = 1.0 if c == axis else 0.0
-        tangent[a, 0, c] = (unit - te[a, axis] * te[a, c]) / length
-    tangent[a, 1, 0] = te[a, 1] * tangent[a, 0, 2] - te[a, 2] * tangent[a, 0, 1]
-    tangent[a, 1, 1] = te[a, 2] * tangent[a, 0, 0] - te[a, 0] * tangent[a, 0, 2]
-    tangent[a, 1, 2] = te[a, 0] * tangent[a, 0, 1] - te[a, 1] * tangent[a, 0, 0]
-
-
-@inline
-def _turn(xe: Floats, te: Floats, tangent: Floats, j: int, delta: float) -> None:
-    if j < 12:
-        xe[j // 3, j % 3] += delta
-    else:
-        a, b = (j - 12) // 2, (j - 12) % 2
-        for c in range(3):
-            te[a, c] += delta * tangent[a, b, c]

@@ -34,14 +34,23 @@ def smoothed(g, g_m):
 
 
 def node_force(x, tool, rotation, translation, side, area, penalty, g_m):
-    """Force [N] on a node at x, depth [mm], and the tooth that is hit (None outside)."""
+    """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
+
+    Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
+    the tool there is one answer: no force, and no tooth.
+    """
     p = rotation.T @ (x - translation)
     if winding_number(p, tool) < 0.5:
-        return np.zeros(3), 0.0, None
+        return [(np.zeros(3), 0.0, None)]
     allowed = [k for k in range(tool.n_triangle) if side * tool.flank[k] >= 0]
     places = {k: closest_point(p, tool.vertices[tool.triangles[k]]) for k in allowed}
-    hit = min(allowed, key=lambda k: np.linalg.norm(p - places[k]))
-    normal = tool.triangle_normals[hit]
-    depth = (places[hit] - p) @ normal
-    force = penalty * area * smoothed(depth, g_m) * (rotation @ normal)
-    return force, depth, int(tool.triangle_body[hit])
+    distance = {k: np.linalg.norm(p - q) for k, q in places.items()}
+    least = min(distance.values())
+    answers = []
+    for k in allowed:
+        if distance[k] < least + 1e-12:
+            normal = tool.triangle_normals[k]
+            depth = (places[k] - p) @ normal
+            size = penalty * area * smoothed(depth, g_m)
+            answers.append((size * (rotation @ normal), depth, int(tool.triangle_body[k])))
+    return answers

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from runs import broken_ratio, run
+from unstructured import unstructured_disc
 
 from shellcut import Fracture, opening_test
 from shellcut.models.opening import steady_work_per_radian
@@ -30,13 +31,14 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
     assert history["cohesive_work"][-1] <= BOUND
     assert summary["imbalance_rel"] < 5e-3
     assert summary["kinetic_rel"] < 0.01
-    # Work of the screw: T dθ + F (p/2π) dθ against what the ledger took up, over 30-70°.
+    # Work of the screw: T dθ + F (p/2π) dθ against what the ledger took up from 30° to 70°.
     lead = pitch / (2.0 * np.pi)
     power = summary["torque_plateau_Nmm"] + lead * summary["axial_force_plateau_N"]
     window = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
     angle = np.radians(history["angle"][window])
     taken_up = (history["tool_work"] - history["imbalance"])[window]
-    assert power == pytest.approx(np.polyfit(angle, taken_up, 1)[0], rel=0.01)
+    mean_rate = (taken_up[-1] - taken_up[0]) / (angle[-1] - angle[0])
+    assert power == pytest.approx(mean_rate, rel=2e-3)
     ratio = broken_ratio(case)
     assert abs(ratio - 1.0).max() < 0.01
     area = state.cable.area[: state.cable.count].sum()
@@ -85,3 +87,16 @@ def test_classical_cables_feel_a_quarter(tmp_path):
 @pytest.mark.slow
 def test_equilibrium_start(tmp_path):
     check_opening("M1", tmp_path, fracture=Fracture(equilibrium_start=True))
+
+
+@pytest.mark.slow
+def test_mesh_that_ignores_the_path_is_reported(tmp_path):
+    """The method needs a line of edges under the blade's path; without it, it cuts too much.
+
+    Measured on seed 0 (2,505 quads): cables 1.50 of theory, torque 321 instead of 144 N*mm, two
+    thirds of the splits off the path; the ledger closes all the same.
+    """
+    case = opening_test(unstructured_disc(seed=0))
+    summary, _ = run(case, tmp_path)
+    assert 1.2 < summary["dWcoh_dtheta_Nmm"] / steady_work_per_radian() < 2.2
+    assert summary["imbalance_rel"] < 0.01

@@ -86,7 +86,7 @@ def draw_torque(
     """
     x = np.asarray(coordinate, dtype=float)
     figure = new_figure(size, dpi)
-    axes = figure.add_axes((0.09, 0.12, 0.88, 0.80))
+    axes = figure.add_axes((0.09, 0.22, 0.88, 0.70))
     if teeth is not None:
         each = _column("teeth", teeth, x)
         if each.ndim != 2:
@@ -113,7 +113,15 @@ def draw_torque(
     handles, labels = axes.get_legend_handles_labels()
     first = labels.index("total")  # drawn over all others, named before them
     order = [first, *(k for k in range(len(labels)) if k != first)]
-    axes.legend([handles[k] for k in order], [labels[k] for k in order], frameon=False)
+    # Below the axes: a curve that fills them leaves no free corner.
+    axes.legend(
+        [handles[k] for k in order],
+        [labels[k] for k in order],
+        frameon=False,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.13),
+        ncols=3,
+    )
     if title is not None:
         axes.set_title(title)
     save(figure, path)

@@ -1,0 +1,464 @@
+"""Cables against their formulae, their potential, and the balance of forces and moments."""
+
+import numpy as np
+import pytest
+from naive import cable as naive
+
+from shellcut.cable import SHORT_BRANCH, START_OPENING, CableSet
+from shellcut.cohesive_law import CohesiveLaw, area_below
+from shellcut.meshing import rectangle
+from shellcut.motion import ScrewMotion
+from shellcut.state import BROKEN, JOINTED, STRAIGHT, initial_state
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+LAW = CohesiveLaw()
+AREA = 0.03
+HERE = np.eye(3), np.zeros(3)
+POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
+BLADE = straight_blade()  # edge x = y = 0, 3 > z > -3; blade at x < 0; plus is y > 0
+
+
+def state_with(*pairs, m=(0.0, 1.0, 0.0)):
+    """A state with one cable for each pair of end positions; spare rows poisoned."""
+    n = len(pairs)
+    state = initial_state(rectangle(2.0 * n, 1.0, n_x=2 * n - 1, n_y=1))
+    state.node.x[:] = np.nan
+    for k, (minus, plus) in enumerate(pairs):
+        assert state.cable.append_blank() == k
+        state.cable.ends[k] = 2 * k, 2 * k + 1
+        state.node.x[2 * k], state.node.x[2 * k + 1] = minus, plus
+        state.cable.m[k] = m
+        state.cable.branch[k] = m, -np.array(m)
+        state.cable.area[k] = AREA
+    return state
+
+
+def evaluate(cables, state, pose=HERE):
+    """Forces on the nodes of the cables from one evaluation, and what it returned."""
+    state.node.force[:] = 0.0
+    result = cables.add_forces(state, *pose)
+    return state.node.force[: 2 * state.n_cable].copy(), result
+
+
+def random_cables(seed=0):
+    rng = np.random.default_rng(seed)
+    m = np.array([0.6, 0.8, 0.0])
+    sizes = [1e-4, 2e-3, 0.03, 0.3, 1.0, 3.4, 4.5]
+    pairs = []
+    for size in sizes:
+        a = rng.uniform(-1, 1, 3)
+        w = m + 0.8 * rng.uniform(-1, 1, 3)
+        pairs.append((a, a + size * w / np.linalg.norm(w)))
+    return state_with(*pairs, m=m)
+
+
+@pytest.mark.parametrize(
+    "law", [LAW, CohesiveLaw(unloading="elastic"), CohesiveLaw(onset=0.0)], ids=str
+)
+@pytest.mark.parametrize("loaded", [True, False])
+def test_straight_cables_match_the_naive_twin(law, loaded):
+    state = random_cables()
+    c = state.cable
+    if not loaded:  # unloaded from 1.02 of the present length
+        c.opening_max[:7] = [2e-4, 3e-3, 0.0302, 0.302, 1.002, 3.401, 4.6]
+    largest = c.opening_max[:7].copy()
+    forces, result = evaluate(CableSet(law, None), state)
+    for k in range(7):
+        minus, plus = state.node.x[2 * k : 2 * k + 2]
+        ell, f_minus, f_plus = naive.straight(minus, plus, c.m[k], AREA, largest[k], law)
+        assert c.opening[k] == pytest.approx(ell, abs=1e-15)
+        assert c.opening_max[k] == max(c.opening[k], largest[k])
+        # Round-off of a difference of positions of 1 mm, 1e-16, in a length of delta_0 = 5e-3; with
+        # the slope 18 / delta_0 of the unloading, 1e-12 of the strength.
+        scale = 1e-11 * law.strength * AREA
+        np.testing.assert_allclose(forces[2 * k], f_minus, rtol=0, atol=scale)
+        np.testing.assert_allclose(forces[2 * k + 1], f_plus, rtol=0, atol=scale)
+    assert (c.status[:7] == [STRAIGHT] * 6 + [BROKEN]).all()
+    assert result.n_broken == 1
+    assert not result.wrench.any()
+    again, result = evaluate(CableSet(law, None), state)
+    assert not again[12:].any()  # broken for good
+    assert result.n_broken == 0
+
+
+def jointed_cables(pose, tool=BLADE):
+    """Three cables that the edge has just met, opened further since."""
+    rotation, translation = pose
+    pairs = [
+        ([-0.01, -0.3, 0.5], [-0.01, 0.2, 0.7]),
+        ([-0.02, -0.004, -1.0], [-0.01, 0.006, -1.001]),
+        ([-0.3, -0.5, 2.0], [-0.2, 0.9, 2.4]),
+    ]
+    space = [tuple(rotation @ p + translation for p in pair) for pair in pairs]
+    m = rotation @ [0.0, 1.0, 0.0]
+    state = state_with(*space, m=m)
+    cables = CableSet(LAW, tool)
+    _, result = evaluate(cables, state, pose)
+    assert result.n_joint_made == 3
+    assert (state.cable.status[:3] == JOINTED).all()
+    rng = np.random.default_rng(8)
+    state.node.x[:6] += rng.uniform(-0.2, 0.2, (6, 3))
+    return cables, state
+
+
+def joint_potential(cables, state, k, x, joint):
+    c = state.cable
+    length = np.linalg.norm(x[2 * k] - joint) + np.linalg.norm(x[2 * k + 1] - joint)
+    return AREA * area_below(length - c.joint_slack[k], cables.law.parameters())
+
+
+def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool():
+    cables, state = jointed_cables(POSE)
+    c = state.cable
+    largest = c.opening_max[:3].copy()
+    joints = c.joint_body[:3] @ POSE[0].T + POSE[1]
+    forces, result = evaluate(cables, state, POSE)
+    np.testing.assert_allclose(c.joint[:3], joints, atol=1e-14)
+    for k in range(3):
+        minus, plus = state.node.x[2 * k : 2 * k + 2]
+        ell, f_minus, f_plus = naive.jointed(
+            minus, plus, joints[k], c.joint_slack[k], AREA, largest[k], LAW
+        )
+        assert c.opening[k] == pytest.approx(ell, abs=1e-14)
+        np.testing.assert_allclose(forces[2 * k], f_minus, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(forces[2 * k + 1], f_plus, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result.wrench[0, :3], -forces.sum(axis=0), atol=1e-15)
+
+
+def test_jointed_force_is_the_gradient_for_the_nodes_and_the_tool():
+    cables, state = jointed_cables(POSE)
+    forces, result = evaluate(cables, state, POSE)
+    c, x, delta = state.cable, state.node.x[:6].copy(), 1e-6
+    assert (c.opening[:3] == c.opening_max[:3]).any()  # these are on the envelope
+    on_tool = np.zeros(3)
+    for k in np.flatnonzero(c.opening[:3] == c.opening_max[:3]):
+        for axis in np.eye(3):
+            slopes = []
+            for node in (2 * k, 2 * k + 1, None):
+                ends = []
+                for step in (delta, -delta):
+                    moved, joint = x.copy(), c.joint[k].copy()
+                    if node is None:
+                        joint += step * axis
+                    else:
+                        moved[node] += step * axis
+                    ends.append(joint_potential(cables, state, k, moved, joint))
+                slopes.append((ends[0] - ends[1]) / (2 * delta))
+            # Differences: 1e-6² truncation over branches of 0.1 mm, 1e-16 / 1e-6 round-off.
+            assert forces[2 * k] @ axis == pytest.approx(-slopes[0], abs=1e-8)
+            assert forces[2 * k + 1] @ axis == pytest.approx(-slopes[1], abs=1e-8)
+            on_tool += -slopes[2] * axis
+    if (c.opening[:3] == c.opening_max[:3]).all():
+        np.testing.assert_allclose(result.wrench[0, :3], on_tool, atol=1e-7)
+
+
+@pytest.mark.parametrize("size", [1e-4, 3e-3, 0.02, 0.7, 3.5])
+def test_straight_force_is_the_gradient_of_its_potential(size):
+    m = np.array([0.6, 0.8, 0.0])
+    w = size * np.array([0.5, 0.5, np.sqrt(0.5)])
+    state = state_with(([0, 0, 0], w), m=m)
+    forces, _ = evaluate(CableSet(LAW, None), state)
+    if size < LAW.onset:
+        # w sideways of m shortens nothing: the length measure grows from the very start.
+        assert state.cable.opening[0] > 0
+
+    def potential(w):
+        ell = np.linalg.norm(w + LAW.onset * m) - LAW.onset
+        return AREA * area_below(ell, LAW.parameters())
+
+    delta = 1e-4 * min(size, 0.1)
+    for axis in np.eye(3):
+        slope = (potential(w + delta * axis) - potential(w - delta * axis)) / (2 * delta)
+        # Truncation (delta / delta_0)² or less; round-off 1e-16 G / delta.
+        assert -forces[1] @ axis == pytest.approx(slope, abs=1e-6 * LAW.strength * AREA)
+    np.testing.assert_array_equal(forces[0], -forces[1])
+
+
+def test_first_step_pulls_along_m_whatever_the_onset():
+    for law in (LAW, CohesiveLaw(onset=0.0)):
+        m = np.array([0.6, 0.0, 0.8])
+        state = state_with(([1, 2, 3], [1, 2, 3]), m=m)
+        forces, _ = evaluate(CableSet(law, None), state)
+        np.testing.assert_allclose(forces[0], law.strength * AREA * m, rtol=1e-13, atol=1e-16)
+        np.testing.assert_allclose(forces[1], -forces[0])
+
+
+def test_literal_mode_pulls_along_w_from_the_second_step():
+    # [Frangi2010] 4: onset = 0.
+    law = CohesiveLaw(onset=0.0)
+    state = state_with(([0, 0, 0], [0, 0, 0]), m=[0, 1, 0])
+    cables = CableSet(law, None)
+    evaluate(cables, state)
+    state.node.x[1] = [1e-5, 0.0, 0.0]
+    forces, result = evaluate(cables, state)
+    np.testing.assert_allclose(forces[0], [law.traction(1e-5) * AREA, 0, 0], rtol=1e-12)
+    assert np.abs(result.couple).max() == 0.0
+
+
+@pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
+def test_moments_sum_to_the_named_couple(pose):
+    cables, state = jointed_cables(pose)
+    x, c = state.node.x, state.cable
+    # A fourth cable that stays straight and a joint with a short branch.
+    far = pose[0] @ [2.0, 0.0, 0.0] + pose[1]
+    state.node.x[1] = c.joint[0] + [2e-4, -3e-4, 1e-4]
+    c.status[2], c.start_force[2] = STRAIGHT, [0.1, -0.2, 0.3]
+    state.node.x[4:6] = far, far + [0.004, 0.003, -0.002]
+    c.opening_max[2] = 0.0
+    forces, result = evaluate(cables, state, pose)
+    assert c.status[2] == STRAIGHT
+    assert np.linalg.norm(c.joint[0] - x[1]) < SHORT_BRANCH
+    force = forces.sum(axis=0) + result.wrench[0, :3]
+    moment = np.cross(x[:6], forces).sum(axis=0)
+    moment += result.wrench[0, 3:] + np.cross(pose[1], result.wrench[0, :3])
+    # Round-off: forces of 0.5 N at positions of some mm.
+    assert np.abs(force).max() < 1e-14
+    np.testing.assert_allclose(moment, result.couple, rtol=0, atol=1e-14)
+    assert np.abs(result.couple).max() > 1e-5
+    # sigma_F A delta_0 of a straight cable, and of a branch its length.
+    named = LAW.strength * AREA * (LAW.onset + SHORT_BRANCH) + 0.4 * 0.006
+    assert np.linalg.norm(result.couple) < named
+
+
+def test_short_branch_keeps_its_last_direction():
+    cables, state = jointed_cables(HERE)
+    evaluate(cables, state)
+    before = state.cable.branch[0].copy()
+    state.node.x[1] = state.cable.joint[0] + [9e-4, 0.0, 0.0]
+    forces, _ = evaluate(cables, state)
+    np.testing.assert_array_equal(state.cable.branch[0, 1], before[1])
+    np.testing.assert_allclose(forces[1], state.cable.traction[0] * AREA * before[1], rtol=1e-14)
+    state.node.x[1] = state.cable.joint[0] + [1.1e-3, 0.0, 0.0]
+    evaluate(cables, state)
+    np.testing.assert_allclose(state.cable.branch[0, 1], [-1, 0, 0], atol=1e-12)
+
+
+# --- finding the joint -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("minus", "plus", "met"),
+    [
+        ((1e-6, -0.2, 0), (1e-6, 0.2, 0), False),  # the edge has not come yet
+        ((-1e-6, -0.2, 0), (-1e-6, 0.2, 0), True),
+        ((-1.0, -0.2, 0), (-1.0, 0.2, 0), True),  # born 1 mm late
+        ((-1.6, -0.2, 0), (-1.6, 0.2, 0), False),  # behind the blade
+        ((-0.01, -0.2, 3.1), (-0.01, 0.2, 3.1), False),  # above the edge's end
+        ((-0.01, -0.2, -3.1), (-0.01, 0.2, -3.1), False),  # below it
+        ((-0.01, 0.1, 0), (-0.01, 0.4, 0), False),  # both ends on the plus side
+        ((-0.01, -0.4, 0), (-0.01, -0.1, 0), False),
+        ((0.2, -0.2, 0), (-0.3, 0.2, 0), True),  # crosses the mid-plane at x = -0.05
+        ((0.3, -0.2, 0), (-0.2, 0.2, 0), False),  # crosses it at x = +0.05, ahead of the edge
+        ((-0.01, -1e-9, 0), (-0.01, 1e-9, 0), True),  # hardly opened yet
+        ((-0.01, 0.2, 0), (-0.01, -0.2, 0), True),  # either way round
+    ],
+)
+@pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
+def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
+    ends = [pose[0] @ p + pose[1] for p in (minus, plus)]
+    state = state_with(ends, m=pose[0] @ [0.0, 1.0, 0.0])
+    _, result = evaluate(CableSet(LAW, BLADE), state, pose)
+    assert result.n_joint_made == int(met)
+    assert state.cable.status[0] == (JOINTED if met else STRAIGHT)
+    state = state_with(ends)
+    evaluate(CableSet(LAW, BLADE, directional=False), state, pose)
+    assert state.cable.status[0] == STRAIGHT
+
+
+def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
+    state = state_with(([0.0, -0.15, 0.4], [0.0, 0.05, 0.4]))
+    cables = CableSet(LAW, BLADE)
+    evaluate(cables, state, (np.eye(3), np.array([-0.004, 0, 0])))
+    assert state.cable.status[0] == STRAIGHT
+    straight = state.cable.opening[0]
+    _, result = evaluate(cables, state, (np.eye(3), np.array([0.006, 0, 0])))
+    c = state.cable
+    assert result.n_joint_made == 1
+    np.testing.assert_allclose(c.joint[0], [0.006, 0, 0.4], atol=1e-15)
+    np.testing.assert_allclose(c.joint_body[0], [0, 0, 0.4], atol=1e-15)
+    assert c.overshoot[0] == pytest.approx(0.006, rel=1e-12)
+    # The bend of the overshoot is slack, not opening.
+    assert c.opening[0] == pytest.approx(straight, abs=1e-14)
+    assert c.joint_slack[0] == pytest.approx(
+        np.hypot(0.15, 0.006) + np.hypot(0.05, 0.006) - straight, abs=1e-14
+    )
+    # From now on the joint goes with the tool, and there is never a second one.
+    _, result = evaluate(cables, state, (np.eye(3), np.array([0.5, 0.0, 0.0])))
+    assert result.n_joint_made == 0
+    np.testing.assert_allclose(c.joint[0], [0.5, 0, 0.4], atol=1e-15)
+    assert c.opening[0] > straight + 0.8
+    assert c.overshoot[0] == pytest.approx(0.006, rel=1e-12)
+
+
+def test_each_tooth_gets_its_own_wrench():
+    tool = tooth_ring()
+    cables = CableSet(LAW, tool)
+    pairs = []
+    for body in range(4):
+        k = np.flatnonzero(tool.edge_body == body)[2]
+        p = tool.point(int(k), 0.5) + 0.01 * tool.edge_back[k]
+        pairs.append((p - 0.2 * tool.edge_normal[k], p + 0.1 * tool.edge_normal[k]))
+    state = state_with(*pairs)
+    for k, (minus, plus) in enumerate(pairs):
+        state.cable.m[k] = (plus - minus) / np.linalg.norm(plus - minus)
+    forces, result = evaluate(cables, state)
+    assert (state.cable.status[:4] == JOINTED).all()
+    assert (tool.edge_body[state.cable.edge[:4]] == [0, 1, 2, 3]).all()
+    np.testing.assert_allclose(
+        result.wrench[:, :3], -forces.reshape(4, 2, 3).sum(axis=1), atol=1e-14
+    )
+    np.testing.assert_allclose(
+        result.wrench[:, 3:], np.cross(state.cable.joint[:4], result.wrench[:, :3]), atol=1e-12
+    )
+    # The joint is on the cutting edge, where the cable had crossed it.
+    for k in range(4):
+        middle = pairs[k][0] * (1 / 3) + pairs[k][1] * (2 / 3)
+        assert np.linalg.norm(state.cable.joint[k] - middle) == pytest.approx(0.01, rel=1e-3)
+
+
+# --- work --------------------------------------------------------------------------------------
+
+
+def pull(cables, state, velocities, dt, n, tool_velocity=(0, 0, 0), start=(0.0, 0, 0)):
+    """Move nodes and tool at constant velocity for n steps; return the tool's place."""
+    place = np.array(start, dtype=float)
+    for _ in range(n):
+        state.node.velocity_half[:2] = velocities
+        state.node.x[:2] += dt * np.array(velocities)
+        place += dt * np.array(tool_velocity)
+        state.dt = dt
+        state.time += dt
+        evaluate(cables, state, (np.eye(3), place.copy()))
+    return place
+
+
+@pytest.mark.parametrize("unloading", ["secant", "elastic"])
+def test_straight_pull_takes_g_a(unloading):
+    law = CohesiveLaw(unloading=unloading)
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    cables = CableSet(law, None)
+    evaluate(cables, state)
+    # Slanted to m, to and fro: mode and history do not matter for what is dissipated in the end.
+    pull(cables, state, [[0, 0, 0], [600.0, 800.0, 0]], 1e-6, 1500)
+    stored, dissipated = cables.energies(state)
+    assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-4)
+    pull(cables, state, [[0, 0, 0], [-600.0, -800.0, 0]], 1e-6, 700)
+    stored, dissipated = cables.energies(state)
+    # The steps are 1e-3 mm: trapezoids of the first 5 of them, over delta_0, are the coarsest.
+    assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-3)
+    pull(cables, state, [[0, 0, 0], [600.0, 800.0, 0]], 1e-6, 3300)
+    assert state.cable.status[0] == BROKEN
+    assert state.cable.end_time[0] == pytest.approx((1500 + 700 + 700 + 2500) * 1e-6, abs=5e-6)
+    assert state.cable.work[0] == pytest.approx(43.5 * AREA, rel=1e-3)
+    assert cables.energies(state) == (0.0, pytest.approx(43.5 * AREA, rel=1e-12))
+
+
+def test_jointed_pull_takes_g_a():
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    cables = CableSet(LAW, BLADE)
+    start = [-0.05, 0.0, 0.0]
+    evaluate(cables, state, (np.eye(3), np.array(start)))
+    total = 0.0
+    pull(cables, state, [[0, -500, 0], [0, 500, 0.0]], 1e-6, 200, start=start)
+    assert state.cable.status[0] == STRAIGHT
+    # Now the blade comes and draws the cable out; the plus flank gives way a little.
+    place = start
+    for _ in range(3000):
+        place = pull(
+            cables, state, [[0, 0, 0], [0, 50, 0.0]], 1e-6, 1, tool_velocity=(1000, 0, 0), start=place
+        )
+        total = max(total, state.cable.overshoot[0])
+    c = state.cable
+    assert c.status[0] == BROKEN
+    assert 0 <= total <= 1.1e-3  # one step of the blade
+    assert c.work[0] == pytest.approx(43.5 * AREA, rel=1e-3)
+    assert cables.energies(state)[1] == pytest.approx(43.5 * AREA, rel=1e-12)
+
+
+def test_work_of_an_evaluation_is_the_sum_over_the_cables():
+    cables, state = jointed_cables(HERE)
+    state.dt = 1e-6
+    state.node.velocity_half[:6] = np.random.default_rng(0).uniform(-1e3, 1e3, (6, 3))
+    before = state.cable.work[:3].copy()
+    old = state.cable.force[:3].copy()
+    joints = state.cable.joint[:3].copy()
+    _, result = evaluate(cables, state, (np.eye(3), np.array([0.001, 0, 0])))
+    assert result.work == pytest.approx((state.cable.work[:3] - before).sum(), rel=1e-12)
+    mean = 0.5 * (old + state.cable.force[:3])
+    v = state.node.velocity_half[:6].reshape(3, 2, 3)
+    by_hand = -1e-6 * (mean * v).sum()
+    by_hand += (mean.sum(axis=1) * (state.cable.joint[:3] - joints)).sum()
+    assert result.work == pytest.approx(by_hand, rel=1e-12)
+    assert result.work != 0.0
+
+
+def test_equilibrium_start_force_fades_and_its_work_is_booked_apart():
+    start = np.array([0.05, -0.1, 0.2])
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    state.cable.start_force[0] = start
+    cables = CableSet(LAW, None)
+    forces, _ = evaluate(cables, state)
+    np.testing.assert_allclose(forces[0], [0.05, -0.1 + 18 * AREA, 0.2], rtol=1e-13)
+    np.testing.assert_allclose(forces[1], -forces[0])
+    w = np.array([0.3, 0.9, -0.3]) / np.sqrt(0.99)
+    n, dt, speed = 1200, 1e-6, 50.0
+    pull(cables, state, [[0, 0, 0], speed * w], dt, n)  # 0.06 mm: gone at 0.05
+    forces, _ = evaluate(cables, state)
+    pulled = state.cable.traction[0] * AREA
+    assert np.linalg.norm(forces[0]) == pytest.approx(pulled, rel=1e-12)
+    # Closed form for w along the length: start · w times half of 0.05 mm; delta_0 m turns d a bit.
+    assert state.cable.start_work[0] == pytest.approx(0.5 * START_OPENING * (start @ w), rel=0.02)
+    stored, dissipated = cables.energies(state)
+    assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-3)
+
+
+# --- stiffness for the stable step -------------------------------------------------------------
+
+
+def numeric_stiffness(cables, state, pose, node):
+    """Largest eigenvalue of the derivative of one node's force by its own position."""
+    x, delta = state.node.x.copy(), 1e-8
+    saved = {k: getattr(state.cable, k).copy() for k in ("opening_max", "status", "branch")}
+    K = np.zeros((3, 3))
+    for j in range(3):
+        ends = []
+        for step in (delta, -delta):
+            for name, value in saved.items():
+                getattr(state.cable, name)[:] = value
+            state.node.x[:] = x
+            state.node.x[node, j] += step
+            ends.append(evaluate(cables, state, pose)[0][node])
+        K[:, j] = -(ends[0] - ends[1]) / (2 * delta)
+    for name, value in saved.items():
+        getattr(state.cable, name)[:] = value
+    state.node.x[:] = x
+    evaluate(cables, state, pose)
+    return np.linalg.eigvalsh(0.5 * (K + K.T))[-1]
+
+
+def test_stiffness_bounds_the_true_one():
+    for cables, state in ((CableSet(LAW, None), random_cables()), jointed_cables(HERE)):
+        state.time = 1.0  # not newborn
+        evaluate(cables, state, HERE)
+        nodes, bound = cables.stiffness(state)
+        live = np.flatnonzero(state.cable.status[: state.n_cable] != BROKEN)
+        assert nodes.tolist() == [n for k in live for n in (2 * k, 2 * k + 1)]
+        for node, limit in zip(nodes, bound, strict=True):
+            true = numeric_stiffness(cables, state, HERE, node)
+            # A straight cable counts twice, for its two ends may move against each other.
+            factor = 2.0 if state.cable.status[node // 2] == STRAIGHT else 1.0
+            assert factor * true <= limit * (1 + 1e-4)
+            assert factor * true > 0.3 * limit
+
+
+def test_newborn_cable_counts_with_its_full_strength():
+    state = state_with(([0, 0, 0], [0, 0, 0]))
+    _, bound = CableSet(LAW, None).stiffness(state)  # before any evaluation
+    np.testing.assert_allclose(bound, 2 * 18.0 * AREA / LAW.onset, rtol=1e-14)
+
+
+def test_no_cables_no_forces():
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
+    result = CableSet(LAW, BLADE).add_forces(state, *HERE)
+    assert (result.work, result.n_broken, result.n_joint_made) == (0.0, 0, 0)
+    assert result.wrench.shape == (1, 6)

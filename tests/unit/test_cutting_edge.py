@@ -1,0 +1,100 @@
+"""Coordinates along, beside and behind a cutting edge."""
+
+import numpy as np
+import pytest
+
+from shellcut.cutting_edge import (
+    CUT_DEPTH,
+    CuttingEdges,
+    edge_point,
+    strip_coordinates,
+    to_body,
+    to_space,
+    turn,
+)
+from shellcut.motion import ScrewMotion
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
+
+
+def strip(p, k, edges):
+    return strip_coordinates(tuple(p), k, edges.start, edges.vector, edges.normal, edges.back)
+
+
+def test_coordinates_of_a_straight_blade():
+    # Edge from z = 3 down to -3 at x = y = 0, plus is y > 0, the blade lies at x < 0.
+    edges = CuttingEdges.of(straight_blade())
+    along, lateral, depth, owns = strip((-0.4, 0.07, 1.0), 0, edges)
+    assert (along, lateral, depth) == (pytest.approx(2.0), pytest.approx(0.07), pytest.approx(0.4))
+    assert owns
+
+
+@pytest.mark.parametrize(
+    ("point", "owned"),
+    [
+        ((-1e-9, 0, 0), True),  # just passed
+        ((1e-9, 0, 0), False),  # in front
+        ((-0.3, 99.0, 0), True),  # ownership says nothing of what lies beside
+        ((-CUT_DEPTH + 1e-6, 0, 0), True),
+        ((-CUT_DEPTH - 1e-6, 0, 0), False),
+        ((-1e-6, 0, 3.001), False),
+        ((-1e-6, 0, -3.001), False),
+        ((-0.1, 0, 3.019), True),  # strips widen by a fifth of the depth, for curved edges
+        ((-0.1, 0, 3.021), False),
+    ],
+)
+def test_ownership(point, owned):
+    assert strip(point, 0, CuttingEdges.of(straight_blade()))[3] is owned
+
+
+@pytest.mark.parametrize("k", [0, 3, 7])
+def test_coordinates_are_a_rotated_frame(k):
+    tool = tooth_ring()
+    edges = CuttingEdges.of(tool)
+    a, b = tool.vertices[tool.edges[k]]
+    e = (b - a) / np.linalg.norm(b - a)
+    frame = np.array([e, tool.edge_normal[k], tool.edge_back[k]])
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    p = a + frame.T @ [0.05, -0.2, 0.3]
+    along, lateral, depth, owns = strip(p, k, edges)
+    # Round-off at positions of some 10 mm.
+    np.testing.assert_allclose([along, lateral, depth], [0.05, -0.2, 0.3], atol=1e-13)
+    assert owns
+    assert edges.body[k] == tool.edge_body[k]
+
+
+def test_strips_of_a_curved_edge_leave_no_gap():
+    # Any point behind a tooth's edge, within its height, belongs to some segment.
+    tool = tooth_ring()
+    edges = CuttingEdges.of(tool)
+    mine = np.flatnonzero(tool.edge_body == 0)
+    low, high = tool.vertices[tool.edges[mine[0], 0]], tool.vertices[tool.edges[mine[-1], 1]]
+    assert low[2] < high[2]
+    for s in np.linspace(0.01, 0.99, 150):
+        k = mine[int(s * mine.size)]
+        fraction = s * mine.size - int(s * mine.size)
+        for depth in (1e-6, 0.1, 0.5, 1.4):
+            p = tool.point(int(k), fraction) + depth * tool.edge_back[k]
+            assert any(strip(p, j, edges)[3] for j in mine), (s, depth)
+
+
+def test_edge_point_is_clipped_to_the_segment():
+    edges = CuttingEdges.of(straight_blade())
+    for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):
+        np.testing.assert_allclose(edge_point(along, 0, edges.start, edges.vector), [0, 0, z], atol=1e-15)
+
+
+def test_body_and_space_are_inverse():
+    rotation, translation = POSE
+    p = (1.0, -2.0, 0.5)
+    space = to_space(p, rotation, translation)
+    np.testing.assert_allclose(space, rotation @ p + translation, atol=1e-14)
+    np.testing.assert_allclose(to_body(space, rotation, translation), p, atol=1e-14)
+    np.testing.assert_allclose(turn(p, rotation), rotation @ p, atol=1e-15)
+
+
+def test_no_tool_has_no_edges():
+    edges = CuttingEdges.of(None)
+    assert edges.start.shape == edges.back.shape == (0, 3)
+    assert edges.body.shape == (0,)
