@@ -64,6 +64,18 @@ class NodalForce:
 
 
 @dataclass(frozen=True)
+class NodalMoment:
+    """Dead moment [N·mm] on the director of every node of a set or list.
+
+    Its part along the director does nothing: five freedoms a node leave no drilling.
+    """
+
+    nodes: NodeChoice
+    moment: Sequence[float]
+    factor: Callable[[float], float] = steady
+
+
+@dataclass(frozen=True)
 class EdgeTraction:
     """Dead force per reference length [N/mm] on the boundary edges between nodes of a set."""
 
@@ -72,7 +84,7 @@ class EdgeTraction:
     factor: Callable[[float], float] = steady
 
 
-Load = Gravity | Pressure | NodalForce | EdgeTraction
+Load = Gravity | Pressure | NodalForce | NodalMoment | EdgeTraction
 
 
 class LoadSet:
@@ -88,6 +100,7 @@ class LoadSet:
         self._gravity: list[tuple[Floats, Callable[[float], float]]] = []
         self._following: list[tuple[Ints, float, Callable[[float], float]]] = []
         self._nodal: list[tuple[Ints, Floats, Callable[[float], float]]] = []
+        self._moment: list[tuple[Ints, Floats, Callable[[float], float]]] = []
         self._by_quad: list[tuple[Ints, Floats, Callable[[float], float]]] = []
         for one in loads:
             if isinstance(one, Gravity):
@@ -96,6 +109,9 @@ class LoadSet:
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
                 self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
+            elif isinstance(one, NodalMoment):
+                ids = choose_nodes(mesh, one.nodes)
+                self._moment.append((ids, np.array(_vector("moment", one.moment)), one.factor))
             elif isinstance(one, Pressure):
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
@@ -110,7 +126,9 @@ class LoadSet:
     @property
     def is_empty(self) -> bool:
         """Whether there is no load at all."""
-        return not (self._gravity or self._following or self._nodal or self._by_quad)
+        return not (
+            self._gravity or self._following or self._nodal or self._moment or self._by_quad
+        )
 
     def add_forces(self, state: State) -> float:
         """Add the loads at t_n to the nodal forces; return their work since t_{n-1} [N·mm]."""
@@ -132,6 +150,13 @@ class LoadSet:
         work = 0.5 * float(((n.load_force[: n.count] + total) * step).sum())
         n.load_force[: n.count] = total
         n.force[: n.count] += total
+        for ids, moment, factor in self._moment:
+            # The force conjugate to t whose moment t x g is the part of M normal to t.
+            m = np.broadcast_to(factor(state.time) * moment, (ids.size, 3))
+            np.add.at(n.director_force, ids, np.cross(m, n.t[ids]))
+            spin = n.spin_half[ids]
+            before = np.broadcast_to(factor(state.time - state.dt) * moment, (ids.size, 3))
+            work += 0.5 * state.dt * float(((m + before) * spin).sum())
         return work
 
     def fan_force(self, state: State, node: int, fan: Ints) -> Floats:

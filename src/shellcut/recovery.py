@@ -65,9 +65,11 @@ def recover(state: State, shell: MITC4Shell, nodes: Ints, *, place: str = "mid")
             np.stack([one.direction for one in layers])[best, pick],
             layers[1].n_borrowed,
         )
+    if len(nodes) == 0:
+        return NodalStress(np.zeros(0), np.zeros((0, 3)), 0)
     n = state.node
     rows = [n.quads[i, : n.n_quad_at[i]] for i in nodes]
-    ring = np.unique(state.quads[np.concatenate(rows)]) if rows else np.zeros(0, np.int64)
+    ring = np.unique(state.quads[np.concatenate(rows)])
     needed = np.unique(np.concatenate([n.quads[i, : n.n_quad_at[i]] for i in ring]))
     stress = np.zeros((state.quads.shape[0], 3, 3))
     stress[needed] = shell.stress(state, needed, place=place)

@@ -79,3 +79,13 @@ def forces_of(shell, state):
     state.node.director_force[:n] = 0.0
     energy, _ = shell.add_forces(state)
     return energy, -state.node.force[:n].copy(), -state.node.director_force[:n].copy()
+
+
+def welded(state, node):
+    """Undo a cut at one node: its twins' quads go back to it, the twins are left without quads."""
+    twins = np.flatnonzero(state.node.origin[: state.n_node] == node)
+    state.quads[np.isin(state.quads, twins)] = node
+    mine = np.flatnonzero((state.quads == node).any(axis=1))
+    state.node.n_quad_at[twins] = 0
+    state.node.quads[node, : mine.size], state.node.n_quad_at[node] = mine, mine.size
+    return state

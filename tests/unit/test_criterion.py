@@ -1,0 +1,331 @@
+"""Which node splits, along which edges: nodal force, stress, turn limit, blade-cut rule."""
+
+import numpy as np
+import pytest
+from naive import cases
+from naive import topology as naive
+
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.criterion import Fracture, SplitCriterion, cable_share, owns_flank
+from shellcut.fan import crack_tips, open_edges
+from shellcut.load import LoadSet, Pressure
+from shellcut.meshing import rectangle
+from shellcut.tool_shapes import straight_blade
+from shellcut.topology import split_node
+
+H = 0.074
+STRENGTH = 18.0
+BLADE = straight_blade()
+ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
+
+
+def sheet():
+    return rectangle(6.0, 4.0, n_x=6, n_y=4)
+
+
+def pulled(mesh, strain, loads=(), tool=None, **fracture):
+    """A film under the homogeneous strain, with its criterion."""
+    shell, state = cases.set_up(mesh)
+    F = np.eye(3)
+    F[:2, :2] += strain
+    state.node.x[: mesh.n_node] = mesh.nodes @ F.T
+    criterion = SplitCriterion(
+        Fracture(**fracture),
+        STRENGTH,
+        shell,
+        LoadSet(mesh, loads),
+        tool,
+        frozenset(open_edges(state)),
+    )
+    E = 0.5 * (F.T @ F - np.eye(3))[:2, :2]
+    s = cases.FILM.layers[0].material.plane_stress() @ [E[0, 0], E[1, 1], 2 * E[0, 1]]
+    S = np.zeros((3, 3))
+    S[:2, :2] = [[s[0], s[2]], [s[2], s[1]]]
+    return shell, state, criterion, F @ S
+
+
+def due(criterion, state, tips=None, pose=None):
+    rotation, translation = pose or (np.eye(3), np.full(3, 1e3))
+    tips = crack_tips(state) if tips is None else tips
+    return criterion.due(state, tips, rotation, translation, 0.0)
+
+
+@pytest.mark.parametrize("skewed", [False, True])
+def test_force_between_the_halves_is_the_traction_on_the_opened_edges(skewed):
+    mesh = cases.skewed_flat(6, 4, seed=5, amount=0.12) if skewed else sheet()
+    _, state, criterion, P = pulled(
+        mesh, np.array([[0.001, 0.0], [0.0, 0.02]]), candidates="all"
+    )
+    found = due(criterion, state)
+    inner = [s for s in found if s.node not in mesh.boundary_nodes()]
+    assert inner
+    for split in inner:
+        # Closed form: first Piola-Kirchhoff traction on half of each opened edge, as a polygon.
+        fars = [far for far, _ in split.half_edges]
+        assert len(fars) == 2
+        ends = mesh.nodes[fars]
+        across = ends[1] - ends[0]
+        normal = np.array([across[1], -across[0], 0.0])
+        normal *= np.sign(normal @ split.m)
+        wanted = P @ normal * 0.5 * H
+        np.testing.assert_allclose(split.force, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+        area = H * sum(half for _, half in split.half_edges)
+        for far, half in split.half_edges:
+            edge = mesh.nodes[far] - mesh.nodes[split.node]
+            assert half == pytest.approx(0.5 * np.linalg.norm(edge), rel=1e-14)
+        assert split.measure == pytest.approx(wanted @ split.m / (STRENGTH * area), rel=1e-11)
+        # m is the unit normal in the sheet, from minus to plus.
+        assert np.linalg.norm(split.m) == pytest.approx(1.0, rel=1e-14)
+        assert split.m[2] == 0.0
+        centre = [state.node.x[state.quads[list(g)]].mean(axis=(0, 1))
+                  for g in (split.minus, split.plus)]  # fmt: skip
+        assert (centre[1] - centre[0]) @ split.m > 0
+        assert split.measure >= 1.0
+        assert not split.blade
+
+
+def test_straight_split_of_a_pulled_strip_carries_sigma_h_edge():
+    mesh = sheet().cut(ROW)
+    _, state, criterion, P = pulled(mesh, np.diag([0.0, 0.03]))
+    (split,) = due(criterion, state)
+    assert split.node == 17
+    assert [far for far, _ in split.half_edges] == [18]  # the notch itself carries no cable
+    assert split.half_edges[0][1] == 0.5
+    # The tip's two quads ahead and two behind: the traction of half the edge ahead, P h / 2, and
+    # of half the edge behind, where the flanks of this homogeneous state still pull.
+    assert abs(split.force @ split.m) == pytest.approx(P[1, 1] * H * 1.0, rel=1e-11)
+    assert split.measure == pytest.approx(P[1, 1] * 1.0 / (STRENGTH * 0.5), rel=1e-11)
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.98, 0), (1.02, 1)])
+def test_due_at_the_strength(factor, expected):
+    # The measure of the notch tip is twice P / sigma_F, see above.
+    strain = factor * 0.5 * STRENGTH / (1678.0 / 0.91)
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.diag([0.0, strain]))
+    assert len(due(criterion, state)) == expected
+
+
+def test_common_acceleration_pulls_nothing_apart():
+    # Dead pressure on an unstrained skewed film: every part moves alike, so F_c = 0 although the
+    # two sides' forces and masses differ. Without the masses it would be half their difference.
+    mesh = cases.skewed_flat(6, 4, seed=5, amount=0.2)
+    shell, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), [Pressure(0.1)], candidates="all")
+    for node in (16, 17, 24):
+        for option in criterion._admissible(state, node):
+            split = criterion._weigh(state, node, option, 0.0, blade=False)
+            one = LoadSet(mesh, [Pressure(0.1)]).fan_force(state, node, np.array(split.minus))
+            assert np.abs(one).max() > 0.01
+            assert np.abs(split.force).max() < 1e-13 * np.abs(one).max() * 10
+            assert not np.isnan(split.measure)
+    assert shell.damping_beta == 0.0
+
+
+def test_options_are_all_ways_to_part_the_quads():
+    state_mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(state_mesh, np.zeros((2, 2)), turn_limit_deg=179.0)
+    # Interior: any two of four edges; tip: any of the three inner edges; boundary: one edge.
+    assert len(criterion._admissible(state, 24)) == 6
+    assert len(criterion._admissible(state, 17)) == 3
+    assert len(criterion._admissible(state, 3)) == 1
+    assert len(criterion._admissible(state, 0)) == 0  # a corner has nothing to part
+    for node in (24, 17, 3):
+        for option in criterion._admissible(state, node):
+            groups = naive.parted(state, node, [*option.back, *option.ahead])
+            assert sorted([tuple(sorted(option.minus)), tuple(sorted(option.plus))]) == groups
+            assert option.length == pytest.approx(sum(half for _, half in option.half_edges))
+
+
+@pytest.mark.parametrize(("limit", "node"), [(57.0, None), (80.0, None), (100.0, 17)])
+def test_turn_limit(limit, node):
+    # Pulled along the notch: the crack would have to turn by 90°.
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.diag([0.05, -0.015]), turn_limit_deg=limit)
+    found = due(criterion, state)
+    assert [s.node for s in found] == ([] if node is None else [node])
+    if found:
+        assert found[0].half_edges[0][0] in (10, 24)
+
+
+def test_turn_is_measured_from_the_arriving_crack():
+    mesh = sheet().cut(ROW)
+    for limit, count in ((57.0, 1), (91.0, 3)):
+        _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), turn_limit_deg=limit)
+        options = criterion._admissible(state, 17)
+        assert len(options) == count
+        assert (18,) in [option.ahead for option in options]
+
+
+@pytest.mark.parametrize("criterion_name", ["force", "stress"])
+def test_strongest_first_and_no_two_share_a_quad(criterion_name):
+    mesh = rectangle(10.0, 8.0, n_x=10, n_y=8)
+    shell, state, criterion, _ = pulled(
+        mesh, np.zeros((2, 2)), candidates="all", criterion=criterion_name
+    )
+    # The strain grows towards the middle of the right half.
+    x, y, _ = mesh.nodes.T
+    state.node.x[: mesh.n_node, 1] = y * (1.0 + 0.02 * np.exp(-((x - 6.0) ** 2) / 8.0))
+    found = due(criterion, state)
+    assert len(found) >= 2
+    measures = [s.measure for s in found]
+    assert measures == sorted(measures, reverse=True)
+    assert min(measures) >= 1.0
+    used = [e for s in found for e in (*s.minus, *s.plus)]
+    assert len(used) == len(set(used))
+    # Any node that was left out shares a quad with a stronger one.
+    alone = [criterion._by_force(state, n, 0.0) for n in range(mesh.n_node)]
+    if criterion_name == "force":
+        best = max((s for s in alone if s is not None), key=lambda s: s.measure)
+        assert found[0].measure == best.measure
+
+
+def test_stress_criterion_reads_the_recovered_stress():
+    mesh = sheet().cut(ROW)
+    shell, state, criterion, P = pulled(mesh, np.diag([0.0, 0.012]), criterion="stress")
+    (split,) = due(criterion, state)
+    sigma = shell.stress(state, np.array([0]))[0, 1, 1]
+    assert split.measure == pytest.approx(sigma / STRENGTH, rel=1e-9)
+    assert split.half_edges == ((18, 0.5),)
+    _, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.009]), criterion="stress")
+    assert due(criterion, state) == []
+
+
+@pytest.mark.parametrize("criterion_name", ["force", "stress"])
+def test_supported_nodes_never_split(criterion_name):
+    mesh = sheet().cut(ROW)
+    for candidates in ("tips", "all"):
+        _, state, criterion, _ = pulled(
+            mesh, np.diag([0.0, 0.05]), candidates=candidates, criterion=criterion_name
+        )
+        assert due(criterion, state)
+        state.node.supported[: mesh.n_node] = True
+        assert due(criterion, state) == []
+
+
+def test_tips_only_or_all_nodes():
+    mesh = sheet().cut(ROW)
+    for candidates, more in (("tips", False), ("all", True)):
+        _, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.05]), candidates=candidates)
+        nodes = {s.node for s in due(criterion, state)}
+        assert (nodes > {17}) == more
+        assert more or nodes == {17}
+
+
+def test_options_are_forgotten_when_the_topology_changes():
+    mesh = sheet().cut(ROW)
+    shell, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.05]))
+    (split,) = due(criterion, state)
+    split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+    (split,) = due(criterion, state)
+    assert split.node == 18
+    assert [far for far, _ in split.half_edges] == [17, 19]  # arriving and leaving
+
+
+def test_cables_count_with_the_half_that_owns_their_flank():
+    mesh = sheet()
+    shell, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), candidates="all")
+    options = criterion._admissible(state, 17)
+    straight = next(o for o in options if {*o.back, *o.ahead} == {16, 18})
+    split = criterion._weigh(state, 17, straight, 0.0, blade=False)
+    split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+    c = state.cable
+    c.half_edge[0] = [0.5, 0.2]  # as if the edges were of different length
+    c.force[0] = [[7.0, 14.0, 21.0], [-7.0, -14.0, -21.0]]
+    minus = split.minus
+    far = c.half_edge_far[0].tolist()
+    for e in minus:
+        mine = [i for i in range(2) if owns_flank(state, 17, (e,), far[i])]
+        assert len(mine) == 1
+        share = c.half_edge[0, mine[0]] / 0.7
+        np.testing.assert_allclose(cable_share(state, 17, (e,)), share * c.force[0, 0], rtol=1e-14)
+    np.testing.assert_allclose(cable_share(state, 17, minus), c.force[0, 0], rtol=1e-14)
+    c.status[0] = 2  # broken: nothing left
+    assert not cable_share(state, 17, minus).any()
+
+
+# --- the blade-cut rule ------------------------------------------------------------------------
+
+
+def at(x, y):
+    """Pose of the blade with its edge at a place; it moves along +x, and y is lateral."""
+    return np.eye(3), np.array([x, y, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("edge", "expected"),
+    [
+        ((3.01, 0.0), [17]),  # just pierced
+        ((2.99, 0.0), []),  # not reached
+        ((3.01, 0.29), [17]),  # within 0.3 of the edge length, beside
+        ((3.01, -0.29), [17]),
+        ((3.01, 0.31), []),  # beyond
+    ],
+)
+def test_pierced_node_splits_along_the_trace_whatever_the_stress(edge, expected):
+    # The blade stands over a sheet that nothing pulls; behind its edge the film is one more node.
+    mesh = sheet()
+    _, state, criterion, _ = pulled(mesh, np.diag([0.0, -0.01]), tool=BLADE)
+    state.node.supported[[14, 15, 16]] = True  # whatever the blade has passed is none of the test
+    state.node.supported[[21, 22, 23, 7, 8, 9]] = True
+    state.node.x[: mesh.n_node] = mesh.nodes
+    found = due(criterion, state, pose=at(*edge))
+    assert [s.node for s in found] == expected
+    for split in found:
+        assert split.blade
+        assert [far for far, _ in split.half_edges] == [16, 18]
+        assert abs(split.m[1]) == pytest.approx(1.0)
+    _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE, blade_cut=False)
+    assert due(criterion, state, pose=at(3.01, 0.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("edge", "expected"), [((3.2, 0.45), [17]), ((3.2, 0.55), []), ((2.9, 0.0), [])]
+)
+def test_passed_tip_splits_within_half_an_edge(edge, expected):
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE)
+    found = due(criterion, state, pose=at(*edge))
+    assert [s.node for s in found] == expected
+    for split in found:
+        assert split.blade
+        assert split.half_edges == ((18, 0.5),)
+
+
+def test_flanks_behind_the_edge_are_not_cut_again():
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE)
+    # The edge is right over the flank nodes of the notch, and ahead of it nothing is passed.
+    assert due(criterion, state, pose=at(2.05, 0.0)) == []
+
+
+def test_supported_nodes_are_not_cut():
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE)
+    state.node.supported[17] = True
+    assert due(criterion, state, pose=at(3.2, 0.0)) == []
+
+
+def test_a_blade_split_goes_before_a_stronger_measure():
+    mesh = sheet().cut(ROW)
+    _, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.05]), tool=BLADE, candidates="all")
+    found = due(criterion, state, pose=at(3.05, 0.0))
+    assert found[0].node == 17
+    assert found[0].blade
+    assert not any(s.blade for s in found[1:])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"criterion": "strain"}, r"criterion must be one of \('force', 'stress'\), got 'strain'"),
+        ({"candidates": "some"}, "candidates must be one of"),
+        ({"stress_place": "side"}, "stress_place must be one of"),
+        ({"turn_limit_deg": 180.0}, "turn_limit_deg must lie between 0 and 180, got 180.0"),
+        ({"check_every": 0}, "check_every must be a positive count, got 0"),
+        ({"check_every": 2.5}, "check_every"),
+        ({"criterion": "x", "check_every": -1}, "criterion.*; check_every"),
+    ],
+)
+def test_refusals(changes, message):
+    with pytest.raises(ValueError, match=message):
+        Fracture(**changes)

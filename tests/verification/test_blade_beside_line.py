@@ -1,0 +1,129 @@
+"""A straight blade on a line of the mesh, and between two lines: it cuts the nearer one.
+
+The mesh has rows of nodes every 0.8 mm; the blade, half-angle 10°, runs along x in the plane
+y = ``beside``. What it costs to be beside the line is measured too: force and balance.
+"""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.criterion import Fracture
+from shellcut.material import ShellMaterial
+from shellcut.meshing import rectangle
+from shellcut.motion import StraightMotion
+from shellcut.simulation import Simulation
+from shellcut.support import Support
+from shellcut.tool_shapes import straight_blade
+
+SIZE = 0.8  # mm
+NOTCH = 1.6  # mm
+PATH = 8.0  # mm
+ROW = 3  # the row of nodes at y = -0.8 mm, not the middle one: nothing may rest on symmetry
+
+
+@cache
+def _cut(criterion: str, beside: float, notched: bool) -> tuple[Simulation, np.ndarray]:
+    """Drive the blade ``beside`` [mm] off a row of nodes; return the run and (path, work) rows."""
+    n_x = 14
+    mesh = rectangle(n_x * SIZE, 10 * SIZE, n_x=n_x, n_y=10)
+    row = ROW * (n_x + 1) + np.arange(n_x + 1)
+    y = float(mesh.nodes[row[0], 1])
+    if notched:
+        mesh = mesh.cut(row[mesh.nodes[row, 0] < NOTCH + 1e-9])
+    blade = straight_blade(length=4.0, height=3.0)
+    shift = np.array([-0.05, y + beside, 0.0])
+    blade = dataclasses.replace(blade, vertices=blade.vertices + shift)
+    sim = Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        supports=[Support.clamped("top"), Support.clamped("bottom")],
+        tool=blade,
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
+        law=CohesiveLaw(),
+        fracture=Fracture(criterion=criterion),
+    )
+    rows = []
+    while sim.motion.coordinate(sim.state.time) < PATH:
+        sim.step()
+        rows.append(
+            (sim.motion.coordinate(sim.state.time), sim.ledger.tool_work, sim.ledger.imbalance)
+        )
+    return sim, np.array(rows)
+
+
+def _check_path(sim: Simulation, notched: bool) -> None:
+    """The nodes of the row have split, each once, from the notch to the blade; and no other."""
+    path = np.array([split.reference for split in sim.state.split_log])
+    y = (ROW - 5) * SIZE
+    assert np.abs(path[:, 1] - y).max() < 1e-12
+    first = NOTCH if notched else 0.0
+    reached = np.sort(path[:, 0])
+    assert np.allclose(np.diff(reached), SIZE)
+    assert reached[0] == pytest.approx(first, abs=1e-9)
+    # A tip stands before the edge, at most as far as the film is strained over sigma_F there (two
+    # nodes ahead), and the edge has not left a whole node behind.
+    edge = PATH - 0.05
+    assert edge - SIZE < reached[-1] < edge + 2.5 * SIZE
+    assert len(sim.tips) == 1
+
+
+@pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])
+@pytest.mark.parametrize("beside", [0.0, 0.1, -0.1])
+@pytest.mark.parametrize("criterion", ["force", "stress"])
+def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) -> None:
+    sim, rows = _cut(criterion, beside, notched)
+    _check_path(sim, notched)
+    # Every cable the edge has come to is bent around it, none is left straight behind it.
+    assert sim.n_joint_made >= (PATH - NOTCH) / SIZE - 2
+    # Balance: discretisation. Measured 3e-3 of the work at most after a quarter of the path, 1e-3 at
+    # the end (0.1 mm is an eighth of the spacing), 1e-4 on the line.
+    path, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
+    assert np.abs(imbalance / work).max() < 6e-3
+    assert abs(imbalance[-1]) < (5e-4 if beside == 0.0 else 3e-3) * work[-1]
+
+
+@pytest.mark.parametrize("beside", [0.2, -0.2])
+@pytest.mark.parametrize("criterion", ["force", "stress"])
+def test_a_quarter_of_the_spacing_beside_it_still_cuts_it(criterion: str, beside: float) -> None:
+    sim, rows = _cut(criterion, beside, True)
+    _check_path(sim, True)
+    # Discretisation, measured 5e-3.
+    _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
+    assert np.abs(imbalance / work).max() < 2e-2
+
+
+@pytest.mark.parametrize("criterion", ["force", "stress"])
+@pytest.mark.parametrize(
+    "beside",
+    [
+        0.1,
+        -0.1,
+        pytest.param(0.2, marks=pytest.mark.xfail(reason="0.79 of it: cables miss the blade late")),
+        pytest.param(-0.2, marks=pytest.mark.xfail(reason="1.77 of it: the flank jams the blade")),
+    ],
+)
+def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -> None:
+    # A band, no theory: the same cables break. Measured -12 to -4 % at an eighth of the spacing.
+    on_line = _cut(criterion, 0.0, True)[1][-1, 1]
+    assert _cut(criterion, beside, True)[1][-1, 1] == pytest.approx(on_line, rel=0.15)
+
+
+@pytest.mark.parametrize("criterion", ["force", "stress"])
+def test_work_on_the_line_is_the_same_by_both_criteria(criterion: str) -> None:
+    # Which measure splits a node matters little where the blade leads: work within 3 %.
+    work = _cut(criterion, 0.0, True)[1][-1, 1]
+    assert work == pytest.approx(_cut("force", 0.0, True)[1][-1, 1], rel=0.03)
+
+
+@pytest.mark.xfail(reason="three eighths beside the line the cables miss the blade: no force at all")
+@pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])
+def test_three_eighths_beside_it_the_film_still_resists(notched: bool) -> None:
+    # Nearer to this line than to the next (0.3 against 0.5 mm). With the notch the nodes split by
+    # the blade-cut rule but no cable crosses the blade's mid-plane; without it nothing splits and
+    # the blade passes through the quads between the nodes: tool work 4e-5 N mm, of some 20.
+    sim, rows = _cut("force", 0.3, notched)
+    assert rows[-1, 1] > 5.0
