@@ -12,6 +12,10 @@ moduli. Because G_alpha = A_alpha + xi³ T_,alpha ([Frangi2010] 6) is taken at i
 curvature of the reference surface and the volume factor mu ([Frangi2010] 20) are exact, warped
 quads included, and a layered section brings its coupling of stretching and bending along.
 
+Between nodes the interpolated director is a little shorter than one: on a curved quad that turns by
+10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose published values it
+matches mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
+
 Where the reference quad is flat (T constant and normal to it) and the layers are symmetric, H falls
 apart into membrane, bending and shear: fifteen numbers instead of thirty-six.
 """
@@ -71,7 +75,7 @@ class SectionTable:
     h_full : ndarray, shape (n_curved, 4, 8, 8)
         Full stiffness.
     mass : ndarray, shape (n_quad, 4)
-        Share of each node in the quad's mass, ∫ N_a rho √G, row-sum lumped [t].
+        Share of each node in the quad's mass, ∫ N_a rho |G_1 x G_2|, row-sum lumped [t].
     area : ndarray, shape (n_quad,)
         Reference area [mm²].
     """
@@ -111,8 +115,10 @@ def build_sections(
         area += np.linalg.norm(np.cross(A1, A2), axis=1)
         for z, weight, layer in zip(*material.thickness_points(), strict=True):
             G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
-            volume = weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0)
-            mass += layer.density * volume[:, None] * n
+            normal = np.cross(G1, G2)
+            surface = weight * np.linalg.norm(normal, axis=1)  # [Frangi2010] (20)
+            mass += layer.density * surface[:, None] * n
+            volume = weight * np.einsum("ei,ei->e", normal, T0)
             C = np.zeros((5, 5))
             C[:3, :3] = layer.plane_stress()
             C[3:, 3:] = material.shear_factor * layer.transverse_shear()

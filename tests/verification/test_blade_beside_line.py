@@ -79,11 +79,16 @@ def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) ->
     _check_path(sim, notched)
     # Every cable the edge has come to is bent around it, none is left straight behind it.
     assert sim.n_joint_made >= (PATH - NOTCH) / SIZE - 2
-    # Balance: discretisation. Measured 3e-3 of the work at most after a quarter of the path, 1e-3 at
-    # the end (0.1 mm is an eighth of the spacing), 1e-4 on the line.
-    path, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
+    # Balance: discretisation. Measured 3e-3 of the work at most after a quarter of the path, 1e-3
+    # at the end (0.1 mm is an eighth of the spacing), 1e-4 to 4e-4 on the line.
+    _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
     assert np.abs(imbalance / work).max() < 6e-3
-    assert abs(imbalance[-1]) < (5e-4 if beside == 0.0 else 3e-3) * work[-1]
+    assert abs(imbalance[-1]) < (1e-3 if beside == 0.0 else 3e-3) * work[-1]
+    # The faces are frictionless and the penalty elastic: the contact keeps nothing and gives
+    # nothing. Measured 2e-4 to 2.5e-3 of the work on the line. Beside it the absorbed jumps of
+    # nodes born in the wedge do give; see the test of the contact's work below.
+    if beside == 0.0:
+        assert abs(sim.ledger.contact_work - sim.contact_forces.stored) < 5e-3 * work[-1]
 
 
 @pytest.mark.parametrize("beside", [0.2, -0.2])
@@ -119,11 +124,25 @@ def test_work_on_the_line_is_the_same_by_both_criteria(criterion: str) -> None:
     assert work == pytest.approx(_cut("force", 0.0, True)[1][-1, 1], rel=0.03)
 
 
-@pytest.mark.xfail(reason="three eighths beside the line the cables miss the blade: no force at all")
+@pytest.mark.xfail(
+    reason="three eighths beside the line the cables miss the blade: no force at all"
+)
 @pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])
 def test_three_eighths_beside_it_the_film_still_resists(notched: bool) -> None:
     # Nearer to this line than to the next (0.3 against 0.5 mm). With the notch the nodes split by
     # the blade-cut rule but no cable crosses the blade's mid-plane; without it nothing splits and
     # the blade passes through the quads between the nodes: tool work 4e-5 N mm, of some 20.
-    sim, rows = _cut("force", 0.3, notched)
+    _, rows = _cut("force", 0.3, notched)
     assert rows[-1, 1] > 5.0
+
+
+@pytest.mark.xfail(
+    reason="nodes born in the wedge: the decaying offset pushes them across for free"
+)
+@pytest.mark.parametrize("beside", [0.2, -0.2])
+def test_the_contact_gives_no_energy(beside: float) -> None:
+    # Beside the line a flank is born on the wrong side of the blade, its jump in depth absorbed,
+    # and pushed across while the offset decays. That work comes from nowhere: measured -5.4 and
+    # -18 N mm of 16 and 36 done by the tool. The imbalance does not show it: it is an entry.
+    sim, rows = _cut("force", beside, True)
+    assert sim.ledger.contact_work > -0.01 * rows[-1, 1]

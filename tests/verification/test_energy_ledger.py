@@ -1,8 +1,9 @@
 """The ledger closes: over long oscillations, in every entry of a cut, and better with a finer step.
 
 All entries but the kinetic and the strain energy are sums of ½ (f_{n-1} + f_n)·Δx. At a constant
-step the sum of them all and of the kinetic energy is an identity; what is left is the strain energy,
-a function of state, against the same sum of the internal forces: of second order in the step.
+step the sum of them all and of the kinetic energy is an identity; what is left is the strain
+energy, a function of state, against the same sum of the internal forces: of second order in the
+step.
 """
 
 import dataclasses

@@ -5,6 +5,7 @@ shock starts from the rims.
 """
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -139,7 +140,7 @@ def _eight_ways(jitter: float) -> Mesh:
     shake[[0, -1], :, 1] = 0.0
     j, i = np.mgrid[: n + 1, : n + 1]
     corners = SIDE / n * np.stack([i, j], axis=2) + shake
-    nodes = [p for p in corners.reshape(-1, 2)]
+    nodes = list(corners.reshape(-1, 2))
     quads: list[list[int]] = []
     middle: dict[tuple[int, int], int] = {}
 
@@ -176,7 +177,7 @@ def _crack_angle(criterion: str, pull_deg: float) -> float:
     on_line = [4 * 9 + 3, 4 * 9 + 4, 4 * 9 + 5]  # corners of the fourth row
     edges = {tuple(e) for e in mesh.edges().nodes.tolist()}
     notch = [on_line[0]]
-    for a, b in zip(on_line[:-1], on_line[1:], strict=True):
+    for a, b in pairwise(on_line):
         (half,) = (
             m
             for m in range(mesh.n_node)

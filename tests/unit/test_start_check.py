@@ -1,0 +1,63 @@
+"""A tool that starts inside the sheet is refused, one that touches nothing is not."""
+
+import numpy as np
+import pytest
+from naive import cases
+
+from shellcut.meshing import rectangle
+from shellcut.start_check import check_tool_outside
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
+MESH = rectangle(8.0, 4.0, n_x=8, n_y=4)
+
+
+def check(mesh, x, z=0.0, tool=BLADE):
+    check_tool_outside(mesh, tool, np.eye(3), np.array([x, 0.0, z]))
+
+
+def test_free_starts_are_taken():
+    check(MESH, -0.01)
+    check(MESH, 12.0)
+    check(MESH, 4.0, z=3.1)  # above the sheet
+    check_tool_outside(MESH, tooth_ring(), np.eye(3), np.zeros(3))
+
+
+def test_nodes_inside_are_named_with_their_place():
+    with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
+        check(MESH, 3.5)
+    text = str(refusal.value)
+    assert "nodes 19 at (1, 0, 0), 20 at (2, 0, 0), 21 at (3, 0, 0) lie inside the tool" in text
+    assert "Mesh.cut" in text
+
+
+def test_a_tool_between_the_nodes_is_found_by_the_quads_it_passes_through():
+    mesh = rectangle(8.0, 4.0, n_x=2, n_y=1)  # quads of 4 x 4 mm around the blade
+    with pytest.raises(ValueError, match="the tool passes through quads 0 at") as refusal:
+        check(mesh, 3.8)
+    assert "nodes" not in str(refusal.value).split("but")[1]
+
+
+def test_many_offenders_are_counted():
+    mesh = rectangle(8.0, 4.0, n_x=80, n_y=40)
+    with pytest.raises(ValueError, match=r"and \d+ more lie inside"):
+        check(mesh, 4.0)
+
+
+def test_the_pose_of_the_tool_counts():
+    pose = np.array([[0, -1.0, 0], [1.0, 0, 0], [0, 0, 1.0]]), np.array([4.0, -2.05, 0.0])
+    check_tool_outside(MESH, BLADE, *pose)  # turned by 90°, coming from below
+    with pytest.raises(ValueError, match="inside the tool"):
+        check_tool_outside(MESH, BLADE, pose[0], np.array([4.0, 0.5, 0.0]))
+
+
+def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
+    # The nodes of a closed notch still lie inside: it must be opened or the blade start outside.
+    mesh = MESH.cut([18, 19, 20])
+    with pytest.raises(ValueError, match="inside the tool"):
+        check(mesh, 1.5)
+    nodes = mesh.nodes.copy()
+    for node in np.flatnonzero(np.isin(mesh.origin, [18, 19])):
+        quads = mesh.quads[(mesh.quads == node).any(axis=1)]
+        nodes[node, 1] = 0.4 * np.sign(mesh.nodes[quads, 1].mean())
+    check(cases.moved_mesh(mesh, nodes), 1.0)
