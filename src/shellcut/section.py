@@ -13,7 +13,7 @@ curvature of the reference surface and the volume factor mu ([Frangi2010] 20) ar
 quads included, and a layered section brings its coupling of stretching and bending along.
 
 Between nodes the interpolated director is a little shorter than one: on a curved quad that turns by
-10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose published values it
+10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it
 matches mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
 
 Where the reference quad is flat (T constant and normal to it) and the layers are symmetric, H falls

@@ -17,9 +17,7 @@ def open_ends(mesh, state):
     found = {}
     for (i, j), (e, f) in reference_edges(mesh).items():
         for node, far in ((i, j), (j, i)):
-            copies = [
-                int(state.quads[q, mesh.quads[q].tolist().index(node)]) for q in (e, f)
-            ]
+            copies = [int(state.quads[q, mesh.quads[q].tolist().index(node)]) for q in (e, f)]
             if copies[0] != copies[1]:
                 found[node, far] = frozenset(copies)
     return found
@@ -28,7 +26,8 @@ def open_ends(mesh, state):
 def crack_length(mesh, state):
     """Sum of half the lengths of all edges at their open ends [mm]."""
     return sum(
-        0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j])) for i, j in open_ends(mesh, state)
+        0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))
+        for i, j in open_ends(mesh, state)
     )
 
 

@@ -365,7 +365,13 @@ def test_jointed_pull_takes_g_a():
     place = start
     for _ in range(3000):
         place = pull(
-            cables, state, [[0, 0, 0], [0, 50, 0.0]], 1e-6, 1, tool_velocity=(1000, 0, 0), start=place
+            cables,
+            state,
+            [[0, 0, 0], [0, 50, 0.0]],
+            1e-6,
+            1,
+            tool_velocity=(1000, 0, 0),
+            start=place,
         )
         total = max(total, state.cable.overshoot[0])
     c = state.cable

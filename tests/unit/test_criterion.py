@@ -53,9 +53,7 @@ def due(criterion, state, tips=None, pose=None):
 @pytest.mark.parametrize("skewed", [False, True])
 def test_force_between_the_halves_is_the_traction_on_the_opened_edges(skewed):
     mesh = cases.skewed_flat(6, 4, seed=5, amount=0.12) if skewed else sheet()
-    _, state, criterion, P = pulled(
-        mesh, np.array([[0.001, 0.0], [0.0, 0.02]]), candidates="all"
-    )
+    _, state, criterion, P = pulled(mesh, np.array([[0.001, 0.0], [0.0, 0.02]]), candidates="all")
     found = due(criterion, state)
     inner = [s for s in found if s.node not in mesh.boundary_nodes()]
     assert inner

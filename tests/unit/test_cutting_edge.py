@@ -82,7 +82,9 @@ def test_strips_of_a_curved_edge_leave_no_gap():
 def test_edge_point_is_clipped_to_the_segment():
     edges = CuttingEdges.of(straight_blade())
     for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):
-        np.testing.assert_allclose(edge_point(along, 0, edges.start, edges.vector), [0, 0, z], atol=1e-15)
+        np.testing.assert_allclose(
+            edge_point(along, 0, edges.start, edges.vector), [0, 0, z], atol=1e-15
+        )
 
 
 def test_body_and_space_are_inverse():

@@ -123,7 +123,9 @@ def test_rows_of_a_sheet_that_is_partly_flat():
     # The two forms are numbered apart; the row of each quad must be its own.
     mesh = cases.skewed_flat(4, 1, seed=6)
     nodes = mesh.nodes.copy()
-    nodes[[4, 9], 2] = 0.3  # the last column of nodes is lifted: quad 3 is bent, 2 has its directors
+    nodes[[4, 9], 2] = (
+        0.3  # the last column of nodes is lifted: quad 3 is bent, 2 has its directors
+    )
     mesh = cases.moved_mesh(mesh, nodes)
     s = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
     assert s.flat.tolist() == [True, True, False, False]

@@ -244,7 +244,7 @@ def test_bending_stress_at_top_and_bottom():
 
 def test_unknown_stress_place_is_refused():
     shell, state = cases.set_up(cases.skewed_flat(1, 1))
-    with pytest.raises(ValueError, match="place must be one of .*'top'.*got 'outside'"):
+    with pytest.raises(ValueError, match=r"place must be one of .*'top'.*got 'outside'"):
         shell.stress(state, np.array([0]), place="outside")
 
 
@@ -264,9 +264,7 @@ def test_fan_forces_add_up_to_the_nodal_force():
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, rtol=0, atol=1e-14 * scale)
     # The damping counts in both, 20 % of the force here.
     np.testing.assert_allclose(whole, -by_x[node], rtol=0, atol=1e-13 * scale)
-    undamped = -naive.forces(
-        mesh.nodes, mesh.directors, *current(state), mesh.quads, cases.FILM
-    )[0]
+    undamped = -naive.forces(mesh.nodes, mesh.directors, *current(state), mesh.quads, cases.FILM)[0]
     assert np.abs(whole - undamped[node]).max() > 0.05 * scale
 
 

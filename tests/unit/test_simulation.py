@@ -41,7 +41,9 @@ def resting(**options):
 
 def bits(sim):
     s = sim.state
-    rows = [getattr(s.node, k)[: s.n_node] for k in ("x", "t", "velocity_half", "spin_half", "force")]
+    rows = [
+        getattr(s.node, k)[: s.n_node] for k in ("x", "t", "velocity_half", "spin_half", "force")
+    ]
     rows += [s.cable.force[: s.n_cable], s.cable.work[: s.n_cable], s.strain, s.quads]
     return [row.tobytes() for row in rows] + [s.time, s.step, s.n_node, repr(sim.ledger)]
 
@@ -66,8 +68,8 @@ def test_the_case_does_cut(whole):
 def test_ledger_closes(whole):
     book = whole.close_ledger()
     assert book.tool_work > 0
-    # Discretisation in time: trapezoids of contact and cables at steps of some 1e-7 s. A coarse film
-    # cut at 20 m/s; measured -0.2 %. A lost entry costs a per cent at least.
+    # Discretisation in time: trapezoids of contact and cables at steps of some 1e-7 s, on a coarse
+    # film cut at 20 m/s. The least of the large entries, the contact's, is 0.8 % of the tool's work.
     assert abs(book.relative(book.imbalance)) < 0.01
     stored_and_lost = book.cohesive_stored + book.cohesive_dissipated
     assert stored_and_lost == pytest.approx(book.cohesive_work, rel=0.01)
@@ -75,8 +77,10 @@ def test_ledger_closes(whole):
 
 def test_run_in_parts_is_the_whole_run_bit_by_bit(whole):
     sim = cutting()
-    for until in (1.3e-5, 1.3e-5, 4.9e-5, END):
+    for until in (1.3e-5, 1.4e-5, 4.9e-5, END):
         sim.run(until)
+    whole.close_ledger()
+    sim.close_ledger()
     assert bits(sim) == bits(whole)
 
 
@@ -159,11 +163,24 @@ def test_blow_up_names_a_quad_and_the_safe_step():
     text = str(failure.value)
     assert f"dt = {10.0 * safe:.4g} s" in text
     assert "Stepping.safety" in text
-    quad = int(text.split("quad ")[1].split(" ")[0])
-    assert not np.isfinite(sim.state.strain[quad]).all()
     just_below = resting(stepping=Stepping(fixed=0.95 * safe))
     just_below.run(300 * safe)
     assert np.isfinite(just_below.state.node.x[:25]).all()
+
+
+def test_blow_up_names_the_quad_that_is_worst():
+    # The finest quads go first: the named one must be among the most strained.
+    mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)
+    nodes = mesh.nodes.copy()
+    nodes[mesh.node_set("right"), 0] = 1.6
+    mesh = type(mesh).from_arrays(nodes, mesh.quads)
+    sim = Simulation(mesh, FILM, loads=[Pressure(1e-2)], stepping=Stepping(fixed=1e-6))
+    with pytest.raises(UnstableStep) as failure:
+        sim.run(1.0)
+    quad = int(str(failure.value).split("quad ")[1].split(" ")[0])
+    strain = np.abs(sim.state.strain).max(axis=1)
+    strain[~np.isfinite(strain)] = np.inf
+    assert strain[quad] == strain.max()
 
 
 def test_initial_velocity_is_put_in():

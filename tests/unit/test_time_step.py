@@ -131,7 +131,10 @@ def test_leading_quads_are_followed_between_full_evaluations():
     shell, state = cases.set_up(cases.warped())
     asked = []
     update = shell.update_frequencies
-    shell.update_frequencies = lambda state, quads: (asked.append(quads.copy()), update(state, quads))
+    shell.update_frequencies = lambda state, quads: (
+        asked.append(quads.copy()),
+        update(state, quads),
+    )
     step = stepper(shell, evaluate_every=7)
     for state.step in range(7 * 12):
         step.next(state)

@@ -244,7 +244,7 @@ def test_many_splits_outgrow_the_reserve():
             fan = fans_of(state, node)[0]
             first = [e for e in fan.quads if state.node.X[state.quads[e], 1].mean() < row - 10]
             rest = [e for e in fan.quads if e not in first]
-            halves = [(node + 1, 0.5)] + ([(node - 1, 0.5)])
+            halves = [(node + 1, 0.5), (node - 1, 0.5)]
             split = Split(
                 node, tuple(first), tuple(rest), tuple(halves), np.array([0, 1.0, 0]), 1.0,
                 np.zeros(3), False,

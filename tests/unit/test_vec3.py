@@ -38,9 +38,7 @@ def test_rows_are_read_and_written_in_place():
 def test_rotation_of_the_director_is_cayleys():
     t = A / np.linalg.norm(A)
     spin = np.cross(t, B)
-    skew = 0.5 * np.array(
-        [[0, -spin[2], spin[1]], [spin[2], 0, -spin[0]], [-spin[1], spin[0], 0]]
-    )
+    skew = 0.5 * np.array([[0, -spin[2], spin[1]], [spin[2], 0, -spin[0]], [-spin[1], spin[0], 0]])
     cayley = np.linalg.solve(np.eye(3) - skew, np.eye(3) + skew)
     # Round-off of a 3 x 3 solution.
     np.testing.assert_allclose(v.rotate_director(tuple(t), tuple(spin)), cayley @ t, atol=1e-15)

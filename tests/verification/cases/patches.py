@@ -1,0 +1,41 @@
+"""Mapped patches that the cases share."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from shellcut import Mesh
+
+Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def mapped_patch(n_u: int, n_v: int, place: Place) -> Mesh:
+    """Return n_u x n_v quads of the unit square mapped onto a surface.
+
+    ``place(u, v)`` returns positions and unit directors, shape (..., 3). Node sets ``u0``, ``u1``,
+    ``v0``, ``v1`` are the sides, in order of the running parameter; node (i, j) of the grid has the
+    id i (n_v + 1) + j.
+    """
+    u, v = np.meshgrid(np.linspace(0, 1, n_u + 1), np.linspace(0, 1, n_v + 1), indexing="ij")
+    nodes, directors = place(u, v)
+    ids = np.arange(u.size).reshape(u.shape)
+    quads = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
+    return Mesh.from_arrays(
+        nodes.reshape(-1, 3),
+        quads.reshape(-1, 4),
+        directors=directors.reshape(-1, 3),
+        node_sets={"u0": ids[0], "u1": ids[-1], "v0": ids[:, 0], "v1": ids[:, -1]},
+    )
+
+
+def cylinder_patch(radius: float, length: float, arc_deg: float, n_arc: int, n_along: int) -> Mesh:
+    """Return a cylindrical patch about the y axis; u runs over the arc from the top, v along y."""
+
+    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        angle = np.radians(arc_deg) * u
+        director = np.stack([np.sin(angle), 0.0 * v, np.cos(angle)], axis=-1)
+        nodes = radius * director
+        nodes[..., 1] = length * v
+        return nodes, director
+
+    return mapped_patch(n_arc, n_along, place)

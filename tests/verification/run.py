@@ -1,0 +1,68 @@
+"""Run the verification cases: python tests/verification/run.py [--case ID] [--json FILE].
+
+Prints a table of every number against its reference and exits with 1 if a gate fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from harness import Result, load_cases, run_case
+
+
+def row(result: Result, k: int) -> str:
+    check = result.checks[k]
+    verdict = ("pass" if check.passed else "FAIL") if check.gate else "beside"
+    unit = "" if check.absolute else " %"
+    scale = 1.0 if check.absolute else 100.0
+    return (
+        f"{result.id:<5} {check.quantity:<58} {check.reference:>12.6g} {check.ours:>12.6g} "
+        f"{scale * check.error:>+10.3g}{unit:<2} {scale * check.band:>8.3g}{unit:<2} {verdict}"
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--case", help="run one case only, e.g. A03")
+    parser.add_argument("--json", type=Path, help="write the table to this file")
+    parser.add_argument("--fast", action="store_true", help="only the cases that pytest runs")
+    options = parser.parse_args()
+    head = f"{'case':<5} {'quantity':<58} {'reference':>12} {'ours':>12} {'error':>12} {'band':>10}"
+    print(head, "verdict", flush=True)
+    results = []
+    for module in load_cases(options.case, fast_only=options.fast):
+        result = run_case(module)
+        results.append(result)
+        for k in range(len(result.checks)):
+            print(row(result, k), flush=True)
+    failed = [result.id for result in results if not result.passed]
+    gates = sum(check.gate for result in results for check in result.checks)
+    seconds = sum(result.seconds for result in results)
+    print(
+        f"{len(results)} cases, {gates} gates, "
+        + (f"FAILED: {', '.join(failed)}" if failed else "all pass")
+        + f", {seconds:.0f} s"
+    )
+    if options.json is not None:
+        table = [
+            asdict(result)
+            | {"passed": result.passed}
+            | {
+                "checks": [
+                    asdict(c) | {"error": c.error, "passed": c.passed} for c in result.checks
+                ]
+            }
+            for result in results
+        ]
+        options.json.write_text(json.dumps(table, indent=1) + "\n")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
