@@ -26,8 +26,8 @@ class Ledger:
     kinetic_translation: float = 0.0
     kinetic_rotation: float = 0.0
     """Of the scaled rotary inertia."""
-    kinetic_initial: float = 0.0
-    """Kinetic energy at t = 0, put in by the initial velocity."""
+    initial: float = 0.0
+    """Kinetic and strain energy at t = 0: of an initial velocity, of a pretension."""
     strain: float = 0.0
     cohesive_work: float = 0.0
     """Work done on all cables."""
@@ -56,8 +56,8 @@ class Ledger:
 
     @property
     def put_in(self) -> float:
-        """Work of tool, loads and supports, and the initial kinetic energy."""
-        return self.tool_work + self.load_work + self.support_work + self.kinetic_initial
+        """Work of tool, loads and supports, and the energy at t = 0."""
+        return self.tool_work + self.load_work + self.support_work + self.initial
 
     @property
     def taken_up(self) -> float:

@@ -19,6 +19,7 @@ from .load import Load, LoadSet
 from .material import ShellMaterial
 from .mesh import Mesh
 from .motion import Motion
+from .relaxation import find_rest
 from .shell import MITC4Shell
 from .start_check import check_tool_outside
 from .state import initial_state
@@ -107,6 +108,12 @@ class Simulation:
         self.shell.initialise(self.state)
         self.supports.initialise(self.state)
         if velocity is not None:
+            velocity = np.asarray(velocity, float)
+            if velocity.shape != (mesh.n_node, 3):
+                raise ValueError(
+                    f"velocity must have shape (n_node, 3) = ({mesh.n_node}, 3), got "
+                    f"{velocity.shape}"
+                )
             self.state.node.velocity_half[: mesh.n_node] = velocity
         self.fracture = fracture or Fracture()
         self.criterion = None
@@ -187,9 +194,64 @@ class Simulation:
         self._forces()
         self._dt = self.time_step.next(self.state)
         self._kick(0.0, self._dt)
-        self.ledger.kinetic_initial = self.ledger.kinetic
+        self.ledger.initial = self.ledger.kinetic + self.ledger.strain
 
     # ---------------------------------------------------------------- a run
+
+    def relax(
+        self,
+        displacement: Floats | None = None,
+        *,
+        tolerance: float = 1e-4,
+        most_steps: int = 200_000,
+    ) -> int:
+        """Bring the film to rest before the run: a pretension, a state under dead loads.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (n_node, 3), optional
+            Moves the nodes first [mm]; supports then hold them where they are, so a stretched film
+            is given by the displacement of its rim (and any guess inside).
+        tolerance : float
+            Largest free nodal force over the largest reaction or load.
+        most_steps : int
+            Steps after which to give up.
+
+        Returns
+        -------
+        int
+            Steps taken; time and ledger start afresh, with the strain energy as initial energy.
+
+        Raises
+        ------
+        NotAtRest
+            If rest is not reached.
+        """
+        if self.state.step:
+            raise ValueError(f"relax before the run, not after {self.state.step} steps of it")
+        n = self.state.node
+        n.velocity_half[: n.count] = 0.0
+        n.spin_half[: n.count] = 0.0
+        n.support_rate[: n.count] = 0.0
+        if displacement is not None:
+            moved = np.asarray(displacement, float)
+            if moved.shape != (n.count, 3) or not np.isfinite(moved).all():
+                raise ValueError(
+                    f"displacement must be finite and of shape (n_node, 3) = ({n.count}, 3), "
+                    f"got {moved.shape}"
+                )
+            n.x[: n.count] += moved
+        steps = find_rest(
+            self.state,
+            self.shell,
+            self.loads,
+            self.time_step,
+            tolerance=tolerance,
+            most_steps=most_steps,
+        )
+        self.ledger = Ledger()
+        self._start()
+        return steps
 
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.

@@ -67,7 +67,7 @@ def deform(state, seed=3, stretch=0.1, tilt=0.2):
     turn = Rotation.from_rotvec([1.1, -1.5, 1.3])
     x = state.node.x[:n] * (1.0 + 0.5 * stretch) + rng.uniform(-stretch, stretch, (n, 3))
     t = Rotation.from_rotvec(rng.uniform(-tilt, tilt, (n, 3))).apply(state.node.t[:n])
-    state.node.x[:n] = turn.apply(x) + [3.0, -2.0, 5.0]
+    state.node.x[:n] = turn.apply(x) + np.array([3.0, -2.0, 5.0])
     state.node.t[:n] = turn.apply(t)
     return state
 

@@ -22,7 +22,7 @@ def shape(xi, eta):
 
 
 def tied_shear(x, t, xi, eta):
-    """a_alpha . t of one configuration, interpolated from the mid-edge points [DvorkinBathe1984]."""
+    """a_alpha . t interpolated from the mid-edge points of one configuration [DvorkinBathe1984]."""
 
     def at(u, v, alpha):
         value, *by = shape(u, v)
@@ -108,8 +108,8 @@ def metric(x, t):
     """The twenty scalar products of the table in the mitc4 module, shape (20,)."""
 
     def base(xi, eta):
-        value, *by = shape(xi, eta)
-        return (by[0] @ x, by[1] @ x), (by[0] @ t, by[1] @ t)
+        _, by_xi, by_eta = shape(xi, eta)
+        return (by_xi @ x, by_eta @ x), (by_xi @ t, by_eta @ t)
 
     rows = []
     for eta in (-G, G):

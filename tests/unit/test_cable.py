@@ -203,7 +203,7 @@ def test_moments_sum_to_the_named_couple(pose):
     far = pose[0] @ [2.0, 0.0, 0.0] + pose[1]
     state.node.x[1] = c.joint[0] + [2e-4, -3e-4, 1e-4]
     c.status[2], c.start_force[2] = STRAIGHT, [0.1, -0.2, 0.3]
-    state.node.x[4:6] = far, far + [0.004, 0.003, -0.002]
+    state.node.x[4:6] = far, far + np.array([0.004, 0.003, -0.002])
     c.opening_max[2] = 0.0
     forces, result = evaluate(cables, state, pose)
     assert c.status[2] == STRAIGHT

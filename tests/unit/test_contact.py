@@ -100,7 +100,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     for n, p in enumerate(points):
         side = int(state.node.contact_side[n])
         answers = naive.node_force(p, tool, *pose, side, AREA, 2e4, G_M)
-        force, depth, body = min(answers, key=lambda a: np.linalg.norm(a[0] - forces[n]))  # noqa: B023
+        force, depth, body = min(answers, key=lambda a: np.linalg.norm(a[0] - forces[n]))
         # Round-off: a depth of 1e-3 mm or more from positions of 10 mm, 1e-13 of it.
         np.testing.assert_allclose(forces[n], force, rtol=0, atol=1e-10 * 2e4 * AREA)
         assert state.node.contact_depth[n] == pytest.approx(depth, abs=1e-13)
@@ -193,8 +193,9 @@ def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
     # The strip of every tooth's mid-plane goes on across the ring and has the other sign there.
     tool = tooth_ring(n_teeth=n_teeth)
     for body in range(n_teeth):
-        k = int(np.flatnonzero(tool.edge_body == body)[1])
-        p = tool.point(k, 0.5) + 0.35 * tool.edge_back[k]
+        k = int(np.flatnonzero(tool.edge_body == body)[2])
+        # So far behind its own edge that it lies nearer to the edge of the tooth across, prolonged.
+        p = tool.point(k, 0.5) + 0.8 * tool.edge_back[k]
         radial = p * [1, 1, 0] / np.hypot(p[0], p[1])
         tangent = np.cross([0, 0, 1], radial)
         # One row of quads on the far side of the node's slip over the cylinder.

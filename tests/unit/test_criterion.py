@@ -157,7 +157,7 @@ def test_turn_is_measured_from_the_arriving_crack():
 @pytest.mark.parametrize("criterion_name", ["force", "stress"])
 def test_strongest_first_and_no_two_share_a_quad(criterion_name):
     mesh = rectangle(10.0, 8.0, n_x=10, n_y=8)
-    shell, state, criterion, _ = pulled(
+    _, state, criterion, _ = pulled(
         mesh, np.zeros((2, 2)), candidates="all", criterion=criterion_name
     )
     # The strain grows towards the middle of the right half.
@@ -179,7 +179,7 @@ def test_strongest_first_and_no_two_share_a_quad(criterion_name):
 
 def test_stress_criterion_reads_the_recovered_stress():
     mesh = sheet().cut(ROW)
-    shell, state, criterion, P = pulled(mesh, np.diag([0.0, 0.012]), criterion="stress")
+    shell, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.012]), criterion="stress")
     (split,) = due(criterion, state)
     sigma = shell.stress(state, np.array([0]))[0, 1, 1]
     assert split.measure == pytest.approx(sigma / STRENGTH, rel=1e-9)

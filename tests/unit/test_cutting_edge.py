@@ -42,6 +42,8 @@ def test_coordinates_of_a_straight_blade():
         ((-1e-6, 0, -3.001), False),
         ((-0.1, 0, 3.019), True),  # strips widen by a fifth of the depth, for curved edges
         ((-0.1, 0, 3.021), False),
+        ((-0.1, 0, -3.019), True),
+        ((-0.1, 0, -3.021), False),
     ],
 )
 def test_ownership(point, owned):

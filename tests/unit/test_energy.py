@@ -16,7 +16,7 @@ def test_sums_take_each_entry_once():
     assert book.kinetic == book.kinetic_translation + book.kinetic_rotation
     assert book.damping == book.damping_stiffness + book.damping_mass
     # Powers of two: the sum tells which entries are in it.
-    names = ("tool_work", "load_work", "support_work", "kinetic_initial")
+    names = ("tool_work", "load_work", "support_work", "initial")
     assert book.put_in == sum(getattr(book, n) for n in names)
     names = (
         *("kinetic_translation", "kinetic_rotation", "strain", "cohesive_work"),

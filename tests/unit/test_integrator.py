@@ -140,6 +140,29 @@ def test_alpha_damps_as_the_scheme_has_it_and_books_the_loss():
     assert loss == pytest.approx(kinetic[0] - kinetic[-1], rel=(alpha * dt) ** 2)
 
 
+def test_alpha_acts_on_the_mean_velocity_in_the_kick_and_in_the_reaction():
+    # m (v+ - v-)/dt + alpha m ½ (v+ + v-) = f + r, for free and for held components.
+    alpha, dt = 2e4, 1e-6
+    mesh, state, scheme = one_quad(alpha)
+    SupportSet(mesh, [Support([1], "x", "")]).initialise(state)
+    node = state.node
+    node.velocity_half[:4], node.spin_half[:4] = [3.0, -1.0, 2.0], [1.0, 5.0, 0.0]
+    node.force[:4], node.director_force[:4] = [1e-3, 2e-3, -1e-3], [5e-4, 1e-4, 0.0]
+    node.support_rate[1, 0] = 7.0
+    v, w = node.velocity_half[:4].copy(), node.spin_half[:4].copy()
+    scheme.kick(state, dt, dt)
+    after, spun = node.velocity_half[:4], node.spin_half[:4]
+    left = MASS * (after - v) / dt + alpha * MASS * 0.5 * (after + v)
+    right = node.force[:4] + node.reaction[:4, :3]
+    np.testing.assert_allclose(left, right, rtol=0, atol=1e-13 * np.abs(left).max())
+    assert after[1, 0] == 7.0
+    assert node.reaction[1, 0] != 0.0
+    assert not node.reaction[[0, 2, 3]].any()
+    moment = np.cross(node.t[:4], node.director_force[:4])
+    left = INERTIA * (spun - w) / dt + alpha * INERTIA * 0.5 * (spun + w)
+    np.testing.assert_allclose(left, moment, rtol=0, atol=1e-13 * np.abs(left).max())
+
+
 def test_constant_acceleration_needs_the_reaction_m_a():
     mesh, state, scheme = one_quad()
     a, dt = 1e7, 1e-6

@@ -123,6 +123,7 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
     before, strain = totals(shell, state), cases.forces_of(shell, state)[0]
     strains = state.strain.copy()
     n_cable, n_node = state.n_cable, state.n_node
+    mass, pushed = state.node.mass[split.node], state.node.contact_force[split.node].copy()
     twin = split_node(state, split, shell, LAW, equilibrium_start=False)
     after = totals(shell, state)
     for name, value in before.items():
@@ -142,6 +143,9 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
         share = sum(shell.section.mass[e, state.quads[e].tolist().index(half)] for e in held)
         assert state.node.mass[half] == pytest.approx(share, rel=1e-14)
         assert state.node.halved[half]
+        # Forces of the last evaluation are shared like the mass, lest the halves fly apart.
+        kept = state.node.contact_force[half]
+        np.testing.assert_allclose(kept, share / mass * pushed, rtol=1e-12)
     for name in ("X", "T", "x", "t", "velocity_half", "spin_half", "origin"):
         rows = getattr(state.node, name)
         np.testing.assert_array_equal(rows[twin], rows[split.node])
