@@ -22,9 +22,13 @@ literal form.
 of the blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane
 where its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when
 c lies along the segment, 0 <= (c - a)·e <= L, and the edge has reached it, 0 <= (c - a)·k. This is
-a test of positions, not of motions: a cable born with the edge already past is caught at once. The
-joint sticks to its point of the edge (perfect adhesion), there is one joint a cable, and only the
-edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then on
+a test of positions, not of motions: a cable born with the edge already past is caught at once. A
+blade that runs beside the mesh line has the whole cable on one side, although its *flanks* lie on
+either side of it: a cable within half an edge length of the mid-plane, whose m is along b rather
+than along the blade, is met too, at its middle.
+
+The joint sticks to its point of the edge (perfect adhesion), there is one joint a cable, and only
+the edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then on
 
     ell = ell^- + ell^+ - slack,        F^± = sigma(ell) A (joint - x^±)/ell^±,
 
@@ -42,7 +46,14 @@ import numpy as np
 from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from .cohesive_law import CohesiveLaw, envelope, traction
-from .cutting_edge import CuttingEdges, edge_point, strip_coordinates, to_body, to_space
+from .cutting_edge import (
+    CuttingEdges,
+    edge_point,
+    strip_coordinates,
+    to_body,
+    to_space,
+    turn_back,
+)
 from .state import BROKEN, JOINTED, STRAIGHT, State
 from .tool import Tool
 
@@ -51,6 +62,12 @@ SHORT_BRANCH = 1e-3
 
 START_OPENING = 0.05
 """ell_b, opening over which the equilibrium-start force fades [mm]."""
+
+
+# A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
+# the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
+_BESIDE_REACH = 0.5
+_FACING = 0.5
 
 
 @dataclass(frozen=True)
@@ -119,6 +136,7 @@ class CableSet:
                 edge_normal=self._edges.normal,
                 edge_back=self._edges.back,
                 m=c.m,
+                contact_area=n.contact_area,
                 onset=self.law.onset,
                 status=c.status,
                 edge=c.edge,
@@ -174,15 +192,17 @@ class CableSet:
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
 
-        A straight cable turns with stiffness sigma A / (ell + delta_0), shared by two nodes that
-        may move against each other (twice that on each); a branch with sigma A / ell^±.
+        Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
+        sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds
+        two nodes that may move against each other: twice that on each.
         """
         c, n = state.cable, state.cable.count
         live = np.flatnonzero(c.status[:n] != BROKEN)
         pull = c.traction[live] * c.area[live]
-        pull[c.traction[live] == 0.0] = 0.0
-        born = c.birth[live] == state.time
-        pull[born] = self.law.strength * c.area[live][born]
+        slope = self.law.unloading_slopes(np.maximum(c.opening_max[live], 0.0)) * c.area[live]
+        if self.law.onset == 0.0:
+            # The literal form is rigid at birth: no step is safe for its very first instant.
+            slope[~np.isfinite(slope)] = 0.0
         ends = c.ends[live]
         jointed = c.status[live] == JOINTED
         reach = np.empty((live.size, 2))
@@ -190,7 +210,7 @@ class CableSet:
         for side in range(2):
             branch = np.linalg.norm(c.joint[live] - state.node.x[ends[:, side]], axis=1)
             reach[jointed, side] = np.maximum(branch[jointed], SHORT_BRANCH)
-        stiffness = pull[:, None] / reach
+        stiffness = np.maximum(pull[:, None] / reach, slope[:, None])
         stiffness[~jointed] *= 2.0
         return ends.ravel(), stiffness.ravel()
 
@@ -207,6 +227,7 @@ def _find_joints(
     edge_normal: Floats,
     edge_back: Floats,
     m: Floats,
+    contact_area: Floats,
     onset: float,
     status: SmallInts,
     edge: Ints,
@@ -226,16 +247,20 @@ def _find_joints(
         x_minus, x_plus = load(x, ends[c, 0]), load(x, ends[c, 1])
         minus = to_body(x_minus, rotation, translation)
         plus = to_body(x_plus, rotation, translation)
+        across = turn_back(load(m, c), rotation)
+        reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[ends[c, 0]])
         shallowest = np.inf
         for k in range(edge_start.shape[0]):
             a = load(edge_start, k)
             b = load(edge_normal, k)
             side_minus = dot(sub(minus, a), b)
             side_plus = dot(sub(plus, a), b)
-            if side_minus * side_plus > 0.0:
+            share = 0.5
+            if side_minus * side_plus <= 0.0:
+                gap = side_minus - side_plus
+                share = side_minus / gap if gap != 0.0 else 0.5
+            elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
                 continue
-            gap = side_minus - side_plus
-            share = side_minus / gap if gap != 0.0 else 0.5
             crossing = combine(1.0 - share, minus, share, plus)
             along, _, depth, owns = strip_coordinates(
                 crossing, k, edge_start, edge_vector, edge_normal, edge_back

@@ -15,9 +15,11 @@ each listed node looks up the closest triangles of its cell in a grid fixed to t
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
-node keeps a side, +1 or -1 by the flank labels of the tool: found at its first contact from where
-its own quads lie relative to the blade's mid-plane, if they clearly lie beside it, else from the
-nearest face; it is forgotten when the node has left the tool.
+node keeps a side, +1 or -1 by the flank labels of the tool, found at its first contact: on the
+mid-plane or close to it (``_UNDECIDED``), from where its own quads lie, if they clearly lie beside
+the blade; else from the nearest face. It is forgotten when the node has left the tool. A blade that
+runs well beside the mesh line thus leaves both flanks on one side of it: to push one of them across
+would put energy into the film that no tool has paid for.
 
 *Jumps.* When the depth grows by more than ``JUMP`` in one step, which no motion does, the excess is
 put into an offset that decays over ``ABSORB_TIME``. The work this takes out or puts in is in the
@@ -33,7 +35,7 @@ import numpy as np
 
 from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import cross, dot, load, store, sub
-from .cutting_edge import CUT_DEPTH, CuttingEdges, strip_coordinates, to_body, turn
+from .cutting_edge import CuttingEdges, strip_coordinates, to_body, turn
 from .state import State
 from .tool import Tool
 from .tool_grid import ClosestTriangleGrid, signed_distance
@@ -53,6 +55,10 @@ _MARGIN = 0.5
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
 _CLEARLY_BESIDE = 0.15
+
+
+# How far off the mid-plane a node may lie, in local edge lengths, for its quads to decide its side.
+_UNDECIDED = 0.1
 
 
 @dataclass(frozen=True)
@@ -228,12 +234,13 @@ def _side_of_quads(
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
     here = to_body(load(x, n), rotation, translation)
+    size = np.sqrt(4.0 * contact_area[n])
     k_best = -1
     shallowest = np.inf
     for k in range(start.shape[0]):
         _, lateral, depth, owns = strip_coordinates(here, k, start, vector, normal, back)
-        # The strip of the tooth across the ring reaches here too: it is lateral that tells.
-        if owns and depth < shallowest and abs(lateral) < CUT_DEPTH:
+        # Near the mid-plane only; the strip of the tooth across the ring reaches here too.
+        if owns and depth < shallowest and abs(lateral) < _UNDECIDED * size:
             shallowest = depth
             k_best = k
     if k_best < 0:
@@ -248,7 +255,7 @@ def _side_of_quads(
             cz += weight * x[other, 2]
     centre = to_body((cx, cy, cz), rotation, translation)
     beside = dot(sub(centre, here), load(normal, k_best))
-    if abs(beside) < _CLEARLY_BESIDE * np.sqrt(4.0 * contact_area[n]):
+    if abs(beside) < _CLEARLY_BESIDE * size:
         return 0
     return 1 if beside > 0.0 else -1
 

@@ -11,7 +11,7 @@ Two criteria, each of which splits a node when its measure reaches 1:
 
     and the measure is F_c · m / (sigma_F A_i), m being the normal from group 1 to group 2. It is
     the very force that the new cable takes over, so the split starts near equilibrium. Among the
-    admissible edges the largest measure wins.
+    admissible edges the one with the largest normal traction on its chord wins.
 ``"stress"``
     sigma_I / sigma_F with the recovered stress ([Frangi2010] 4). The edges chosen are the most
     nearly normal to the direction of sigma_I.
@@ -50,6 +50,10 @@ from .tool import Tool
 # tip belongs to the nearest row.
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
+
+
+# Cosines of two turns that count as the same.
+_SAME_TURN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -217,7 +221,7 @@ class SplitCriterion:
         if self.fracture.criterion == "force":
             found += [s for n in rest if (s := self._by_force(state, n, dt)) and s.measure >= 1.0]
         else:
-            found += self._by_stress(state, rest, dt)
+            found += self._by_stress(state, rest, tips, dt)
         return _strongest_apart(found)
 
     def _along_blade(self, state: State, node: int, trace: Floats, dt: float) -> Split | None:
@@ -235,14 +239,26 @@ class SplitCriterion:
 
     def _by_force(self, state: State, node: int, dt: float) -> Split | None:
         options = self._admissible(state, node)
-        splits = [self._weigh(state, node, option, dt, blade=False) for option in options]
-        return max(splits, key=lambda s: s.measure, default=None)
+        best, largest = None, -np.inf
+        for option in options:
+            split = self._weigh(state, node, option, dt, blade=False)
+            # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord
+            # from crack to crack: dividing by it compares normal tractions, dividing by the area
+            # (the measure) would favour short edges.
+            traction = float(split.force @ split.m) / _chord(state, node, option)
+            if traction > largest:
+                best, largest = split, traction
+        return best
 
-    def _by_stress(self, state: State, nodes: list[int], dt: float) -> list[Split]:
+    def _by_stress(self, state: State, nodes: list[int], tips: list[int], dt: float) -> list[Split]:
         if not nodes:
             return []
         stress = recover(
-            state, self._shell, np.array(nodes, np.int64), place=self.fracture.stress_place
+            state,
+            self._shell,
+            np.array(nodes, np.int64),
+            place=self.fracture.stress_place,
+            tips=tips,
         )
         self.n_borrowed += stress.n_borrowed
         found = []
@@ -270,7 +286,14 @@ class SplitCriterion:
     def _admissible(self, state: State, node: int) -> list[_Option]:
         if node not in self._options:
             self._options[node] = self._enumerate(state, node)
-        return [o for o in self._options[node] if self._turn_allowed(state, node, o)]
+        options = self._options[node]
+        if not options:
+            return []
+        cosines = [self._turn_cosine(state, node, option) for option in options]
+        # Where every edge turns by more than the limit, as at a node of three quads, the least turn
+        # is taken: a crack must not stop for want of mesh lines.
+        least = min(self._cos_limit, max(cosines))
+        return [o for o, cos in zip(options, cosines, strict=True) if cos >= least - _SAME_TURN]
 
     def _enumerate(self, state: State, node: int) -> list[_Option]:
         fans = fans_of(state, node)
@@ -324,14 +347,14 @@ class SplitCriterion:
         length = sum(half for _, half in halves)
         return _Option(minus, plus, back, ahead, tuple(halves), length)
 
-    def _turn_allowed(self, state: State, node: int, option: _Option) -> bool:
+    def _turn_cosine(self, state: State, node: int, option: _Option) -> float:
+        """Return the cosine of the crack's turn at the node."""
         if not (option.back and option.ahead) or len(option.ahead) > 1:
-            return True  # nothing to turn from, or a bridge: nothing to choose
+            return 1.0  # nothing to turn from, or a bridge: nothing to choose
         x = state.node.x
         arrive = x[node] - x[list(option.back)].mean(axis=0)
         leave = x[option.ahead[0]] - x[node]
-        cos = float(arrive @ leave) / float(np.linalg.norm(arrive) * np.linalg.norm(leave))
-        return cos >= self._cos_limit
+        return float(arrive @ leave) / float(np.linalg.norm(arrive) * np.linalg.norm(leave))
 
     def _weigh(self, state: State, node: int, option: _Option, dt: float, *, blade: bool) -> Split:
         e = _direction(state, node, option)
@@ -393,12 +416,21 @@ def owns_flank(state: State, node: int, quads: tuple[int, ...], far_origin: int)
 
 def _direction(state: State, node: int, option: _Option) -> Floats:
     """Return the unit direction in which a crack would run through the node."""
+    e = _way(state, node, option)
+    e -= (e @ state.node.t[node]) * state.node.t[node]
+    return np.asarray(e / np.linalg.norm(e))
+
+
+def _chord(state: State, node: int, option: _Option) -> float:
+    """Return the distance from where a crack would come to where it would go [mm]."""
+    return float(np.linalg.norm(_way(state, node, option)))
+
+
+def _way(state: State, node: int, option: _Option) -> Floats:
     x = state.node.x
     start = x[list(option.back)].mean(axis=0) if option.back else x[node]
     end = x[list(option.ahead)].mean(axis=0) if option.ahead else x[node]
-    e = end - start
-    e -= (e @ state.node.t[node]) * state.node.t[node]
-    return np.asarray(e / np.linalg.norm(e))
+    return np.asarray(end - start)
 
 
 def _strongest_apart(found: list[Split]) -> list[Split]:

@@ -82,7 +82,14 @@ def edge_point(along: float, k: int, start: Floats, vector: Floats) -> Vec3:
 @inline
 def to_body(p: Vec3, rotation: Floats, translation: Floats) -> Vec3:
     """Return Rᵀ (p - r)."""
-    d = (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2])
+    return turn_back(
+        (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2]), rotation
+    )
+
+
+@inline
+def turn_back(d: Vec3, rotation: Floats) -> Vec3:
+    """Return Rᵀ d."""
     return (
         rotation[0, 0] * d[0] + rotation[1, 0] * d[1] + rotation[2, 0] * d[2],
         rotation[0, 1] * d[0] + rotation[1, 1] * d[1] + rotation[2, 1] * d[2],

@@ -1,10 +1,14 @@
-"""Freedoms of the whole film: numbering, supports, assembled stiffness and mass.
+"""Freedoms of the whole film: numbering, supports, assembled stiffness.
 
-Five freedoms a node: x, y, z and the turns of the director along its unit tangents b_1, b_2 (see
-:mod:`shellcut.tangent`). A turn (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold
-translations along axes, which drop out, and spins about axes, which leave those turns whose spin
-vector has no part along a held axis: both of them, one direction, or none. The columns of the
-sparse matrix Z span what is left, u = Z q.
+Five freedoms a node: x, y, z and the turns of the director along two unit tangents b_1, b_2, with
+b_1 x b_2 = t. A turn (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold translations
+along axes, which drop out, and spins about axes, which leave those turns whose spin vector has no
+part along a held axis: both of them, one direction, or none. Where one direction is left, b_1 is
+that direction, so what is left is always a choice of freedoms and never a combination: ``free``.
+
+The spins s_k of the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns a node;
+its rank counts the turns that are held, and its right singular vector of singular value zero is
+the turn that is left.
 """
 
 from __future__ import annotations
@@ -14,13 +18,17 @@ from scipy import sparse
 
 from ._jit import Floats, Ints, kernel
 from ._vec3 import load, rotate_director, store
+from .mitc4 import N_STRAIN, covariant_metric
 from .shell import MITC4Shell
 from .state import State
-from .tangent import tangent_basis
+from .tangent import N_FREEDOM, quad_tangents, tangent_basis
 
 # A turn counts as held when its spin about a held axis exceeds this: the sine of an angle between
 # a director and an axis that is zero but for round-off.
 _HELD = 1e-9
+
+# Complex step: its square is far below any real part.
+_STEP = 1e-30
 
 
 class Freedoms:
@@ -28,59 +36,78 @@ class Freedoms:
 
     Attributes
     ----------
+    n_node : int
+        Number of nodes.
     basis : ndarray, shape (n_node, 2, 3)
         Unit tangents b_1, b_2 of every director.
-    free : sparse array, shape (5 n_node, n_free)
-        Z, from free to all freedoms.
+    free : ndarray of int, shape (n_free,)
+        The free ones of the 5 n_node freedoms, ascending.
     """
 
     def __init__(self, state: State) -> None:
         self._state = state
         self.n_node = state.n_node
         self.basis = np.empty((self.n_node, 2, 3))
-        _write_bases(t=state.node.t, basis=self.basis)
-        self.free = self._free_columns()
+        self.free = np.empty(0, np.int64)
+        self._turned = np.empty(self.n_node, np.complex128)
+        self._pattern = _Pattern(_ids(state.quads), 5 * self.n_node)
+        self.update()
 
-    def _free_columns(self) -> sparse.csr_array:
+    def update(self) -> None:
+        """Find tangents and free freedoms anew, for the state's present directors."""
         support = self._state.node.support[: self.n_node]
-        row, value, column, n_free = [], [], [], 0
-        loose = np.flatnonzero(~support[:, :3].ravel())
-        row.append(5 * (loose // 3) + loose % 3)
-        column.append(np.arange(loose.size))
-        value.append(np.ones(loose.size))
-        n_free = loose.size
-        held = np.asarray(support[:, 3:].any(axis=1))
-        for n in range(self.n_node):
-            turns = np.eye(2)
-            if held[n]:
-                b1, b2 = self.basis[n]
-                spin = np.stack([b2, -b1], axis=1)[support[n, 3:]]
-                _, size, directions = np.linalg.svd(spin)
-                rank = int((size > _HELD).sum())
-                turns = directions[rank:].T
-            for k in range(turns.shape[1]):
-                row.append(5 * n + np.array([3, 4]))
-                column.append(np.full(2, n_free))
-                value.append(turns[:, k])
-                n_free += 1
-        parts = (np.concatenate(value), (np.concatenate(row), np.concatenate(column)))
-        return sparse.csr_array(sparse.coo_array(parts, shape=(5 * self.n_node, n_free)))
+        _write_bases(t=self._state.node.t, basis=self.basis)
+        self._turned[:] = 1.0
+        free = np.ones((self.n_node, 5), np.bool_)
+        free[:, :3] = ~support[:, :3]
+        held = np.flatnonzero(support[:, 3:].any(axis=1))
+        b1, b2 = self.basis[held, 0], self.basis[held, 1]
+        spin = np.where(support[held, 3:, None], np.stack([b2, -b1], axis=2), 0.0)
+        _, size, direction = np.linalg.svd(spin, full_matrices=False)
+        rank = (size > _HELD).sum(axis=1)
+        cos, sin = np.where(rank == 1, direction[:, 1].T, [[1.0], [0.0]])
+        self._turned[held] = cos + 1j * sin
+        self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
+        self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
+        free[held, 3], free[held, 4] = rank < 2, rank < 1
+        self.free = np.flatnonzero(free)
 
-    def stiffness(self, shell: MITC4Shell) -> sparse.csr_array:
-        """Assemble the tangent stiffness, shape (5 n_node, 5 n_node)."""
-        quads = self._state.quads
-        tangent = shell.tangents(self._state, np.arange(quads.shape[0]))
-        ids = self._ids(quads)
-        row = np.repeat(ids, 20, axis=1).ravel()
-        column = np.tile(ids, (1, 20)).ravel()
-        size = (5 * self.n_node,) * 2
-        return sparse.csr_array(sparse.coo_array((tangent.ravel(), (row, column)), shape=size))
+    def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> sparse.csc_array:
+        """Assemble the tangent stiffness, shape (5 n_node, 5 n_node).
 
-    def _ids(self, quads: Ints) -> Ints:
-        translations = 5 * quads[:, :, None] + np.arange(3)
-        turns = 5 * quads[:, :, None] + np.arange(3, 5)
-        n = quads.shape[0]
-        return np.concatenate([translations.reshape(n, 12), turns.reshape(n, 8)], axis=1)
+        Parameters
+        ----------
+        shell : MITC4Shell
+            The film.
+        bent : ndarray, shape (n_quad, 20), optional
+            Part of the strains that the stresses in the stiffness leave out, of :meth:`move`.
+        """
+        s, node, quads = shell.section, self._state.node, self._state.quads
+        tangent = np.empty((quads.shape[0], N_FREEDOM, N_FREEDOM))
+        quad_tangents(
+            which=np.arange(quads.shape[0]),
+            x=node.x,
+            t=node.t,
+            quads=quads,
+            metric=shell.metric if bent is None else shell.metric + bent,
+            flat=s.flat,
+            row=s.row,
+            h_flat=s.h_flat,
+            h_full=s.h_full,
+            tangent=tangent,
+        )
+        _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
+        return self._pattern.assemble(tangent)
+
+    def restrict(self, stiffness: sparse.csc_array) -> sparse.csc_array:
+        """Return the free rows and columns of an assembled stiffness."""
+        return self._pattern.restrict(stiffness, self.free)
+
+    def fill(self, q: Floats) -> Floats:
+        """Return a vector over all freedoms from one over the free ones, zero elsewhere."""
+        u = np.zeros(5 * self.n_node)
+        u[self.free] = q
+        return u
 
     def diagonal(self, translation: Floats, turn: Floats) -> Floats:
         """Return a vector over all freedoms from values per node, shapes (n_node,)."""
@@ -97,12 +124,58 @@ class Freedoms:
         spin = rows[:, 3:4] * self.basis[:, 1] - rows[:, 4:5] * self.basis[:, 0]
         return rows[:, :3], spin
 
-    def move(self, u: Floats) -> None:
-        """Move the state by a finite step u: positions and, by rotation, directors."""
+    def move(self, u: Floats) -> Floats:
+        """Move the state by a finite step u: positions and, by rotation, directors.
+
+        Returns
+        -------
+        ndarray, shape (n_quad, 20)
+            The part of the change of strain that is not linear in u.
+        """
         displacement, spin = self.split(u)
-        node = self._state.node
+        node, quads = self._state.node, self._state.quads
+        bent = np.zeros((quads.shape[0], N_STRAIN))
+        turn = np.cross(spin, node.t[: self.n_node])
+        _take_linear_metric(x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent)
         node.x[: self.n_node] += displacement
-        _turn_directors(t=node.t, spin=np.ascontiguousarray(spin))
+        _turn_directors(t=node.t, spin=spin)
+        _add_metric(x=node.x, t=node.t, quads=quads, change=bent)
+        self.update()
+        return bent
+
+
+class _Pattern:
+    """Where the quads' stiffness goes in the assembled one: found once, then only summed."""
+
+    def __init__(self, ids: Ints, n: int) -> None:
+        row, column = np.repeat(ids, N_FREEDOM, axis=1), np.tile(ids, (1, N_FREEDOM))
+        key, slot = np.unique(column.ravel() * n + row.ravel(), return_inverse=True)
+        self._n, self._slot, self._row = n, slot, key % n
+        self._start = np.searchsorted(key // n, np.arange(n + 1))
+        self._free = np.empty(0, np.int64)
+        self._part: sparse.csc_array = sparse.csc_array((0, 0))
+
+    def assemble(self, tangent: Floats) -> sparse.csc_array:
+        data = np.bincount(self._slot, weights=tangent.ravel(), minlength=self._row.size)
+        return self._matrix(data)
+
+    def restrict(self, stiffness: sparse.csc_array, free: Ints) -> sparse.csc_array:
+        if not np.array_equal(free, self._free):
+            self._part = self._matrix(np.arange(self._row.size))[:, free][free, :]
+            self._free = free
+        p = self._part
+        return sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
+
+    def _matrix(self, data: Floats | Ints) -> sparse.csc_array:
+        return sparse.csc_array((data, self._row, self._start), shape=(self._n, self._n))
+
+
+def _ids(quads: Ints) -> Ints:
+    """Return the freedoms of every quad in the order of its stiffness, shape (n_quad, 20)."""
+    translations = 5 * quads[:, :, None] + np.arange(3)
+    turns = 5 * quads[:, :, None] + np.arange(3, 5)
+    n = quads.shape[0]
+    return np.concatenate([translations.reshape(n, 12), turns.reshape(n, 8)], axis=1)
 
 
 @kernel
@@ -117,3 +190,51 @@ def _turn_directors(t: Floats, spin: Floats) -> None:
     """Rotate t : (n_node, 3) by the spin vectors : (n, 3), n <= n_node."""
     for n in range(spin.shape[0]):
         store(t, n, rotate_director(load(t, n), load(spin, n)))
+
+
+@kernel
+def _turn_tangents(quads: Ints, turned: Floats, tangent: Floats) -> None:
+    """Refer tangent : (n_quad, 20, 20) to tangents b turned by the unit numbers : (n_node,)."""
+    for e in range(quads.shape[0]):
+        for a in range(4):
+            cos, sin = turned[quads[e, a]].real, turned[quads[e, a]].imag
+            if sin == 0.0 and cos == 1.0:
+                continue
+            i, j = 12 + 2 * a, 13 + 2 * a
+            for k in range(20):
+                one, two = tangent[e, i, k], tangent[e, j, k]
+                tangent[e, i, k], tangent[e, j, k] = cos * one + sin * two, cos * two - sin * one
+            for k in range(20):
+                one, two = tangent[e, k, i], tangent[e, k, j]
+                tangent[e, k, i], tangent[e, k, j] = cos * one + sin * two, cos * two - sin * one
+
+
+@kernel
+def _add_metric(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
+    """Add the scalar products of all quads to change : (n_quad, 20)."""
+    xe, te, m = np.empty((4, 3)), np.empty((4, 3)), np.empty(20)
+    for e in range(quads.shape[0]):
+        for a in range(4):
+            for c in range(3):
+                xe[a, c], te[a, c] = x[quads[e, a], c], t[quads[e, a], c]
+        covariant_metric(xe, te, m)
+        for k in range(20):
+            change[e, k] += m[k]
+
+
+@kernel
+def _take_linear_metric(
+    x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
+) -> None:
+    """Take the products, and their linear change by dx, dt, off change : (n_quad, 20)."""
+    xe, te = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
+    m = np.empty(20, np.complex128)
+    for e in range(quads.shape[0]):
+        for a in range(4):
+            n = quads[e, a]
+            for c in range(3):
+                xe[a, c] = x[n, c] + 1j * _STEP * dx[n, c]
+                te[a, c] = t[n, c] + 1j * _STEP * dt[n, c]
+        covariant_metric(xe, te, m)
+        for k in range(20):
+            change[e, k] -= m[k].real + m[k].imag / _STEP

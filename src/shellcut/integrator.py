@@ -11,7 +11,8 @@ rotation about omega keeps omega normal to the new director, so that there is no
 eliminate. With the kinetic energy taken as ½ m v_{n-1/2} · v_{n+1/2} and every work as
 ½ (f_{n-1} + f_n) · Δx, the energy balance of a constant step is an identity to round-off.
 
-The first kick, from rest at t_0, is a half one.
+The first kick, from v_0 at t_0, is a half one. Mass damping (alpha) enters the balance with errors
+of the order alpha dt.
 """
 
 from __future__ import annotations
@@ -130,8 +131,9 @@ def _kick(
                     )
                     support_work += 0.5 * (reaction[n, 3 + c] + r) * spin_before * dt_last
                     reaction[n, 3 + c] = r
-            kinetic += before * after
-            spun += spin_before * spin_after
+            # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
+            kinetic += (before if dt_last > 0.0 else 2.0 * before - after) * after
+            spun += (spin_before if dt_last > 0.0 else 2.0 * spin_before - spin_after) * spin_after
             mean2 += m * (before + after) ** 2 + j * (spin_before + spin_after) ** 2
             velocity[n, c] = after
             spin[n, c] = spin_after

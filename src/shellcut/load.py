@@ -113,6 +113,8 @@ class LoadSet:
                 ids = choose_nodes(mesh, one.nodes)
                 self._moment.append((ids, np.array(_vector("moment", one.moment)), one.factor))
             elif isinstance(one, Pressure):
+                if not np.isfinite(one.value):
+                    raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
                     self._following.append((quads, float(one.value), one.factor))

@@ -10,11 +10,12 @@ of the samples is taken.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import Floats, Ints, inline, kernel
+from ._jit import Bools, Floats, Ints, inline, kernel
 from .shell import MITC4Shell
 from .state import State
 
@@ -42,7 +43,14 @@ class NodalStress:
     n_borrowed: int
 
 
-def recover(state: State, shell: MITC4Shell, nodes: Ints, *, place: str = "mid") -> NodalStress:
+def recover(
+    state: State,
+    shell: MITC4Shell,
+    nodes: Ints,
+    *,
+    place: str = "mid",
+    tips: Sequence[int] = (),
+) -> NodalStress:
     """Recover the largest principal stress at some nodes.
 
     Parameters
@@ -55,9 +63,13 @@ def recover(state: State, shell: MITC4Shell, nodes: Ints, *, place: str = "mid")
         Which nodes.
     place : {"mid", "top", "bottom", "nominal", "largest"}
         As :meth:`MITC4Shell.stress`; ``largest`` is the largest of top, mid and bottom.
+    tips : sequence of int
+        Crack tips: their patches have quads on both flanks and are lent to no other node.
     """
     if place == "largest":
-        layers = [recover(state, shell, nodes, place=p) for p in ("top", "mid", "bottom")]
+        layers = [
+            recover(state, shell, nodes, place=p, tips=tips) for p in ("top", "mid", "bottom")
+        ]
         best = np.argmax([one.principal for one in layers], axis=0)
         pick = np.arange(len(nodes))
         return NodalStress(
@@ -73,6 +85,8 @@ def recover(state: State, shell: MITC4Shell, nodes: Ints, *, place: str = "mid")
     needed = np.unique(np.concatenate([n.quads[i, : n.n_quad_at[i]] for i in ring]))
     stress = np.zeros((state.quads.shape[0], 3, 3))
     stress[needed] = shell.stress(state, needed, place=place)
+    lends = np.ones(n.count, np.bool_)
+    lends[list(tips)] = False
     principal, direction = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
     borrowed = _recover(
         nodes=np.asarray(nodes, np.int64),
@@ -81,6 +95,7 @@ def recover(state: State, shell: MITC4Shell, nodes: Ints, *, place: str = "mid")
         quads=state.quads,
         quads_at=n.quads,
         n_quad_at=n.n_quad_at,
+        lends=lends,
         stress=stress,
         principal=principal,
         direction=direction,
@@ -172,6 +187,7 @@ def _recover(
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
+    lends: Bools,
     stress: Floats,
     principal: Floats,
     direction: Floats,
@@ -192,7 +208,7 @@ def _recover(
                 e = quads_at[n, j]
                 for a in range(4):
                     near = quads[e, a]
-                    if near != n and n_quad_at[near] > richest:
+                    if near != n and lends[near] and n_quad_at[near] > richest:
                         fits = _fit(near, n, frame, x, quads, quads_at, n_quad_at, stress, other)
                         if fits:
                             richest = n_quad_at[near]

@@ -92,6 +92,10 @@ class Simulation:
             problems.append("tool and motion go together: give both or none")
         if problems:
             raise ValueError("; ".join(problems))
+        if law is None and fracture is not None:
+            raise ValueError("fracture needs a law for the cables: give law=CohesiveLaw() too")
+        if tool is None and contact is not None:
+            raise ValueError("contact needs a tool to be in contact with: give tool and motion too")
 
         self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         self.law = law
@@ -111,9 +115,12 @@ class Simulation:
             velocity = np.asarray(velocity, float)
             if velocity.shape != (mesh.n_node, 3):
                 raise ValueError(
-                    f"velocity must have shape (n_node, 3) = ({mesh.n_node}, 3), got "
+                    f"velocity must have shape ({mesh.n_node}, 3), a row a node, got "
                     f"{velocity.shape}"
                 )
+            if not np.isfinite(velocity).all():
+                bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
+                raise ValueError(f"velocity must be finite, is not at nodes {bad}")
             self.state.node.velocity_half[: mesh.n_node] = velocity
         self.fracture = fracture or Fracture()
         self.criterion = None
@@ -258,7 +265,7 @@ class Simulation:
 
         The last step is not shortened, so that run(a); run(b) is run(b), bit for bit.
         """
-        if not until >= self.state.time:
+        if not until >= self.state.time - self.state.dt:
             raise ValueError(f"until must not lie before now, {self.state.time} s, got {until!r}")
         try:
             going = self._serve(hooks)
@@ -324,12 +331,11 @@ class Simulation:
 
     def _blown_up(self) -> None:
         s = self.state
-        bad = ~np.isfinite(s.strain).all(axis=1)
-        quad = int(np.argmax(bad))
+        quad = int(np.argmax(np.where(np.isfinite(s.strain), abs(s.strain), np.inf).max(axis=1)))
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         raise UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer "
-            f"finite; the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, "
+            f"finite or explodes; the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, "
             "or leave Stepping.fixed unset"
         )

@@ -66,6 +66,12 @@ class Support:
                 f"velocity is prescribed along {sorted(loose)}, which translation "
                 f"{self.translation!r} does not hold: add these axes to it"
             )
+        problems += [
+            f"velocity along {axis} must be a function of time, got {rate!r}: for a constant "
+            f"write lambda time: {rate!r}"
+            for axis, rate in self.velocity.items()
+            if not callable(rate)
+        ]
         if problems:
             raise ValueError("; ".join(problems))
 
@@ -109,6 +115,16 @@ class SupportSet:
                         "keep one of them"
                     )
                 self._moving.append((ids, c, rate))
+        # A node that one support holds at rest and another moves along the same axis.
+        for support, ids in zip(supports, self.nodes, strict=True):
+            for axis in set(support.translation) - set(support.velocity):
+                c = _AXES.index(axis)
+                clash = [n for n in ids.tolist() if (n, c) in moved]
+                if clash:
+                    raise ValueError(
+                        f"one support holds what another moves along {axis}, nodes {clash[:5]}: "
+                        "take these nodes or this axis out of one of them"
+                    )
 
     def initialise(self, state: State) -> None:
         """Write the masks of held components."""

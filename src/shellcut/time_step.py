@@ -19,6 +19,7 @@ Between full evaluations the quads near the limit are followed at a shorter inte
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,9 +59,9 @@ class Stepping:
         problems = []
         if not 0 < self.safety <= 1:
             problems.append(f"safety must lie in (0, 1], got {self.safety!r}")
-        if not self.evaluate_every > 0:
+        if not (isinstance(self.evaluate_every, int) and self.evaluate_every > 0):
             problems.append(f"evaluate_every must be a positive count, got {self.evaluate_every!r}")
-        if self.fixed is not None and not self.fixed > 0:
+        if self.fixed is not None and not 0 < self.fixed < math.inf:
             problems.append(f"fixed must be a positive time in s, got {self.fixed!r}")
         if problems:
             raise ValueError("; ".join(problems))
@@ -85,11 +86,11 @@ class StableStep:
 
     def next(self, state: State) -> float:
         """Return dt of the step after t_n [s]."""
+        due = state.step >= self._next
+        if due and (self.stepping.fixed is None or self._evaluations == 0):
+            self._follow(state)
         if self.stepping.fixed is not None:
             return self.stepping.fixed
-        due = state.step >= self._next
-        if due:
-            self._follow(state)
         if due or state.revision != self._revision:
             self._revision = state.revision
             safe = self.stepping.safety * self.bound(state)

@@ -191,14 +191,14 @@ def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
 @pytest.mark.parametrize("n_teeth", [1, 2, 4])
 def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
     # The strip of every tooth's mid-plane goes on across the ring and has the other sign there.
-    tool = tooth_ring(n_teeth=n_teeth)
+    tool = tooth_ring(n_teeth=n_teeth, edge_inclination_deg=90.0)
     for body in range(n_teeth):
-        k = int(np.flatnonzero(tool.edge_body == body)[2])
-        # So far behind its own edge that it lies nearer to the edge of the tooth across, prolonged.
-        p = tool.point(k, 0.5) + 0.8 * tool.edge_back[k]
+        k = int(np.flatnonzero(tool.edge_body == body)[4])
+        # 0.18 mm behind its own edge, it is some 0.02 mm behind that of the tooth across.
+        p = tool.point(k, 0.5) + 0.18 * tool.edge_back[k]
         radial = p * [1, 1, 0] / np.hypot(p[0], p[1])
         tangent = np.cross([0, 0, 1], radial)
-        # One row of quads on the far side of the node's slip over the cylinder.
+        # The node has slipped over to the face that its quads do not lie on.
         out = 1.0 if outside else -1.0
         p = p + (9.4 - out * 0.003 - np.hypot(p[0], p[1])) * radial
         mesh = rectangle(1.2, 0.4, n_x=3, n_y=1)

@@ -168,10 +168,6 @@ def test_blow_up_names_a_quad_and_the_safe_step():
     assert np.isfinite(just_below.state.node.x[:25]).all()
 
 
-@pytest.mark.xfail(
-    reason="with Stepping.fixed the frequencies are never evaluated (0/0 in the message), and quad "
-    "0 is named when the energy overflows before any strain does"
-)
 def test_blow_up_names_the_quad_that_is_worst():
     # The finest quads go first: the named one must be among the most strained.
     mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)

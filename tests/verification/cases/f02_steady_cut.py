@@ -1,0 +1,53 @@
+"""F02 Steady straight cut: the blade's work is the fracture energy.
+
+A clamped strip of the film of 2010, cut along its middle without friction. Read: mean force over
+whole node periods of the steady part, the cables' part of it, and the imbalance of the ledger.
+
+Source: exact as a statement of energy (Atkins and Mai 1979): F = G h = 43.5 * 0.074 = 3.219 N.
+
+Bands: the force is a sawtooth with the node spacing s; a mean over m periods keeps a part of one,
+and damping and waves come on top: 2 % for 1 m/s-class speeds of the blade against the film's waves.
+The ledger closes to the second order of the step.
+"""
+
+import numpy as np
+from harness import Check
+
+from shellcut import guillotine
+
+ID, TITLE, FAST = "F02", "Steady cut, energy balance", True
+
+SIZE = 0.8  # mm
+EXACT = 43.5 * 0.074
+
+CURVES = {}
+
+
+def checks() -> list[Check]:
+    case = guillotine(SIZE, length=20.0)
+    sim = case.simulation
+    rows = []
+    while sim.state.time < case.duration:
+        sim.step()
+        book = sim.ledger
+        path = sim.motion.coordinate(sim.state.time)
+        rows.append((path, book.tool_work, book.cohesive_work, book.imbalance))
+    path, work, cohesive, imbalance = np.array(rows).T
+    CURVES["work of the blade over its path, N mm"] = {
+        "x": path.tolist(),
+        "y": work.tolist(),
+        "x_ref": [8.0, float(path[-1])],
+        "y_ref": [float(np.interp(8.0, path, work)) + EXACT * d for d in (0.0, path[-1] - 8.0)],
+    }
+    n = int((path[-1] - 8.0) / SIZE)
+    ends = np.array([8.0, 8.0 + n * SIZE])
+
+    def mean(entry: np.ndarray) -> float:
+        return float(np.diff(np.interp(ends, path, entry))[0] / (n * SIZE))
+
+    worst = float(np.abs(imbalance).max() / work.max())
+    return [
+        Check(f"mean force over {n} periods, N", EXACT, mean(work), 0.02, "mesh, damping, waves"),
+        Check(f"cables' part over {n} periods, N", EXACT, mean(cohesive), 0.02, "mesh"),
+        Check("largest imbalance / work", 0.0, worst, 1e-3, "time step", absolute=True),
+    ]
