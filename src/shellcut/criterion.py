@@ -46,8 +46,8 @@ from .state import BROKEN, State
 from .tool import Tool
 
 # Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a node no
-# crack has reached must lie nearly on the edge (well below half the distance to the next row), a
-# tip belongs to the nearest row.
+# crack has reached must lie nearly on the edge (well below half the distance to the next row); a
+# tip, or a node of a free edge where the blade comes in, belongs to the nearest row.
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
 
@@ -165,6 +165,8 @@ class SplitCriterion:
         For the blade-cut rule.
     free_edges : frozenset of (int, int)
         Reference edges cut beforehand, which carry no cable.
+    rim : ndarray of int
+        Nodes of the film's own boundary.
     """
 
     def __init__(
@@ -175,6 +177,7 @@ class SplitCriterion:
         loads: LoadSet,
         tool: Tool | None,
         free_edges: frozenset[tuple[int, int]],
+        rim: Ints,
     ) -> None:
         self.fracture = fracture
         self._strength = strength
@@ -182,6 +185,7 @@ class SplitCriterion:
         self._loads = loads
         self._blade = _BladeTrace(tool) if tool is not None and fracture.blade_cut else None
         self._free_edges = free_edges
+        self._rim = rim
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
         self._options: dict[int, list[_Option]] = {}
         self._options_revision = -1
@@ -211,7 +215,7 @@ class SplitCriterion:
         found: list[Split] = []
         cut: dict[int, Floats] = {}
         if self._blade is not None:
-            cut = self._blade.cut_nodes(state, tips, rotation, translation)
+            cut = self._blade.cut_nodes(state, tips, self._rim, rotation, translation)
             for n, trace in cut.items():
                 split = self._along_blade(state, n, trace, dt)
                 if split is not None:
@@ -455,7 +459,12 @@ class _BladeTrace:
         self._high = points.max(axis=0) + CUT_DEPTH
 
     def cut_nodes(
-        self, state: State, tips: list[int], rotation: Floats, translation: Floats
+        self,
+        state: State,
+        tips: list[int],
+        rim: Ints,
+        rotation: Floats,
+        translation: Floats,
     ) -> dict[int, Floats]:
         """Return the unsupported nodes that the edge has cut and the blade's trace at each.
 
@@ -464,12 +473,15 @@ class _BladeTrace:
         n = state.node
         tip = np.zeros(n.count, np.bool_)
         tip[tips] = True
+        nearest_row = tip.copy()
+        nearest_row[rim] = True
         edge_of = np.full(n.count, -1, np.int64)
         _cut_nodes(
             n_node=n.count,
             x=n.x,
             supported=n.supported,
             tip=tip,
+            nearest_row=nearest_row,
             halved=n.halved,
             contact_area=n.contact_area,
             rotation=rotation,
@@ -495,6 +507,7 @@ def _cut_nodes(
     x: Floats,
     supported: Bools,
     tip: Bools,
+    nearest_row: Bools,
     halved: Bools,
     contact_area: Floats,
     rotation: Floats,
@@ -515,7 +528,9 @@ def _cut_nodes(
         p = to_body(load(x, n), rotation, translation)
         if not (low[0] < p[0] < high[0] and low[1] < p[1] < high[1] and low[2] < p[2] < high[2]):
             continue
-        reach = np.sqrt(4.0 * contact_area[n]) * (_PASSED_REACH if tip[n] else _PIERCED_REACH)
+        reach = np.sqrt(4.0 * contact_area[n]) * (
+            _PASSED_REACH if nearest_row[n] else _PIERCED_REACH
+        )
         shallowest = np.inf
         for k in range(start.shape[0]):
             _, lateral, depth, owns = strip_coordinates(p, k, start, vector, normal, back)

@@ -12,7 +12,7 @@ from .cohesive_law import CohesiveLaw
 from .contact import Contact, ContactForces, PenaltyContact
 from .criterion import Fracture, SplitCriterion
 from .energy import Ledger
-from .fan import crack_tips, is_tip, open_edges
+from .fan import boundary_edges, crack_tips, is_tip, open_edges
 from .hooks import Hook, StopRun
 from .integrator import CentralDifference
 from .load import Load, LoadSet
@@ -128,7 +128,13 @@ class Simulation:
         if law is not None:
             precut = frozenset(open_edges(self.state))
             self.criterion = SplitCriterion(
-                self.fracture, law.strength, self.shell, self.loads, tool, precut
+                self.fracture,
+                law.strength,
+                self.shell,
+                self.loads,
+                tool,
+                precut,
+                np.unique(boundary_edges(self.state)),
             )
             self.tips = crack_tips(self.state)
         self.time_step = StableStep(stepping or Stepping(), self.shell, self.cables, self.contact)
@@ -336,6 +342,6 @@ class Simulation:
         raise UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer "
-            f"finite or explodes; the safe step was {self.time_step.bound(s):.4g} s: lower Stepping.safety, "
-            "or leave Stepping.fixed unset"
+            f"finite or explodes; the safe step was {self.time_step.bound(s):.4g} s: lower "
+            "Stepping.safety, or leave Stepping.fixed unset"
         )

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from runs import broken_ratio, mean_force, run
 
+from runs import broken_ratio, mean_force, run
 from shellcut import guillotine
 
 GH = 43.5 * 0.074

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from naive import cable as naive
 
+from naive import cable as naive
 from shellcut.cable import SHORT_BRANCH, START_OPENING, CableSet
 from shellcut.cohesive_law import CohesiveLaw, area_below
 from shellcut.meshing import rectangle

@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from naive import cable as naive
 
+from naive import cable as naive
 from shellcut.cohesive_law import CohesiveLaw, area_below, envelope
 
 LAWS = {

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import contact as naive
-
 from shellcut.contact import (
     ABSORB_TIME,
     JUMP,

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import topology as naive
-
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Fracture, SplitCriterion, cable_share, owns_flank
 from shellcut.fan import crack_tips, open_edges
@@ -36,6 +36,7 @@ def pulled(mesh, strain, loads=(), tool=None, **fracture):
         LoadSet(mesh, loads),
         tool,
         frozenset(open_edges(state)),
+        np.zeros(0, np.int64),
     )
     E = 0.5 * (F.T @ F - np.eye(3))[:2, :2]
     s = cases.FILM.layers[0].material.plane_stress() @ [E[0, 0], E[1, 1], 2 * E[0, 1]]

@@ -1,9 +1,9 @@
 """Fans in order, cracks that arrive, tips and open edges."""
 
 import numpy as np
+
 from naive import cases
 from naive import topology as naive
-
 from shellcut.fan import (
     arriving,
     boundary_edges,

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from opening_frame import opening_frame
 
+from opening_frame import opening_frame
 from shellcut.frame import Frame
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from naive import cases
 
+from naive import cases
 from shellcut.integrator import CentralDifference
 from shellcut.load import Gravity
 from shellcut.meshing import rectangle

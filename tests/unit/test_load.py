@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import load as naive
-
 from shellcut.load import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
 from shellcut.meshing import cylinder, rectangle
 from shellcut.state import initial_state

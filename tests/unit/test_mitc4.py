@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import shell as naive
-
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
 from shellcut.section import build_sections

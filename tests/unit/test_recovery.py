@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import recovery as naive
-
 from shellcut.meshing import rectangle
 from shellcut.recovery import recover
 from shellcut.state import initial_state

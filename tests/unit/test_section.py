@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import shell as naive
-
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.meshing import cylinder
 from shellcut.section import build_sections, cartesian_map, shape_functions

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from naive import cases
-from naive import shell as naive
 from scipy.spatial.transform import Rotation
 
+from naive import cases
+from naive import shell as naive
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.shell import MITC4Shell
 from shellcut.state import initial_state

@@ -7,8 +7,8 @@ import time
 
 import numpy as np
 import pytest
-from opening_frame import RADIUS, opening_frame
 
+from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
 from shellcut.view import draw_snapshot, snapshot
 from shellcut.view._figure import with_unit

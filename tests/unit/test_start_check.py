@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from naive import cases
 
+from naive import cases
 from shellcut.meshing import rectangle
 from shellcut.start_check import check_tool_outside
 from shellcut.tool_shapes import straight_blade, tooth_ring

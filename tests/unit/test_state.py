@@ -6,8 +6,8 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from naive import cases
 
+from naive import cases
 from shellcut.meshing import rectangle
 from shellcut.state import CableTable, NodeTable, initial_state, quads_of_nodes
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from naive import cases
-from test_shell import stiffness
 
+from naive import cases
 from shellcut.cable import CableSet
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.contact import STEEPEST, Contact, PenaltyContact
 from shellcut.time_step import StableStep, Stepping
 from shellcut.tool_shapes import straight_blade
+from test_shell import stiffness
 
 LAW = CohesiveLaw()
 

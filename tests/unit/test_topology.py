@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 from naive import cases
 from naive import topology as naive
-
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Split
 from shellcut.fan import arriving, fans_of

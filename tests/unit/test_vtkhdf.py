@@ -10,8 +10,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from opening_frame import opening_frame
 
+from opening_frame import opening_frame
 from shellcut.frame import Frame
 from shellcut.vtkhdf import CABLE, MEMBRANE, TOOL, VtkHdfWriter
 

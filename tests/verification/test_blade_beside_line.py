@@ -13,6 +13,7 @@ import pytest
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Fracture
 from shellcut.material import ShellMaterial
+from shellcut.mesh import Mesh
 from shellcut.meshing import rectangle
 from shellcut.motion import StraightMotion
 from shellcut.simulation import Simulation
@@ -29,7 +30,11 @@ ROW = 3  # the row of nodes at y = -0.8 mm, not the middle one: nothing may rest
 def _cut(criterion: str, beside: float, notched: bool) -> tuple[Simulation, np.ndarray]:
     """Drive the blade ``beside`` [mm] off a row of nodes; return the run and (path, work) rows."""
     n_x = 14
-    mesh = rectangle(n_x * SIZE, 10 * SIZE, n_x=n_x, n_y=10)
+    flat = rectangle(n_x * SIZE, 10 * SIZE, n_x=n_x, n_y=10)
+    # Waves of 2 µm, as every film has: a perfectly flat sheet cannot buckle aside of the blade.
+    nodes = flat.nodes.copy()
+    nodes[:, 2] = np.random.default_rng(0).normal(scale=2e-3, size=flat.n_node)
+    mesh = Mesh.from_arrays(nodes, flat.quads, node_sets=dict(flat.node_sets))
     row = ROW * (n_x + 1) + np.arange(n_x + 1)
     y = float(mesh.nodes[row[0], 1])
     if notched:
@@ -91,30 +96,19 @@ def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) ->
         assert abs(sim.ledger.contact_work - sim.contact_forces.stored) < 5e-3 * work[-1]
 
 
-@pytest.mark.parametrize("beside", [0.2, -0.2])
 @pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_a_quarter_of_the_spacing_beside_it_still_cuts_it(criterion: str, beside: float) -> None:
+@pytest.mark.parametrize("beside", [0.1, -0.1, 0.2, -0.2, 0.3])
+def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -> None:
+    # The same cables break, met at their flanks; measured 0.94 to 1.10 up to three eighths of the
+    # spacing. What is left over is the film's bending aside of the blade.
     sim, rows = _cut(criterion, beside, True)
     _check_path(sim, True)
-    # Discretisation, measured 5e-3.
-    _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
-    assert np.abs(imbalance / work).max() < 2e-2
-
-
-@pytest.mark.parametrize("criterion", ["force", "stress"])
-@pytest.mark.parametrize(
-    "beside",
-    [
-        0.1,
-        -0.1,
-        pytest.param(0.2, marks=pytest.mark.xfail(reason="0.79 of it: cables miss the blade late")),
-        pytest.param(-0.2, marks=pytest.mark.xfail(reason="1.77 of it: the flank jams the blade")),
-    ],
-)
-def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -> None:
-    # A band, no theory: the same cables break. Measured -12 to -4 % at an eighth of the spacing.
     on_line = _cut(criterion, 0.0, True)[1][-1, 1]
-    assert _cut(criterion, beside, True)[1][-1, 1] == pytest.approx(on_line, rel=0.15)
+    assert rows[-1, 1] == pytest.approx(on_line, rel=0.15)
+    # Nodes that lie well on one side of the blade stay there: nothing is pushed across for free.
+    assert sim.ledger.contact_work > -0.02 * rows[-1, 1]
+    _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
+    assert np.abs(imbalance / work).max() < 6e-3
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])
@@ -124,25 +118,8 @@ def test_work_on_the_line_is_the_same_by_both_criteria(criterion: str) -> None:
     assert work == pytest.approx(_cut("force", 0.0, True)[1][-1, 1], rel=0.03)
 
 
-@pytest.mark.xfail(
-    reason="three eighths beside the line the cables miss the blade: no force at all"
-)
-@pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])
-def test_three_eighths_beside_it_the_film_still_resists(notched: bool) -> None:
-    # Nearer to this line than to the next (0.3 against 0.5 mm). With the notch the nodes split by
-    # the blade-cut rule but no cable crosses the blade's mid-plane; without it nothing splits and
-    # the blade passes through the quads between the nodes: tool work 4e-5 N mm, of some 20.
-    _, rows = _cut("force", 0.3, notched)
-    assert rows[-1, 1] > 5.0
-
-
-@pytest.mark.xfail(
-    reason="nodes born in the wedge: the decaying offset pushes them across for free"
-)
-@pytest.mark.parametrize("beside", [0.2, -0.2])
-def test_the_contact_gives_no_energy(beside: float) -> None:
-    # Beside the line a flank is born on the wrong side of the blade, its jump in depth absorbed,
-    # and pushed across while the offset decays. That work comes from nowhere: measured -5.4 and
-    # -18 N mm of 16 and 36 done by the tool. The imbalance does not show it: it is an entry.
-    sim, rows = _cut("force", beside, True)
-    assert sim.ledger.contact_work > -0.01 * rows[-1, 1]
+@pytest.mark.parametrize("beside", [0.0, 0.3])
+def test_from_a_free_edge_the_nearest_row_is_cut(beside: float) -> None:
+    sim, rows = _cut("force", beside, False)
+    _check_path(sim, False)
+    assert rows[-1, 1] == pytest.approx(_cut("force", 0.0, False)[1][-1, 1], rel=0.15)

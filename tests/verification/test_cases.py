@@ -1,6 +1,7 @@
 """The fast verification cases, one test each; all of them by ``run.py``."""
 
 import pytest
+
 from harness import load_cases, run_case
 
 

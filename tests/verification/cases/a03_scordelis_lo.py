@@ -10,7 +10,6 @@ shear factor is 1 as in the source.
 
 from cases.patches import cylinder_patch
 from harness import Check
-
 from shellcut import Gravity, ShellMaterial, Support
 from shellcut.statics import Statics
 

@@ -9,7 +9,6 @@ factor is 1 as in the source.
 
 from cases.patches import cylinder_patch
 from harness import Check
-
 from shellcut import NodalForce, ShellMaterial, Support
 from shellcut.statics import Statics
 

@@ -8,10 +8,10 @@ Source: exact, J_n I_n' - I_n J_n' = 0 (Leissa, NASA SP-160). Band as in C04, s 
 """
 
 import numpy as np
-from cases.c04_square_plate_ssss import MATERIAL, mesh_band, observed_order, unit
-from harness import Check
 from scipy.special import iv, jv
 
+from cases.c04_square_plate_ssss import MATERIAL, mesh_band, observed_order, unit
+from harness import Check
 from shellcut import Mesh, Support
 from shellcut.meshing import disc
 from shellcut.statics import Modes, Statics

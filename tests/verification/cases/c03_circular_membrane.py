@@ -10,11 +10,11 @@ Source: exact, zeros of J_n. Band as in C04.
 """
 
 import numpy as np
+from scipy.special import jv
+
 from cases.c01_clamped_circular_plate import likest, spacing
 from cases.c04_square_plate_ssss import mesh_band, observed_order
 from harness import Check
-from scipy.special import jv
-
 from shellcut import ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

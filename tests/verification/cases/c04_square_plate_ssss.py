@@ -12,9 +12,9 @@ and what shear and rotary inertia take at a / h = 1000. The observed order must 
 """
 
 import numpy as np
+
 from cases.patches import mapped_patch
 from harness import Check
-
 from shellcut import Mesh, ShellMaterial, Support
 from shellcut.statics import Statics
 

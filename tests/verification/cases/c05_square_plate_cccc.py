@@ -8,7 +8,6 @@ bound). Band as in C04.
 
 from cases.c04_square_plate_ssss import square_checks
 from harness import Check
-
 from shellcut import Support
 
 ID, TITLE, FAST = "C05", "Square plate CCCC, frequencies", True

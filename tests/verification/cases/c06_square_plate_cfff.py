@@ -8,7 +8,6 @@ SDLS01) has upper bounds 0.2 to 0.6 % higher. Band as in C04.
 
 from cases.c04_square_plate_ssss import square_checks
 from harness import Check
-
 from shellcut import Support
 
 ID, TITLE, FAST = "C06", "Square plate CFFF, frequencies", True

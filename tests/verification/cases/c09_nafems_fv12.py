@@ -8,9 +8,9 @@ and half a digit of the table. The tangent is singular: no support holds the rig
 """
 
 import numpy as np
+
 from cases.c04_square_plate_ssss import mesh_band, unit
 from harness import Check
-
 from shellcut import ShellMaterial
 from shellcut.meshing import rectangle
 from shellcut.statics import Statics

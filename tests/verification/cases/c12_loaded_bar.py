@@ -12,8 +12,8 @@ the front is smeared by (s / L) n^(1/3) of the length.
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Simulation, Support
 from shellcut.meshing import rectangle
 from shellcut.statics import Statics

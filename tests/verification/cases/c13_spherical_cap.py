@@ -13,8 +13,8 @@ deflection and time. The first two small extremes differ by 12 % in the peers: b
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Simulation, Support
 from shellcut.meshing import disc
 

@@ -11,8 +11,8 @@ Flat and slack, the disc has no stiffness to the load: Newton's iteration starts
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

@@ -14,9 +14,9 @@ square of its size over that length.
 """
 
 import numpy as np
+
 from cases.d01_hencky_membrane import at_the_rim, in_the_middle, radial_stress
 from harness import Check
-
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

@@ -8,7 +8,6 @@ Confidence low to medium: beside. Von Karman's theory, rim held in its plane at 
 """
 
 from harness import Check
-
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

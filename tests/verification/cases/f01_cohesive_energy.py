@@ -7,8 +7,8 @@ Source: Frangi and others (2010), 5.1: 1.5 + 42 = 43.5 N/mm, exact.
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import CohesiveLaw
 
 ID, TITLE, FAST = "F01", "Cohesive law, dissipated energy", True

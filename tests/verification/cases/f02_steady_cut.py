@@ -11,8 +11,8 @@ The ledger closes to the second order of the step.
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import guillotine
 
 ID, TITLE, FAST = "F02", "Steady cut, energy balance", True
