@@ -9,6 +9,10 @@ that direction, so what is left is always a choice of freedoms and never a combi
 The spins s_k of the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns a node;
 its rank counts the turns that are held, and its right singular vector of singular value zero is
 the turn that is left.
+
+The free freedoms stand in the order of a *nested dissection* (George 1973): the nodes of a strip
+that parts the film in two come last, each part before it is ordered likewise. Factors of a
+stiffness in this order stay sparse, without a search at every factorisation.
 """
 
 from __future__ import annotations
@@ -27,6 +31,9 @@ from .tangent import N_FREEDOM, quad_tangents, tangent_basis
 # a director and an axis that is zero but for round-off.
 _HELD = 1e-9
 
+# Nodes of a part that is not dissected further; between 8 and 32 it makes no difference.
+_SMALL_PART = 16
+
 # Complex step: its square is far below any real part.
 _STEP = 1e-30
 
@@ -41,7 +48,7 @@ class Freedoms:
     basis : ndarray, shape (n_node, 2, 3)
         Unit tangents b_1, b_2 of every director.
     free : ndarray of int, shape (n_free,)
-        The free ones of the 5 n_node freedoms, ascending.
+        The free ones of the 5 n_node freedoms, in the order of the dissection.
     """
 
     def __init__(self, state: State) -> None:
@@ -50,6 +57,8 @@ class Freedoms:
         self.basis = np.empty((self.n_node, 2, 3))
         self.free = np.empty(0, np.int64)
         self._turned = np.empty(self.n_node, np.complex128)
+        order = _dissection(state.node.X[: self.n_node], state.quads)
+        self._order = (5 * order[:, None] + np.arange(5)).ravel()
         self._pattern = _Pattern(_ids(state.quads), 5 * self.n_node)
         self.update()
 
@@ -70,7 +79,7 @@ class Freedoms:
         self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
         self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
         free[held, 3], free[held, 4] = rank < 2, rank < 1
-        self.free = np.flatnonzero(free)
+        self.free = self._order[free.ravel()[self._order]]
 
     def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> sparse.csc_array:
         """Assemble the tangent stiffness, shape (5 n_node, 5 n_node).
@@ -162,12 +171,34 @@ class _Pattern:
     def restrict(self, stiffness: sparse.csc_array, free: Ints) -> sparse.csc_array:
         if not np.array_equal(free, self._free):
             self._part = self._matrix(np.arange(self._row.size))[:, free][free, :]
+            self._part.sort_indices()  # else a solver would, in place
             self._free = free
-        p = self._part
+        p = self._part  # its data say which entries of the whole it takes
         return sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
 
     def _matrix(self, data: Floats | Ints) -> sparse.csc_array:
         return sparse.csc_array((data, self._row, self._start), shape=(self._n, self._n))
+
+
+def _dissection(nodes: Floats, quads: Ints) -> Ints:
+    """Return the nodes in the order of a nested dissection by their coordinates."""
+    n = nodes.shape[0]
+    row, column = np.repeat(quads, 4, axis=1).ravel(), np.tile(quads, (1, 4)).ravel()
+    touch = sparse.csr_array((np.ones(row.size), (row, column)), shape=(n, n))
+    below = np.zeros(n)
+
+    def dissect(part: Ints) -> list[Ints]:
+        place = nodes[part]
+        along = place[:, np.argmax(np.ptp(place, axis=0))]
+        low = along < np.median(along) - 1e-9 * np.ptp(along)
+        if part.size <= _SMALL_PART or not low.any():
+            return [part]
+        below[part[low]] = 1.0
+        strip = ~low & (touch[part] @ below > 0.0)
+        below[part[low]] = 0.0
+        return [*dissect(part[low]), *dissect(part[~low & ~strip]), part[strip]]
+
+    return np.concatenate(dissect(np.arange(n)))
 
 
 def _ids(quads: Ints) -> Ints:

@@ -39,7 +39,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import eigsh, splu
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ._jit import Floats
 from .freedoms import Freedoms
@@ -243,7 +243,14 @@ class Statics:
             With the rotary inertia rho h³/12; otherwise with the scaled one of the explicit driver.
         """
         K, mass = self._vibration(true_inertia)
-        q2, q = eigsh(K, k=n, M=sparse.csc_array(sparse.diags_array(mass)), sigma=0.0, which="LM")
+        q2, q = eigsh(
+            K,
+            k=n,
+            M=sparse.csc_array(sparse.diags_array(mass)),
+            sigma=0.0,
+            which="LM",
+            OPinv=LinearOperator(K.shape, matvec=_solver(K)),
+        )
         order = np.argsort(q2)
         shapes = []
         for k in order:
@@ -381,9 +388,13 @@ def _solver(K: sparse.csc_array) -> Callable[[Floats], Floats]:
         If it is singular: a support is missing, or the path is at a bifurcation.
     """
     try:
-        # Symmetric ordering, and pivots from the diagonal: half the fill of the default.
+        # The order is that of the free freedoms, the pivots are those of the diagonal if they can.
         factor = splu(
-            K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01, options={"SymmetricMode": True}
+            K,
+            permc_spec="NATURAL",
+            diag_pivot_thresh=0.01,
+            relax=20,
+            options={"SymmetricMode": True},
         )
     except RuntimeError as error:
         raise NoConvergence(

@@ -58,16 +58,16 @@ def stress_rows(name: str, stress: np.ndarray, exact: dict[str, float]) -> list[
 
 def checks() -> list[Check]:
     stress = plane_stress(STRAIN, YOUNG, POISSON)
-    model = Statics(
-        MESH, MATERIAL, supports=supported(), loads=edge_forces(THICKNESS * stress)
-    )
+    model = Statics(MESH, MATERIAL, supports=supported(), loads=edge_forces(THICKNESS * stress))
     u, spin = model.linear()
     rows = stress_rows(
         "membrane stress",
         linear_stress(model, u, spin, "mid", 3.0),
         {"x": 4000.0 / 3.0, "y": 4000.0 / 3.0, "xy": 400.0},
     )
-    rows.append(zero("membrane, displacement by nodal forces", farthest(u, membrane_field(MESH, STRAIN))))
+    rows.append(
+        zero("membrane, displacement by nodal forces", farthest(u, membrane_field(MESH, STRAIN)))
+    )
 
     field = np.zeros((MESH.n_node, 3))
     field[:, :2] = MESH.nodes[:, :2] @ STRAIN

@@ -1,0 +1,81 @@
+"""B07 Pinched cylinder with rigid end diaphragms, large displacement.
+
+R = 100, L = 200, h = 1, E = 30000, nu = 0.3; two opposite inward dead forces of up to 12000 at mid
+length: 3000 on the eighth; end diaphragms hold the displacements in their plane. Read: inward
+deflection of A under the force, and U of B, the side at mid length. The path is followed by arc
+length, since near 0.16 of the load it is almost flat; deflections at the table's load factors come
+from a cubic through its points.
+
+Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 6 (Abaqus S4R, 48 x 48).
+"""
+
+import numpy as np
+from cases.patches import cylinder_patch
+from cases.paths import at_factors, curve, distance_to_curve, table_checks
+from harness import Check
+
+from shellcut import NodalForce, ShellMaterial, Support
+from shellcut.statics import Statics
+
+ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False
+CURVES: dict[str, dict[str, list[float]]] = {}
+
+# P / Pmax, -W at A, U at B
+TABLE = np.array(
+    [
+        [0.05, 9.561, -0.233],
+        [0.075, 15.648, -0.922],
+        [0.1, 23.164, -2.391],
+        [0.125, 29.375, -3.872],
+        [0.15, 36.208, -2.154],
+        [0.175, 51.499, 6.792],
+        [0.2, 56.373, 10.448],
+        [0.25, 61.877, 14.905],
+        [0.3, 65.498, 17.979],
+        [0.35, 68.229, 20.365],
+        [0.4, 70.424, 22.321],
+        [0.45, 72.204, 23.916],
+        [0.5, 73.79, 25.381],
+        [0.55, 75.139, 26.631],
+        [0.6, 76.331, 27.735],
+        [0.65, 77.472, 28.843],
+        [0.7, 78.451, 29.772],
+        [0.75, 79.339, 30.604],
+        [0.8, 80.218, 31.471],
+        [0.85, 81.045, 32.299],
+        [0.9, 81.766, 32.989],
+        [0.95, 82.435, 33.619],
+        [1.0, 83.102, 34.272],
+    ]
+)
+
+
+def pinched_path(n: int) -> np.ndarray:
+    """Return load factor, -W at A and U at B along the path, from no load."""
+    mesh = cylinder_patch(100.0, 100.0, 90.0, n, n)
+    material = ShellMaterial.homogeneous(young=3e4, poisson=0.3, density=1e-9, thickness=1.0)
+    a, b = int(mesh.node_set("u0")[0]), int(mesh.node_set("u1")[0])
+    eighth = Statics(
+        mesh,
+        material,
+        supports=[
+            Support.symmetry("u0", "x"),
+            Support.symmetry("u1", "z"),
+            Support.symmetry("v0", "y"),
+            Support("v1", translation="xz", rotation="y"),
+        ],
+        loads=[NodalForce([a], (0.0, 0.0, -3000.0))],
+    )
+    path = eighth.arc_length(0.05, until=lambda e: e.factor > 1.0)
+    points = [[e.factor, -e.displacement[a, 2], e.displacement[b, 0]] for e in path]
+    return np.array([[0.0, 0.0, 0.0], *points])
+
+
+def checks() -> list[Check]:
+    rows = []
+    for n in MESHES:
+        path = pinched_path(n)
+        ours = at_factors(path, TABLE[:, 0])
+        names = (f"-W at A, {n} x {n}", f"U at B, {n} x {n}")
+        rows += table_checks(names, ours, TABLE)
+    return rows

@@ -1,0 +1,121 @@
+"""B09 Hinged cylindrical roof, h = 12.7: snap-through.
+
+R = 2540, length 508, half angle 0.1, E = 3102.75, nu = 0.3; straight edges hinged, curved edges
+free, a downward force of up to 3000 at the centre: 750 on the quarter. The load rises to a limit
+point at 0.742 of it, falls to 0.173 and rises again; the path is followed by arc length. Read:
+distance of the table's points to our curve of load factor over deflection, both axes scaled by the
+table's largest value; the limit loads.
+
+Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 8 (Abaqus S4R). The table
+gives its arc-length points, not the limit points themselves.
+"""
+
+import numpy as np
+from cases.patches import cylinder_patch
+from cases.paths import curve, distance_to_curve, spline
+from harness import Check
+
+from shellcut import NodalForce, ShellMaterial, Support
+from shellcut.statics import Statics
+
+ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
+CURVES: dict[str, dict[str, list[float]]] = {}
+
+# P / Pmax, -W at the centre
+TABLE = np.array(
+    [
+        [0.0877, 0.693],
+        [0.198, 1.638],
+        [0.3473, 3.087],
+        [0.4686, 4.477],
+        [0.5647, 5.802],
+        [0.6381, 7.057],
+        [0.6908, 8.237],
+        [0.7246, 9.339],
+        [0.7412, 10.358],
+        [0.7421, 11.293],
+        [0.7286, 12.141],
+        [0.7023, 12.903],
+        [0.6649, 13.583],
+        [0.6182, 14.188],
+        [0.5643, 14.728],
+        [0.5055, 15.217],
+        [0.4442, 15.676],
+        [0.383, 16.125],
+        [0.3245, 16.59],
+        [0.2717, 17.094],
+        [0.2272, 17.657],
+        [0.194, 18.299],
+        [0.175, 19.028],
+        [0.1729, 19.852],
+        [0.1905, 20.771],
+        [0.2303, 21.78],
+        [0.295, 22.875],
+        [0.3871, 24.049],
+        [0.4443, 24.663],
+        [0.5093, 25.293],
+        [0.5826, 25.94],
+        [0.6644, 26.601],
+        [0.7551, 27.276],
+        [0.8549, 27.964],
+        [0.9643, 28.663],
+        [1.0835, 29.374],
+    ]
+)
+
+
+def snap_path(n: int) -> np.ndarray:
+    """Return load factor and deflection of the centre along the path, from no load."""
+    mesh = cylinder_patch(2540.0, 254.0, np.degrees(0.1), n, n)
+    material = ShellMaterial.homogeneous(young=3102.75, poisson=0.3, density=1e-9, thickness=12.7)
+    centre = int(mesh.node_set("u0")[0])
+    roof = Statics(
+        mesh,
+        material,
+        supports=[
+            Support.symmetry("u0", "x"),
+            Support.symmetry("v0", "y"),
+            Support("u1", translation="xyz", rotation="xz"),
+        ],
+        loads=[NodalForce([centre], (0.0, 0.0, -750.0))],
+    )
+    path = roof.arc_length(0.1, until=lambda e: e.factor > 1.1, n_wanted=3)
+    points = [[e.factor, -e.displacement[centre, 2]] for e in path]
+    return np.array([[0.0, 0.0], *points])
+
+
+def checks() -> list[Check]:
+    rows = []
+    for n in (16, 32):
+        path = snap_path(n)
+        fine = spline(path)
+        rising = fine[:, 1] < 15.0
+        CURVES[f"-W at the centre, {n} x {n}"] = curve(
+            path[:, 1], path[:, 0], TABLE[:, 1], TABLE[:, 0]
+        )
+        rows += [
+            Check(
+                f"distance to the curve, {n} x {n}, worst of {len(TABLE)}",
+                0.0,
+                distance_to_curve(path, TABLE),
+                0.01,
+                "1 % of the largest deflection",
+                absolute=True,
+            ),
+            Check(
+                f"upper limit load / Pmax, {n} x {n}",
+                TABLE[:, 0][TABLE[:, 1] < 15.0].max(),
+                fine[rising, 0].max(),
+                0.01,
+                "largest of the table's points, 1 %",
+            ),
+            Check(
+                f"lower limit load / Pmax, {n} x {n}",
+                TABLE[8:, 0].min(),
+                fine[~rising, 0].min(),
+                0.01,
+                "least of the table's points, 1 % of Pmax",
+                absolute=True,
+            ),
+        ]
+    return rows

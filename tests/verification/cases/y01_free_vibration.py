@@ -1,0 +1,115 @@
+"""Y01 Free vibration by the explicit driver against the mode of the tangent.
+
+Films in three states (a clamped plate, a cylindrical roof, a membrane stretched by 1 %) start with
+the velocity of a mode, of an amplitude of 1e-4 of the thickness. Read: the frequency, by the best
+sine through some twenty periods of the film's part along the mode.
+
+Reference: :meth:`Statics.modes` with the driver's own inertia; the central difference shortens the
+period, sin(omega_n dt / 2) = omega dt / 2, which is taken into account. Band: kind fit, 1e-5: what
+is left of other modes, started because the spins are not, averages out over the periods.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from harness import Check
+from scipy.optimize import minimize_scalar
+
+from shellcut import Mesh, ShellMaterial, Simulation, Stepping, Support
+from shellcut.meshing import cylinder, disc, rectangle
+from shellcut.statics import Statics
+
+ID, TITLE, FAST = "Y01", "Free vibration against the modes", True
+
+MATERIAL = ShellMaterial.homogeneous(thickness=0.5)
+PERIODS = 20
+STRETCH = 1.01
+
+Build = Callable[[], tuple[Mesh, Sequence[Support]]]
+FILMS: dict[str, tuple[Build, float]] = {  # and the stretch in x and y
+    "clamped plate": (
+        lambda: (
+            rectangle(12.0, 10.0, n_x=12, n_y=10),
+            [Support.clamped(side) for side in ("left", "right", "top", "bottom")],
+        ),
+        1.0,
+    ),
+    "roof": (
+        lambda: (
+            cylinder(10.0, 12.0, n_around=10, n_along=10, arc_deg=80.0),
+            [Support("top", "xz", "y"), Support("bottom", "xyz", "y")],
+        ),
+        1.0,
+    ),
+    "stretched disc": (lambda: (disc(10.0, n_side=8), [Support.pinned("rim")]), STRETCH),
+}
+
+CURVES = {}
+
+
+def best_frequency(time: np.ndarray, value: np.ndarray, guess: float) -> float:
+    """Return the angular frequency of the sine nearest to the values."""
+
+    def misfit(omega: float) -> float:
+        waves = np.stack([np.cos(omega * time), np.sin(omega * time)], axis=1)
+        return float(np.linalg.lstsq(waves, value, rcond=None)[1][0])
+
+    width = 0.5 / PERIODS
+    scan = guess * np.linspace(1.0 - width, 1.0 + width, 41)
+    best = scan[np.argmin([misfit(omega) for omega in scan])]
+    step = scan[1] - scan[0]
+    found = minimize_scalar(
+        misfit, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9 * guess}
+    )
+    return float(found.x)
+
+
+def frequencies(name: str, number: int) -> tuple[float, float]:
+    """Return the driver's exact angular frequency of a mode, and the measured one."""
+    build, stretch = FILMS[name]
+    mesh, supports = build()
+    body = Statics(mesh, MATERIAL, supports=supports)
+    body.state.node.x[: mesh.n_node, :2] *= stretch
+    modes = body.modes(number + 1, true_inertia=False)
+    omega, shape = 2.0 * np.pi * modes.frequency[number], modes.shape[number]
+    dt = 0.9 * 2.0 / body.largest_frequency()
+    sim = Simulation(
+        mesh,
+        MATERIAL,
+        supports=supports,
+        stepping=Stepping(fixed=dt),
+        damping_alpha=0.0,
+        damping_beta=0.0,
+    )
+    if stretch != 1.0:
+        outward = (stretch - 1.0) * mesh.nodes
+        sim.relax(outward)
+    n = mesh.n_node
+    start = sim.state.node.x[:n].copy()
+    sim.state.node.velocity_half[:n] = 1e-4 * MATERIAL.thickness * omega * shape
+    weight = sim.state.node.mass[:n, None] * shape / (1e-4 * MATERIAL.thickness)
+    weight /= (sim.state.node.mass[:n, None] * shape**2).sum()
+    rows = []
+    while sim.state.time < PERIODS * 2.0 * np.pi / omega:
+        sim.step()
+        rows.append((sim.state.time, (weight * (sim.state.node.x[:n] - start)).sum()))
+    time, value = np.array(rows).T
+    exact = 2.0 / dt * np.arcsin(0.5 * omega * dt)
+    if number == 0:
+        first = time < 3.0 * 2.0 * np.pi / omega
+        CURVES[f"{name}, first three periods"] = {
+            "x": time[first].tolist(),
+            "y": value[first].tolist(),
+            "x_ref": time[first].tolist(),
+            "y_ref": np.sin(exact * time[first]).tolist(),
+        }
+    return exact, best_frequency(time, value, exact)
+
+
+def checks() -> list[Check]:
+    rows = []
+    for name in FILMS:
+        for number in (0, 2):
+            exact, ours = frequencies(name, number)
+            rows.append(Check(f"omega, {name}, mode {number + 1}, 1/s", exact, ours, 1e-5, "fit"))
+    return rows
