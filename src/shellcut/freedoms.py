@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from ._jit import Floats, Ints, kernel
+from ._jit import Floats, Ints, Numbers, kernel
 from ._vec3 import load, rotate_director, store
 from .mitc4 import N_STRAIN, covariant_metric
 from .shell import MITC4Shell
@@ -188,10 +188,12 @@ def _dissection(nodes: Floats, quads: Ints) -> Ints:
     below = np.zeros(n)
 
     def dissect(part: Ints) -> list[Ints]:
+        if part.size <= _SMALL_PART:
+            return [part]
         place = nodes[part]
         along = place[:, np.argmax(np.ptp(place, axis=0))]
         low = along < np.median(along) - 1e-9 * np.ptp(along)
-        if part.size <= _SMALL_PART or not low.any():
+        if not low.any():
             return [part]
         below[part[low]] = 1.0
         strip = ~low & (touch[part] @ below > 0.0)
@@ -224,7 +226,7 @@ def _turn_directors(t: Floats, spin: Floats) -> None:
 
 
 @kernel
-def _turn_tangents(quads: Ints, turned: Floats, tangent: Floats) -> None:
+def _turn_tangents(quads: Ints, turned: Numbers, tangent: Floats) -> None:
     """Refer tangent : (n_quad, 20, 20) to tangents b turned by the unit numbers : (n_node,)."""
     for e in range(quads.shape[0]):
         for a in range(4):

@@ -56,12 +56,18 @@ _TOLERANCE = 1e-8
 # answers the round-off of coordinates with more than 1e-8 of a small load.
 _LAST_DIGIT = float(np.finfo(float).eps)
 _MOST_ITERATIONS = 30
-# A residual that has grown by this much, or a turn of more than this [rad] in one iteration, does
-# not come back: what is left of the iterations is saved.
-_DIVERGED = 1e8
+# A turn of more than this [rad] in one iteration does not come back.
 _LARGEST_TURN = 3.0
 # A step is halved so often before the path is given up.
 _MOST_HALVINGS = 10
+
+
+# Of a force, the part that may be lost in the last digits of what the stiffness sums to it; of
+# films of slenderness 1e4 it is 1e-6, at a singular stiffness one.
+_LOST = 1e-2
+_SINGULAR = (
+    "the stiffness is singular: a rigid motion is not supported, or the path is at a bifurcation"
+)
 
 
 class NoConvergence(RuntimeError):
@@ -176,7 +182,7 @@ class Statics:
                 except NoConvergence as error:
                     self._put_back(start)
                     step, done = 0.5 * step, False
-                    if abs(step) < smallest:
+                    if abs(step) <= smallest:
                         raise NoConvergence(
                             f"{error}; the last equilibrium is at load factor {self.factor:.6g}: "
                             "follow the path by arc length"
@@ -311,9 +317,16 @@ class Statics:
         K = freedoms.restrict(freedoms.stiffness(self.shell, self._bent))
         size = float(np.abs(self.state.node.x).max())
         sizes = np.tile([size, size, size, 1.0, 1.0], self.mesh.n_node)[free]
-        self._floor = _LAST_DIGIT * float((abs(K) @ sizes).max(initial=0.0))
-        solve = _solver(K)
-        return [freedoms.fill(solve(force[free])) for force in forces]
+        sum_up, solve = abs(K), _solver(K)
+        self._floor = _LAST_DIGIT * float((sum_up @ sizes).max(initial=0.0))
+        answers = []
+        for force in forces:
+            q = solve(force[free])
+            lost = _LAST_DIGIT * float((sum_up @ np.abs(q)).max(initial=0.0))
+            if not lost <= _LOST * float(np.abs(force[free]).max(initial=0.0)):
+                raise NoConvergence(_SINGULAR)
+            answers.append(freedoms.fill(q))
+        return answers
 
     def _move(self, u: Floats) -> None:
         _, spin = self._freedoms.split(u)
@@ -358,7 +371,8 @@ class Statics:
                 sign = first if last is None else float(last @ forward)
                 way = forward * math.copysign(1.0 / size, sign)
             # The plane: the way's part of all moves so far is the arc length.
-            gain = (length - way @ (total + _translations(correction))) / (way @ forward)
+            so_far = float(way @ (total + _translations(correction)))
+            gain = (length - so_far) / float(way @ forward)
             move = correction + gain * tangent
             self._move(move)
             total, factor = total + _translations(move), factor + gain
@@ -397,10 +411,7 @@ def _solver(K: sparse.csc_array) -> Callable[[Floats], Floats]:
             options={"SymmetricMode": True},
         )
     except RuntimeError as error:
-        raise NoConvergence(
-            "the stiffness is singular: a rigid motion is not supported, or the path is at a "
-            "bifurcation"
-        ) from error
+        raise NoConvergence(_SINGULAR) from error
 
     def solve(rhs: Floats) -> Floats:
         return np.asarray(factor.solve(rhs))

@@ -68,7 +68,8 @@ def guillotine(
         After a ramp of 0.1 ms [mm/s].
     tool : Tool, optional
         Moves along +x with its edge at the origin; :func:`straight_blade` by default: edge at 90°
-        to the sheet, half-angle 10°, half thickness 0.3 mm.
+        to the sheet, half-angle 10°, half thickness 0.3 mm, as long as the strip: flanks that close
+        behind a short blade push it forward.
     material, law : ShellMaterial, CohesiveLaw, optional
         The film of the paper by default.
     **options
@@ -80,7 +81,7 @@ def guillotine(
     """
     ramp = 1e-4
     way = length - 2.5 if travel is None else travel
-    blade = tool or straight_blade(length=4.0, height=3.0)
+    blade = tool or straight_blade(length=length, height=3.0)
     simulation = Simulation(
         notched_strip(length, width, size, notch),
         material or ShellMaterial.homogeneous(),

@@ -14,6 +14,7 @@ t / L = 1/240 some 10 (L / t)² of 2e-16.
 """
 
 import numpy as np
+
 from cases.a01_patch_test import (
     bending_field,
     edge_forces,
@@ -27,7 +28,6 @@ from cases.a01_patch_test import (
     zero,
 )
 from harness import Check
-
 from shellcut import ShellMaterial, Support
 from shellcut.statics import Statics
 

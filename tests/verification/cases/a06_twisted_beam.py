@@ -24,9 +24,9 @@ Zupan, Saje 2004 (exact beam 5.424535e-3, 1.753248e-3). The shear factor is 1 as
 """
 
 import numpy as np
-from cases.patches import mapped_patch
-from harness import Check
 
+from cases.patches import Place, mapped_patch
+from harness import Check
 from shellcut import EdgeTraction, ShellMaterial, Support
 from shellcut.statics import Statics
 
@@ -63,7 +63,7 @@ def strip_of_sections(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndar
     return strip(u, v)[0], np.stack([0.0 * u, -np.sin(angle), np.cos(angle)], axis=-1)
 
 
-def deflection(load: str, n: int, *, thickness: float = 0.32, place=strip) -> float:
+def deflection(load: str, n: int, *, thickness: float = 0.32, place: Place = strip) -> float:
     """Return the tip's displacement along a unit force."""
     mesh = mapped_patch(6 * n, n, place)
     material = ShellMaterial.homogeneous(

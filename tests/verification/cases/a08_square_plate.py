@@ -12,9 +12,9 @@ quarter's quads, and the shear deflection of the thin plate, 5 (h / L)².
 """
 
 import numpy as np
-from cases.patches import mapped_patch
-from harness import Check
 
+from cases.patches import Place, mapped_patch
+from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.statics import Statics
 
@@ -69,7 +69,7 @@ def stiffness(thickness: float) -> float:
     return YOUNG * thickness**3 / (12.0 * (1.0 - POISSON**2))
 
 
-def deflection(edge: str, thickness: float, n: int, place=flat) -> float:
+def deflection(edge: str, thickness: float, n: int, place: Place = flat) -> float:
     """Return alpha of a quarter plate of n x n quads."""
     mesh = mapped_patch(n, n, place)
     material = ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=thickness)

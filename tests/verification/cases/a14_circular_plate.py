@@ -11,8 +11,8 @@ Bands: to the order of the discretisation: (s / R)², s the mean edge of the qua
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

@@ -8,10 +8,10 @@ The table is itself up to 0.1 % off the exact elastica, which is B02.
 """
 
 import numpy as np
+
 from cases.cantilever import cantilever
 from cases.paths import curve, table_checks
 from harness import Check
-
 from shellcut import EdgeTraction
 
 ID, TITLE, FAST = "B01", "Cantilever, end shear", True

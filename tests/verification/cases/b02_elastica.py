@@ -8,6 +8,7 @@ distance between the solutions on three meshes, which needs no exact one.
 """
 
 import numpy as np
+
 from cases.b01_cantilever_shear import deflections
 from cases.paths import curve, table_checks
 from harness import Check

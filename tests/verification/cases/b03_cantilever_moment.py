@@ -11,10 +11,10 @@ of the quad's size, as the rows of the finer meshes show; from 32 x 1 on all poi
 """
 
 import numpy as np
+
 from cases.cantilever import cantilever
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
-
 from shellcut.load import NodalMoment
 
 ID, TITLE, FAST = "B03", "Cantilever, end moment, roll-up", True

@@ -8,10 +8,10 @@ Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 3 (Abaq
 """
 
 import numpy as np
+
 from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
-
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
 from shellcut.statics import Statics
 

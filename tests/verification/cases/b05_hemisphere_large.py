@@ -6,15 +6,15 @@ axial displacement held. Read: outward deflection of A, inward deflection of B.
 
 Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 4 (Abaqus S4R, 16 x 16).
 S4R integrates its membrane strains once a quad and does not lock. Plain MITC4 takes them as they
-are; the deformed quads are warped, and on 16 x 16 their membrane locks by 5 % at full load (linearly
-the same mesh is right to 0.1 %). It fades with the mesh.
+are; the deformed quads are warped, and on 16 x 16 their membrane locks by 5 % at full load
+(linearly the same mesh is right to 0.1 %). It fades with the mesh.
 """
 
 import numpy as np
+
 from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
-
 from shellcut import Mesh, NodalForce, ShellMaterial, Support
 from shellcut.statics import Statics
 

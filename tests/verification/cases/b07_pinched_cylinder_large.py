@@ -7,13 +7,23 @@ length, since near 0.16 of the load it is almost flat; deflections at the table'
 from a cubic through its points.
 
 Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 6 (Abaqus S4R, 48 x 48).
+
+Around 0.15 of the load the deflection doubles within 15 % of load, so at given load a point says
+little: what decides is the distance of the table's points to our curve, axes scaled by the
+table's largest values. It falls with the mesh (32, 48, 64, 96: 4.4, 2.6, 2.0, 1.6 % for A and 6.8,
+2.7, 1.4, 0.8 % for B), for B below 1 %, while A tends to some 1.2 %. Two reasons lie in the table.
+It is one mesh of another element, itself not converged: below 0.13 of the load it lies between our
+48 x 48 and 64 x 64, which still move by 1 %. And around the force membrane strains reach 5 % and
+bending strains 14 % at full load, where a law between logarithmic strains and true stresses with a
+thickness that changes, as S4R has, is not the St. Venant-Kirchhoff law of ours; from 0.4 of the
+load on A differs by the same 1.2 of length, a dimple, while B agrees.
 """
 
 import numpy as np
+
 from cases.patches import cylinder_patch
 from cases.paths import at_factors, curve, distance_to_curve, table_checks
 from harness import Check
-
 from shellcut import NodalForce, ShellMaterial, Support
 from shellcut.statics import Statics
 
@@ -50,6 +60,12 @@ TABLE = np.array(
 )
 
 
+COARSE = "MITC4 on 48 x 48 resolves the wrinkles worse than S4R: see the finer mesh"
+DISTANCE = "1 % of the largest deflection"
+DIMPLE = "2 %: bending strains of 14 % at A, where the laws part; the table is one coarse mesh"
+STEEP = "at given load; around 0.15 of the load 1 % of load is 8 % of deflection"
+
+
 def pinched_path(n: int) -> np.ndarray:
     """Return load factor, -W at A and U at B along the path, from no load."""
     mesh = cylinder_patch(100.0, 100.0, 90.0, n, n)
@@ -73,9 +89,22 @@ def pinched_path(n: int) -> np.ndarray:
 
 def checks() -> list[Check]:
     rows = []
-    for n in MESHES:
+    for n in (48, 96):
         path = pinched_path(n)
         ours = at_factors(path, TABLE[:, 0])
+        for k, name, band, reason in ((1, "-W at A", 0.02, DIMPLE), (2, "U at B", 0.01, DISTANCE)):
+            CURVES[f"{name}, {n} x {n}"] = curve(path[:, k], path[:, 0], TABLE[:, k], TABLE[:, 0])
+            rows.append(
+                Check(
+                    f"{name}: distance to the curve, {n} x {n}",
+                    0.0,
+                    distance_to_curve(path[:, [0, k]], TABLE[:, [0, k]]),
+                    band,
+                    reason if n == 96 else COARSE,
+                    gate=n == 96,
+                    absolute=True,
+                )
+            )
         names = (f"-W at A, {n} x {n}", f"U at B, {n} x {n}")
-        rows += table_checks(names, ours, TABLE)
+        rows += table_checks(names, ours, TABLE, gate=False, reason=STEEP)
     return rows

@@ -11,10 +11,10 @@ gives its arc-length points, not the limit points themselves.
 """
 
 import numpy as np
+
 from cases.patches import cylinder_patch
 from cases.paths import curve, distance_to_curve, spline
 from harness import Check
-
 from shellcut import NodalForce, ShellMaterial, Support
 from shellcut.statics import Statics
 

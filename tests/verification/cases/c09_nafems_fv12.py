@@ -5,6 +5,9 @@ frequencies after the six rigid modes.
 
 Source: NAFEMS FV12 as in FinEtoolsFlexStructures.jl, FV12_vibration_examples.jl. Band as in C04,
 and half a digit of the table. The tangent is singular: no support holds the rigid modes.
+
+The table is of thin plates. At t / a = 1 / 200 shear along the free edges lowers the converged
+frequencies by 0.1 % (f7: -0.13 % on 96 x 96; -0.04 % with a tenth of the thickness).
 """
 
 import numpy as np

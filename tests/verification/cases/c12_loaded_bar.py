@@ -5,12 +5,12 @@ t = 0 on. Read: displacement of that end, arrival of the front at the middle, an
 
 Source: d'Alembert. The end goes as a triangle, 0 to 2 sigma0 L / E at t = 2 L / c and back, with
 c = sqrt(E / rho). On equal quads of length s with lumped mass the fastest membrane mode of a chain
-that is fixed at one end has omega = (2 c / s) cos(pi / 4 n), hence the critical step s / c. All nodes are held in y, z and turn:
-otherwise a strip one quad wide rocks faster, omega² = 12 k G / (rho s²), by transverse shear against
-the scaled inertia; its step is printed beside.
+that is fixed at one end has omega = (2 c / s) cos(pi / 4 n), hence the critical step s / c. All
+nodes are held in y, z and turn: otherwise a strip one quad wide rocks faster,
+omega² = 12 k G / (rho s²), by transverse shear against the scaled inertia; its step is beside.
 
-Bands: kind mesh. Behind a front of n quads the central difference rings over n^(1/3) of them (Airy):
-the front is smeared by (s / L) n^(1/3) of the length.
+Bands: kind mesh. Behind a front of n quads the central difference rings over n^(1/3) of them
+(Airy): the front is smeared by (s / L) n^(1/3) of the length.
 """
 
 import numpy as np

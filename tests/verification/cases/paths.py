@@ -1,8 +1,9 @@
 """Load-deflection paths beside published tables: worst point, distance to the curve, plots."""
 
 import numpy as np
-from harness import Check
 from scipy.interpolate import CubicSpline
+
+from harness import Check
 
 ONE_PERCENT = "1 % of the column's largest deflection, at every point of the table"
 

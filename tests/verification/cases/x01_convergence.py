@@ -13,10 +13,10 @@ coarsest meshes still differ from it.
 """
 
 import numpy as np
+
 from cases.a08_square_plate import EDGES, POISSON, SYMMETRY, YOUNG, flat, stiffness
 from cases.patches import mapped_patch
 from harness import Check
-
 from shellcut import EdgeTraction, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.meshing import disc
 from shellcut.statics import Statics

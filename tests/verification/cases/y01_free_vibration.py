@@ -12,9 +12,9 @@ is left of other modes, started because the spins are not, averages out over the
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from harness import Check
 from scipy.optimize import minimize_scalar
 
+from harness import Check
 from shellcut import Mesh, ShellMaterial, Simulation, Stepping, Support
 from shellcut.meshing import cylinder, disc, rectangle
 from shellcut.statics import Statics

@@ -14,8 +14,8 @@ beside.
 """
 
 import numpy as np
-from harness import Check
 
+from harness import Check
 from shellcut import Pressure, ShellMaterial, Simulation, Support
 from shellcut.meshing import disc
 

@@ -1,0 +1,194 @@
+"""Freedoms: what supports leave, the assembled stiffness, finite moves."""
+
+import numpy as np
+import pytest
+
+from shellcut import Mesh, ShellMaterial, Support
+from shellcut.freedoms import Freedoms
+from shellcut.meshing import cylinder, disc, rectangle
+from shellcut.shell import MITC4Shell
+from shellcut.state import initial_state
+from shellcut.support import SupportSet
+
+EPS = np.finfo(float).eps
+
+
+def freedoms_of(mesh, *supports):
+    state = initial_state(mesh)
+    SupportSet(mesh, supports).initialise(state)
+    return state, Freedoms(state)
+
+
+def tilted(direction):
+    """One quad with normal ``direction``, a unit vector."""
+    t = np.asarray(direction, float)
+    b = np.linalg.svd(t[None])[2][1:]
+    b[1] *= np.sign(np.cross(b[0], b[1]) @ t)
+    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]) @ b
+    return Mesh.from_arrays(corners, [[0, 1, 2, 3]], directors=np.tile(t, (4, 1)))
+
+
+def spins_left(mesh, rotation):
+    """Spin vectors that a support of all nodes leaves to node 0."""
+    _, freedoms = freedoms_of(mesh, Support(np.arange(4), translation="", rotation=rotation))
+    left = [k for k, freedom in enumerate(freedoms.free) if freedom in (3, 4)]
+    unit = np.eye(freedoms.free.size)
+    return [freedoms.split(freedoms.fill(unit[k]))[1][0] for k in left]
+
+
+def test_unsupported_nodes_have_five_freedoms_each():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    _, freedoms = freedoms_of(mesh)
+    assert sorted(freedoms.free) == list(range(30))
+    _, freedoms = freedoms_of(mesh, Support.clamped("left"))
+    assert freedoms.free.size == 20
+    assert not set(freedoms.free // 5) & set(mesh.node_set("left"))
+
+
+def test_held_translations_drop_out():
+    _, freedoms = freedoms_of(rectangle(1.0, 1.0, n_x=1, n_y=1), Support([2], "xz", ""))
+    assert set(range(20)) - set(freedoms.free) == {10, 12}
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.2, np.pi / 2, 2.5])
+def test_held_spin_leaves_the_turn_that_has_none(angle):
+    # The director lies in the plane x z; spin about y held leaves only spins normal to it and to y.
+    t = np.array([np.sin(angle), 0.0, np.cos(angle)])
+    (spin,) = spins_left(tilted(t), "y")
+    np.testing.assert_allclose(abs(spin), abs(np.cross(t, [0, 1, 0])), atol=4 * EPS)
+    # Held about x and z, it turns about y, as on a symmetry plane.
+    (spin,) = spins_left(tilted(t), "xz")
+    np.testing.assert_allclose(abs(spin), [0, 1, 0], atol=4 * EPS)
+
+
+def test_held_spin_of_a_slanted_director():
+    t = np.array([2.0, -1.0, 2.0]) / 3.0
+    (spin,) = spins_left(tilted(t), "x")
+    assert abs(spin @ t) < 4 * EPS
+    assert abs(spin[0]) < 4 * EPS
+    assert spin @ spin == pytest.approx(1.0)
+    assert not spins_left(tilted(t), "xy")
+    assert not spins_left(tilted(t), "xyz")
+
+
+def test_spin_about_the_director_itself_holds_nothing():
+    assert len(spins_left(tilted([0.0, 1.0, 0.0]), "y")) == 2
+
+
+def test_basis_is_right_handed_also_where_it_was_turned():
+    mesh = cylinder(3.0, 4.0, n_around=5, n_along=2, arc_deg=100.0)
+    state, freedoms = freedoms_of(mesh, Support("left", "xyz", "xz"), Support("top", "y", "xz"))
+    b1, b2 = freedoms.basis[:, 0], freedoms.basis[:, 1]
+    np.testing.assert_allclose(np.cross(b1, b2), state.node.t[: mesh.n_node], atol=8 * EPS)
+
+
+def test_generalised_forces_work_as_the_nodal_ones():
+    mesh = cylinder(3.0, 4.0, n_around=5, n_along=2, arc_deg=100.0)
+    state, freedoms = freedoms_of(mesh, Support("left", "xyz", "xz"))
+    rng = np.random.default_rng(1)
+    force, director_force = rng.normal(size=(2, mesh.n_node, 3))
+    u = rng.normal(size=5 * mesh.n_node)
+    displacement, spin = freedoms.split(u)
+    turn = np.cross(spin, state.node.t[: mesh.n_node])
+    work = (force * displacement).sum() + (director_force * turn).sum()
+    assert freedoms.gather(force, director_force) @ u == pytest.approx(work, rel=1e-12)
+
+
+def deformed_roof():
+    mesh = cylinder(3.0, 4.0, n_around=5, n_along=3, arc_deg=100.0)
+    state, freedoms = freedoms_of(mesh, Support("left", "xyz", "xz"), Support("top", "y", "xz"))
+    material = ShellMaterial.homogeneous(young=100.0, thickness=0.2)
+    shell = MITC4Shell(mesh, material, damping_beta=0.0)
+    shell.initialise(state)
+    rng = np.random.default_rng(2)
+    u = freedoms.fill(rng.uniform(-0.1, 0.1, freedoms.free.size))
+    freedoms.move(u)
+    return mesh, state, freedoms, shell
+
+
+def internal_forces(mesh, state, freedoms, shell):
+    n = mesh.n_node
+    state.node.force[:n] = state.node.director_force[:n] = 0.0
+    shell.add_forces(state)
+    return -freedoms.gather(state.node.force[:n], state.node.director_force[:n])
+
+
+def test_stiffness_is_symmetric_away_from_equilibrium():
+    _, _, freedoms, shell = deformed_roof()
+    K = freedoms.stiffness(shell)
+    # Round-off of sums of a few terms as large as the largest entry.
+    assert abs(K - K.T).max() < 64 * EPS * abs(K).max()
+    free = freedoms.free
+    np.testing.assert_array_equal(freedoms.restrict(K).toarray(), K.toarray()[np.ix_(free, free)])
+
+
+def test_stiffness_is_the_derivative_of_the_forces():
+    mesh, state, freedoms, shell = deformed_roof()
+    u = freedoms.fill(np.random.default_rng(3).uniform(-1.0, 1.0, freedoms.free.size))
+    start = state.node.x.copy(), state.node.t.copy()
+    expected = freedoms.stiffness(shell) @ u
+    basis, step, forces = freedoms.basis.copy(), 1e-5, []
+    for sign in (1.0, -1.0):
+        freedoms.move(sign * step * u)
+        # Forces on the turned directors, along the tangents as they were carried along.
+        freedoms.basis[:] = carried(basis, start[1][: mesh.n_node], state.node.t[: mesh.n_node])
+        forces.append(internal_forces(mesh, state, freedoms, shell))
+        state.node.x[:], state.node.t[:] = start
+        freedoms.update()
+    difference = (forces[0] - forces[1]) / (2.0 * step)
+    # Central difference: error of order step² beside the stiffness, and round-off / step.
+    np.testing.assert_allclose(difference, expected, atol=1e-8 * abs(expected).max())
+
+
+def carried(basis, before, after):
+    """Turn the tangents by the smallest rotation from one director to the other."""
+    axis = np.cross(before, after)[:, None]
+    cos = np.einsum("ni,ni->n", before, after)[:, None, None]
+    along = np.einsum("nki,nbi->nbk", axis, basis)
+    return cos * basis + np.cross(axis, basis) + along * axis / (1.0 + cos)
+
+
+def test_move_returns_the_strain_that_is_not_linear():
+    mesh, state, freedoms, shell = deformed_roof()
+    u = freedoms.fill(np.random.default_rng(4).uniform(-1.0, 1.0, freedoms.free.size))
+    start = state.node.x.copy(), state.node.t.copy()
+    bent = []
+    for size in (1e-3, 2e-3):
+        bent.append(freedoms.move(size * u))
+        state.node.x[:], state.node.t[:] = start
+        freedoms.update()
+    # Second order: four times as much for twice the step, but for a third-order part.
+    assert abs(bent[1] - 4.0 * bent[0]).max() < 0.02 * abs(bent[1]).max()
+    # With nothing to leave out the stiffness is the plain one.
+    K = freedoms.stiffness(shell, np.zeros((mesh.n_quad, 20)))
+    assert abs(K - freedoms.stiffness(shell)).max() == 0.0
+
+
+def test_move_keeps_directors_of_unit_length():
+    mesh, state, freedoms, _ = deformed_roof()
+    freedoms.move(np.random.default_rng(5).uniform(-1.0, 1.0, 5 * mesh.n_node))
+    np.testing.assert_allclose(np.linalg.norm(state.node.t[: mesh.n_node], axis=1), 1.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 12), (9, 1), (30, 2)])
+def test_order_holds_every_node_once(shape):
+    mesh = rectangle(3.0, 1.0, n_x=shape[0], n_y=shape[1])
+    _, freedoms = freedoms_of(mesh)
+    assert sorted(freedoms.free) == list(range(5 * mesh.n_node))
+
+
+def test_order_parts_the_film():
+    # In the order of a dissection the last nodes, few of them, part the rest in two.
+    mesh = disc(10.0, n_side=12)
+    _, freedoms = freedoms_of(mesh)
+    nodes = freedoms.free[::5] // 5
+    assert sorted(nodes) == list(range(mesh.n_node))
+    strip = set(nodes[-40:].tolist())
+    kept = [quad for quad in mesh.quads.tolist() if not strip & set(quad)]
+    reached, grown = set(), set(kept[0])
+    while grown != reached:
+        reached = set(grown)
+        for quad in kept:
+            if reached & set(quad):
+                grown |= set(quad)
+    assert 0.3 * mesh.n_node < len(reached) < 0.6 * mesh.n_node

@@ -1,0 +1,204 @@
+"""Statics against closed forms: linear, load steps, arc length, modes; refusals."""
+
+import numpy as np
+import pytest
+
+from shellcut import EdgeTraction, Mesh, ShellMaterial, Support, statics
+from shellcut.load import NodalMoment
+from shellcut.meshing import rectangle
+from shellcut.statics import NoConvergence, Statics
+
+LENGTH, WIDTH, THICKNESS, YOUNG, DENSITY = 10.0, 1.0, 0.1, 1.2e6, 1e-9
+BENDING = YOUNG * WIDTH * THICKNESS**3 / 12.0
+
+
+def cantilever(n, *loads, n_y=1, poisson=0.0):
+    material = ShellMaterial.homogeneous(
+        young=YOUNG, poisson=poisson, density=DENSITY, thickness=THICKNESS
+    )
+    mesh = rectangle(LENGTH, WIDTH, n_x=n, n_y=n_y)
+    return Statics(mesh, material, supports=[Support.clamped("left")], loads=loads)
+
+
+def tip(strip):
+    return strip.mesh.node_set("right")[0]
+
+
+SHEAR = EdgeTraction("right", (0.0, 0.0, 4.0))
+MOMENT = NodalMoment("right", (0.0, -0.5, 0.0))
+
+
+# --- linear --------------------------------------------------------------------------------------
+
+
+def test_linear_solutions_that_the_element_holds_exactly():
+    # A strip pulled, and bent by a moment: linear and quadratic solutions, right at the nodes.
+    pulled = cantilever(3, EdgeTraction("right", (5.0, 0.0, 0.0)))
+    displacement, rotation = pulled.linear()
+    expected = 5.0 * LENGTH / (YOUNG * THICKNESS)
+    np.testing.assert_allclose(displacement[tip(pulled)], [expected, 0, 0], atol=1e-12 * expected)
+    assert abs(rotation).max() < 1e-12
+
+    bent = cantilever(3, MOMENT)
+    displacement, rotation = bent.linear()
+    angle = LENGTH / BENDING
+    # Conditioning: bending against membrane, 1e4 at this slenderness.
+    np.testing.assert_allclose(displacement[tip(bent)], [0, 0, 0.5 * LENGTH * angle], rtol=1e-9)
+    np.testing.assert_allclose(rotation[tip(bent)], [0, -angle, 0], rtol=1e-9, atol=1e-10)
+
+
+def test_linear_end_shear():
+    # n linear elements with a constant shear each give L³ / 3 EI less by its 1 / 4n².
+    strip = cantilever(8, SHEAR)
+    displacement, _ = strip.linear()
+    shear_flexibility = LENGTH / (5.0 / 6.0 * 0.5 * YOUNG * WIDTH * THICKNESS)
+    expected = 4.0 * (LENGTH**3 / (3.0 * BENDING) * (1.0 - 1.0 / 256.0) + shear_flexibility)
+    assert displacement[tip(strip), 2] == pytest.approx(expected, rel=1e-9)
+
+
+def test_linear_solution_leaves_the_state_alone():
+    strip = cantilever(4, SHEAR)
+    strip.linear()
+    assert (strip.state.node.x == strip.state.node.X).all()
+    assert strip.factor == 0.0
+
+
+# --- load steps ----------------------------------------------------------------------------------
+
+
+def test_roll_up_is_exact_for_the_polygon():
+    # Under an end moment all quads bend alike; n of them give angles of equal size.
+    strip = cantilever(20, NodalMoment("right", (0.0, -np.pi * BENDING / LENGTH, 0.0)))
+    (end,) = strip.load_steps([1.0])
+    row = strip.mesh.node_set("bottom")
+    steps = np.diff(np.unwrap(np.arctan2(-end.director[row, 0], end.director[row, 2])))
+    np.testing.assert_allclose(steps, steps.mean(), rtol=1e-6)
+    # 18° a quad: 1.8 % more than the exact 2 pi, falling with the square.
+    assert 20 * steps.mean() == pytest.approx(2.0 * np.pi, rel=0.02)
+
+
+def test_the_path_does_not_depend_on_the_steps():
+    many = cantilever(8, SHEAR).load_steps(np.linspace(0.1, 1.0, 10))
+    few = cantilever(8, SHEAR).load_steps([1.0])
+    assert [e.factor for e in many] == pytest.approx(np.linspace(0.1, 1.0, 10))
+    # Both are at equilibrium to 1e-8 of the largest force.
+    np.testing.assert_allclose(few[0].displacement, many[-1].displacement, atol=1e-6)
+    assert few[0].n_iteration < 12
+
+
+def test_unloading_comes_back():
+    strip = cantilever(8, SHEAR)
+    path = strip.load_steps([0.5, 1.0, 0.0])
+    assert abs(path[-1].displacement).max() < 1e-6
+    assert strip.factor == 0.0
+
+
+def test_steps_are_halved(monkeypatch):
+    expected = cantilever(8, SHEAR).load_steps([1.0])[0]
+    monkeypatch.setattr(statics, "_MOST_ITERATIONS", 4)
+    (halved,) = cantilever(8, SHEAR).load_steps([1.0])
+    assert halved.n_iteration > expected.n_iteration
+    np.testing.assert_allclose(halved.displacement, expected.displacement, atol=1e-6)
+
+
+def test_no_convergence_names_the_last_equilibrium_and_puts_it_back(monkeypatch):
+    strip = cantilever(8, SHEAR)
+    (before,) = strip.load_steps([0.25])
+    monkeypatch.setattr(statics, "_MOST_ITERATIONS", 1)
+    with pytest.raises(
+        NoConvergence,
+        match=r"no equilibrium at load factor 0\.25.* after 1 iterations, residual .* N; the last "
+        r"equilibrium is at load factor 0\.25: follow the path by arc length",
+    ):
+        strip.load_steps([1.0])
+    n = strip.mesh.n_node
+    assert (strip.state.node.x[:n] - strip.state.node.X[:n] == before.displacement).all()
+    with pytest.raises(NoConvergence, match=r"could not be followed past load factor 0\.25"):
+        strip.arc_length(0.5, until=lambda e: e.factor > 1.0)
+
+
+def test_a_rigid_motion_is_refused():
+    material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=THICKNESS)
+    mesh = rectangle(LENGTH, WIDTH, n_x=4, n_y=1)
+    free = Statics(mesh, material, supports=[Support("left", "xy", "")], loads=[SHEAR])
+    with pytest.raises(NoConvergence, match="a rigid motion is not supported"):
+        free.linear()
+
+
+# --- arc length ----------------------------------------------------------------------------------
+
+
+def strut(base, rise, n):
+    """Half a shallow truss: a thick strip, pinned below, its top guided along z and loaded."""
+    u, v = np.meshgrid(np.arange(n + 1) / n, [0.0, 1.0], indexing="ij")
+    nodes = np.stack([base * u, v, rise * u], axis=-1).reshape(-1, 3)
+    ids = np.arange(2 * (n + 1)).reshape(n + 1, 2)
+    quads = np.stack([ids[:-1, 0], ids[1:, 0], ids[1:, 1], ids[:-1, 1]], axis=1)
+    mesh = Mesh.from_arrays(nodes, quads, node_sets={"foot": ids[0], "top": ids[-1]})
+    material = ShellMaterial.homogeneous(young=100.0, poisson=0.0, density=1e-9, thickness=1.0)
+    return Statics(
+        mesh,
+        material,
+        supports=[Support.pinned("foot"), Support("top", "xy", "")],
+        loads=[EdgeTraction("top", (0.0, 0.0, -1.0))],
+    )
+
+
+def test_arc_length_passes_both_limit_points_of_a_truss():
+    # Green strain and linear stress: P = E A (h² - z²) z / (2 L³), z the height. Thick enough not
+    # to buckle, the strip stays straight, and the element holds that exactly.
+    base, rise = 10.0, 1.0
+    truss = strut(base, rise, 2)
+    limit = 100.0 * rise**3 / (3.0 * np.sqrt(3.0) * np.hypot(base, rise) ** 3)
+    path = truss.arc_length(0.3 * limit, until=lambda e: e.factor > 2.0 * limit)
+    factor = np.array([e.factor for e in path])
+    top = truss.mesh.node_set("top")[0]
+    z = rise + np.array([e.displacement[top, 2] for e in path])
+    exact = 100.0 * (rise**2 - z**2) * z / (2.0 * np.hypot(base, rise) ** 3)
+    np.testing.assert_allclose(factor, exact, atol=1e-6 * limit)
+    assert (np.diff(z) < 0.0).all()  # the way goes on and on
+    between = factor[(z < 0.7 * rise) & (z > -0.4 * rise)]
+    assert (np.diff(between) < 0.0).all()  # down from one limit point to the other
+    assert factor.min() < 0.0
+    assert factor[-1] > 2.0 * limit
+
+
+def test_arc_length_goes_on_from_load_steps():
+    strip = cantilever(8, SHEAR)
+    strip.load_steps([0.5])
+    path = strip.arc_length(0.1, until=lambda e: e.factor > 0.9)
+    assert 0.5 < path[0].factor < 0.65
+    whole = cantilever(8, SHEAR).load_steps([path[-1].factor])
+    np.testing.assert_allclose(path[-1].displacement, whole[0].displacement, atol=1e-6)
+    assert len(strip.arc_length(0.1, until=lambda _: False, most_steps=2)) == 2
+
+
+# --- vibrations ----------------------------------------------------------------------------------
+
+
+def test_modes_of_a_slender_cantilever():
+    strip = cantilever(40)
+    modes = strip.modes(2)  # the third is torsion
+    line = np.sqrt(BENDING / (DENSITY * WIDTH * THICKNESS * LENGTH**4)) / (2.0 * np.pi)
+    expected = np.array([1.8751041, 4.6940911]) ** 2 * line
+    # 40 linear elements on lumped masses, shear and rotary inertia: some (k h)² of the second.
+    np.testing.assert_allclose(modes.frequency, expected, rtol=1e-3)
+    assert (abs(modes.shape).max(axis=(1, 2)) == 1.0).all()
+    assert (np.diff(modes.frequency) > 0.0).all()
+
+
+def test_tension_raises_the_frequency():
+    strip = cantilever(20, EdgeTraction("right", (50.0, 0.0, 0.0)))
+    slack = strip.modes(1).frequency[0]
+    strip.load_steps([1.0])
+    assert strip.modes(1).frequency[0] > 1.5 * slack
+
+
+def test_largest_frequency_is_that_of_the_dense_matrices():
+    strip = cantilever(6, n_y=2, poisson=0.3)
+    K, mass = strip._vibration(true_inertia=False)
+    dense = K.toarray() / np.sqrt(np.outer(mass, mass))
+    largest = np.sqrt(np.linalg.eigvalsh(dense)[-1])
+    assert strip.largest_frequency() == pytest.approx(largest, rel=1e-9)
+    lowest = np.sqrt(np.linalg.eigvalsh(dense)[:3]) / (2.0 * np.pi)
+    np.testing.assert_allclose(strip.modes(3, true_inertia=False).frequency, lowest, rtol=1e-6)
