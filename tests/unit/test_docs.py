@@ -1,0 +1,53 @@
+"""The documents tell the truth: links, citations, the import table, the README's model."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+KEY = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)\]")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+        if not target.startswith("http"):
+            assert (page.parent / target).exists(), target
+
+
+def test_every_citation_has_its_reference():
+    known = set(re.findall(r"@\w+\{(\w+),", (ROOT / "docs/references.bib").read_text()))
+    cited = {}
+    for path in [*PAGES, *sorted((ROOT / "src").rglob("*.py"))]:
+        for key in KEY.findall(path.read_text()):
+            cited.setdefault(key, path.name)
+    assert {key: place for key, place in cited.items() if key not in known} == {}
+
+
+def test_the_import_table_is_the_contract():
+    layers = re.search(r"\nlayers = \[\n(.*?)\n\]", (ROOT / "pyproject.toml").read_text(), re.S)
+    contract = [set(re.findall(r"\w+", row)) for row in re.findall(r'"(.+?)"', layers[1])]
+    page = (ROOT / "docs/architecture.md").read_text().split("| row |\n|---|\n")[1]
+    table = [set(re.findall(r"`(\w+)`", row)) for row in page.split("\n\n")[0].splitlines()]
+    assert table == contract
+
+
+def test_the_readmes_model_runs():
+    model = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+    assert len(model.splitlines()) <= 40
+    done = subprocess.run(
+        [sys.executable, "-c", model], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "crack" in done.stdout
+
+
+def test_ci_takes_the_test_command_from_the_readme():
+    commands = re.findall(r"python3 -m venv .*", (ROOT / "README.md").read_text())
+    assert len(commands) == 2
+    assert "examples/opening_test.py --mesh quick" in commands[0]
+    assert re.fullmatch(r"python3 -m venv \.venv-test.*pytest", commands[1])
