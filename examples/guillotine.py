@@ -20,7 +20,7 @@ def main() -> None:
     parser.add_argument("--classical", action="store_true", help="cables never meet the blade")
     options = parser.parse_args()
 
-    warmup()
+    warmup(["force"])
     case = guillotine(options.size, length=options.length, directional=not options.classical)
     case.run(options.out)
     sys.stdout.write((options.out / "summary.json").read_text())

@@ -36,7 +36,7 @@ def main() -> None:
 
     with Progress(1.0, "opening", "-") as progress:
         progress.note("compiling (first run only)")
-        warmup()
+        warmup(["force"])
     cut(options, options.out, directional=not options.classical)
     if options.compare:
         cut(options, options.out / "classical", directional=False)

@@ -42,6 +42,9 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def inline(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile scalar arithmetic that only kernels call; LLVM inlines it into them."""
-    compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
+    """Compile scalar arithmetic that only kernels call; LLVM inlines it into them.
+
+    Not cached by itself: it is part of the kernels that are.
+    """
+    compiled: Callable[P, R] = nb.njit(**{**_OPTIONS, "cache": False})(function)
     return compiled

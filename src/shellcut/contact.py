@@ -126,12 +126,11 @@ class PenaltyContact:
         ]
         self._low = np.array([c.min(axis=(0, 1)) for c in corners]) - _MARGIN
         self._high = np.array([c.max(axis=(0, 1)) for c in corners]) + _MARGIN
-        low, high = tool.bounding_box()
-        self._corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+        self._radius = float(np.linalg.norm(tool.vertices, axis=1).max())
+        self._pose = np.eye(3), np.zeros(3)
         self._near = np.zeros(0, np.int64)
         self._revision = -1
         self._slack = 0.0
-        self._corner_positions = self._corners
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -173,9 +172,10 @@ class PenaltyContact:
 
     def _search(self, state: State, rotation: Floats, translation: Floats) -> None:
         n = state.node
-        positions = self._corners @ rotation.T + translation
-        moved = float(np.abs(positions - self._corner_positions).sum(axis=1).max())
-        self._corner_positions = positions
+        # No point of the tool has moved by more than its origin plus the turn times its radius.
+        turn, shift = rotation - self._pose[0], translation - self._pose[1]
+        moved = math.sqrt(shift @ shift) + self._radius * math.sqrt(np.vdot(turn, turn))
+        self._pose = rotation, translation
         if self._near.size:
             speed = n.velocity_half[self._near]
             moved += state.dt * float(np.abs(speed).max())

@@ -6,13 +6,21 @@ fraction of a second on later ones. Timings that shall not contain compilation c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from .criterion import Fracture
 from .models.guillotine import guillotine
 
 
-def warmup() -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, splits."""
-    for criterion in ("force", "stress"):
+def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
+    """Run a film of a few quads through every mechanism: shells, contact, cables, splits.
+
+    Parameters
+    ----------
+    criteria : sequence of str
+        Which criteria of :class:`Fracture` to compile for.
+    """
+    for criterion in criteria:
         case = guillotine(
             1.0,
             length=6.0,
