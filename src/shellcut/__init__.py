@@ -13,13 +13,14 @@ from importlib.metadata import version
 from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
-from .load import EdgeTraction, Gravity, NodalForce, Pressure
+from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion, TableMotion
 from .recorder import Recorder
 from .simulation import Simulation
+from .statics import Statics
 from .support import Support
 from .time_step import Stepping
 from .tool import Tool
@@ -35,11 +36,13 @@ __all__ = [
     "Gravity",
     "Mesh",
     "NodalForce",
+    "NodalMoment",
     "Pressure",
     "Recorder",
     "ScrewMotion",
     "ShellMaterial",
     "Simulation",
+    "Statics",
     "Stepping",
     "StraightMotion",
     "Support",

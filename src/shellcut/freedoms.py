@@ -147,7 +147,7 @@ class Freedoms:
         turn = np.cross(spin, node.t[: self.n_node])
         _take_linear_metric(x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent)
         node.x[: self.n_node] += displacement
-        _turn_directors(t=node.t, spin=spin)
+        turn_directors(t=node.t, spin=spin)
         _add_metric(x=node.x, t=node.t, quads=quads, change=bent)
         self.update()
         return bent
@@ -219,7 +219,7 @@ def _write_bases(t: Floats, basis: Floats) -> None:
 
 
 @kernel
-def _turn_directors(t: Floats, spin: Floats) -> None:
+def turn_directors(t: Floats, spin: Floats) -> None:
     """Rotate t : (n_node, 3) by the spin vectors : (n, 3), n <= n_node."""
     for n in range(spin.shape[0]):
         store(t, n, rotate_director(load(t, n), load(spin, n)))

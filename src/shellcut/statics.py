@@ -42,7 +42,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ._jit import Floats
-from .freedoms import Freedoms
+from .freedoms import Freedoms, turn_directors
 from .load import Load, LoadSet
 from .material import ShellMaterial
 from .mesh import Mesh
@@ -147,6 +147,31 @@ class Statics:
         self._freedoms = Freedoms(self.state)
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = 0.0
+
+    def move(self, displacement: Floats, rotation: Floats | None = None) -> None:
+        """Move nodes from where they are: a guess, a stretched rim, a prescribed boundary.
+
+        Supported nodes stay where they are put; :meth:`load_steps` then finds the equilibrium.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (n_node, 3)
+            [mm].
+        rotation : ndarray, shape (n_node, 3), optional
+            Spin vectors by which the directors turn [rad].
+        """
+        n = self.mesh.n_node
+        for name, value in (("displacement", displacement), ("rotation", rotation)):
+            if value is not None and (
+                np.shape(value) != (n, 3) or not np.isfinite(np.asarray(value)).all()
+            ):
+                raise ValueError(
+                    f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
+                )
+        self.state.node.x[:n] += displacement
+        if rotation is not None:
+            turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))
+        self._bent = None
 
     def linear(self) -> tuple[Floats, Floats]:
         """Return displacement [mm] and spin vector [rad] of the linear solution about the state.

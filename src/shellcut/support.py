@@ -17,6 +17,8 @@ from .mesh import Mesh
 from .state import State
 
 _AXES = "xyz"
+_NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
+Rate = Callable[[float], float]
 NodeChoice = str | Sequence[int] | Ints
 
 
@@ -45,35 +47,48 @@ class Support:
         Node set or ids.
     translation, rotation : str
         Held axes, a subset of "xyz", of the position and of the director's spin.
-    velocity : mapping from axis to function of time, optional
-        Prescribed velocity [mm/s] along held axes; held at rest otherwise.
+    velocity, spin : mapping from axis to function of time, optional
+        Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
+        about held axes; at rest otherwise. A director only turns about axes normal to it.
     """
 
     nodes: NodeChoice
     translation: str = "xyz"
     rotation: str = "xyz"
-    velocity: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
+    velocity: Mapping[str, Rate] = field(default_factory=dict)
+    spin: Mapping[str, Rate] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        problems = [
-            f"{name} must be made of the letters x, y, z, got {axes!r}"
-            for name, axes in (("translation", self.translation), ("rotation", self.rotation))
-            if set(axes) - set(_AXES)
-        ]
-        loose = set(self.velocity) - set(self.translation)
-        if loose:
-            problems.append(
-                f"velocity is prescribed along {sorted(loose)}, which translation "
-                f"{self.translation!r} does not hold: add these axes to it"
-            )
-        problems += [
-            f"velocity along {axis} must be a function of time, got {rate!r}: for a constant "
-            f"write lambda time: {rate!r}"
-            for axis, rate in self.velocity.items()
-            if not callable(rate)
-        ]
+        problems = []
+        for held, moved in (("translation", "velocity"), ("rotation", "spin")):
+            axes, rates = getattr(self, held), getattr(self, moved)
+            if set(axes) - set(_AXES):
+                problems.append(f"{held} must be made of the letters x, y, z, got {axes!r}")
+            loose = set(rates) - set(axes)
+            if loose:
+                problems.append(
+                    f"{moved} is prescribed along {sorted(loose)}, which {held} {axes!r} does not "
+                    "hold: add these axes to it"
+                )
+            problems += [
+                f"{moved} along {axis} must be a function of time, got {rate!r}: for a constant "
+                f"write lambda time: {rate!r}"
+                for axis, rate in rates.items()
+                if not callable(rate)
+            ]
         if problems:
             raise ValueError("; ".join(problems))
+
+    def held(self) -> list[int]:
+        """Return the held components, 0-2 of translation and 3-5 of rotation."""
+        return [_AXES.index(a) for a in self.translation] + [
+            3 + _AXES.index(a) for a in self.rotation
+        ]
+
+    def rates(self) -> dict[int, Rate]:
+        """Return the prescribed rates by component."""
+        moved = {_AXES.index(axis): rate for axis, rate in self.velocity.items()}
+        return moved | {3 + _AXES.index(axis): rate for axis, rate in self.spin.items()}
 
     @classmethod
     def clamped(cls, nodes: NodeChoice) -> Support:
@@ -101,38 +116,34 @@ class SupportSet:
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
-        self._moving: list[tuple[Ints, int, Callable[[float], float]]] = []
+        self._moving: list[tuple[Ints, int, Rate]] = []
         self.nodes = [choose_nodes(mesh, s.nodes) for s in supports]
         self._supports = tuple(supports)
-        moved: dict[tuple[int, int], Callable[[float], float]] = {}
+        moved: dict[tuple[int, int], Rate] = {}
         for support, ids in zip(supports, self.nodes, strict=True):
-            for axis, rate in support.velocity.items():
-                c = _AXES.index(axis)
+            for c, rate in support.rates().items():
                 clash = [n for n in ids.tolist() if moved.setdefault((n, c), rate) is not rate]
                 if clash:
                     raise ValueError(
-                        f"two supports prescribe the velocity along {axis} of nodes {clash[:5]}: "
+                        f"two supports prescribe the {_NAMES[c]} of nodes {clash[:5]}: "
                         "keep one of them"
                     )
                 self._moving.append((ids, c, rate))
         # A node that one support holds at rest and another moves along the same axis.
         for support, ids in zip(supports, self.nodes, strict=True):
-            for axis in set(support.translation) - set(support.velocity):
-                c = _AXES.index(axis)
+            for c in set(support.held()) - set(support.rates()):
                 clash = [n for n in ids.tolist() if (n, c) in moved]
                 if clash:
                     raise ValueError(
-                        f"one support holds what another moves along {axis}, nodes {clash[:5]}: "
-                        "take these nodes or this axis out of one of them"
+                        f"one support holds what another moves, the {_NAMES[c]} of nodes "
+                        f"{clash[:5]}: take these nodes or this axis out of one of them"
                     )
 
     def initialise(self, state: State) -> None:
         """Write the masks of held components."""
         for support, ids in zip(self._supports, self.nodes, strict=True):
-            for axis in support.translation:
-                state.node.support[ids, _AXES.index(axis)] = True
-            for axis in support.rotation:
-                state.node.support[ids, 3 + _AXES.index(axis)] = True
+            for c in support.held():
+                state.node.support[ids, c] = True
         state.node.supported[:] = state.node.support.any(axis=1)
 
     def prescribe(self, state: State, time_half: float) -> None:

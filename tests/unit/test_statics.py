@@ -202,3 +202,17 @@ def test_largest_frequency_is_that_of_the_dense_matrices():
     assert strip.largest_frequency() == pytest.approx(largest, rel=1e-9)
     lowest = np.sqrt(np.linalg.eigvalsh(dense)[:3]) / (2.0 * np.pi)
     np.testing.assert_allclose(strip.modes(3, true_inertia=False).frequency, lowest, rtol=1e-6)
+
+
+def test_a_moved_rim_stretches_the_film():
+    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    rim = mesh.boundary_nodes()
+    film = Statics(mesh, ShellMaterial.homogeneous(), supports=[Support.clamped(rim)])
+    moved = np.zeros((mesh.n_node, 3))
+    moved[rim, 0] = 1e-3 * mesh.nodes[rim, 0]
+    film.move(moved)
+    (rest,) = film.load_steps([1.0])
+    # A patch test: the interior follows the rim's homogeneous stretch, to round-off.
+    np.testing.assert_allclose(rest.displacement[:, 0], 1e-3 * mesh.nodes[:, 0], atol=1e-12)
+    with pytest.raises(ValueError, match=r"displacement must be finite and of shape \(25, 3\)"):
+        film.move(np.zeros((3, 3)))
