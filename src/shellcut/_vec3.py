@@ -81,3 +81,19 @@ def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
     a = scale(0.5, spin)
     aa = dot(a, a)
     return scale(1.0 / (1.0 + aa), combine(1.0 - aa, t, 2.0, cross(a, t)))
+
+
+@inline
+def tangent_basis(t: Floats, n: int, basis: Floats) -> None:
+    """Write two unit tangents b_1, b_2 of director n, with b_1 x b_2 = t, into basis : (2, 3)."""
+    axis = 0  # the axis least along the director gives the best conditioned tangent
+    for c in range(1, 3):
+        if abs(t[n, c]) < abs(t[n, axis]):
+            axis = c
+    length = sqrt(1.0 - t[n, axis] ** 2)
+    for c in range(3):
+        unit = 1.0 if c == axis else 0.0
+        basis[0, c] = (unit - t[n, axis] * t[n, c]) / length
+    basis[1, 0] = t[n, 1] * basis[0, 2] - t[n, 2] * basis[0, 1]
+    basis[1, 1] = t[n, 2] * basis[0, 0] - t[n, 0] * basis[0, 2]
+    basis[1, 2] = t[n, 0] * basis[0, 1] - t[n, 1] * basis[0, 0]

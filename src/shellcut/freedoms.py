@@ -21,11 +21,11 @@ import numpy as np
 from scipy import sparse
 
 from ._jit import Floats, Ints, Numbers, kernel
-from ._vec3 import load, rotate_director, store
+from ._vec3 import load, rotate_director, store, tangent_basis
 from .mitc4 import N_STRAIN, covariant_metric
 from .shell import MITC4Shell
 from .state import State
-from .tangent import N_FREEDOM, quad_tangents, tangent_basis
+from .tangent import N_FREEDOM, quad_tangents
 
 # A turn counts as held when its spin about a held axis exceeds this: the sine of an angle between
 # a director and an axis that is zero but for round-off.

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, inline, kernel
+from ._vec3 import tangent_basis
 from .shell import MITC4Shell
 from .state import State
 
@@ -104,22 +105,6 @@ def recover(
 
 
 @inline
-def _frame(t: Floats, n: int, frame: Floats) -> None:
-    # Two unit tangents, from the axis that is least along the director.
-    axis = 0
-    for c in range(1, 3):
-        if abs(t[n, c]) < abs(t[n, axis]):
-            axis = c
-    length = np.sqrt(1.0 - t[n, axis] ** 2)
-    for c in range(3):
-        unit = 1.0 if c == axis else 0.0
-        frame[0, c] = (unit - t[n, axis] * t[n, c]) / length
-    frame[1, 0] = t[n, 1] * frame[0, 2] - t[n, 2] * frame[0, 1]
-    frame[1, 1] = t[n, 2] * frame[0, 0] - t[n, 0] * frame[0, 2]
-    frame[1, 2] = t[n, 0] * frame[0, 1] - t[n, 1] * frame[0, 0]
-
-
-@inline
 def _fit(
     n: int,
     at: int,
@@ -201,7 +186,7 @@ def _recover(
     borrowed = 0
     for i in range(nodes.shape[0]):
         n = nodes[i]
-        _frame(t, n, frame)
+        tangent_basis(t, n, frame)
         if not _fit(n, n, frame, x, quads, quads_at, n_quad_at, stress, value):
             richest = 0
             for j in range(n_quad_at[n]):

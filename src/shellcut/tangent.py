@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, inline, kernel
+from ._jit import Bools, Floats, Ints, kernel
+from ._vec3 import tangent_basis
 from .mitc4 import covariant_metric, nodal_forces, resultants
 
 # Complex step relative to nothing: its square, 1e-60, is far below any real part.
@@ -21,22 +22,6 @@ _STEP = 1e-30
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns a node."""
-
-
-@inline
-def tangent_basis(t: Floats, n: int, basis: Floats) -> None:
-    """Write two unit tangents b_1, b_2 of director n, with b_1 x b_2 = t, into basis : (2, 3)."""
-    axis = 0  # the axis least along the director gives the best conditioned tangent
-    for c in range(1, 3):
-        if abs(t[n, c]) < abs(t[n, axis]):
-            axis = c
-    length = np.sqrt(1.0 - t[n, axis] ** 2)
-    for c in range(3):
-        unit = 1.0 if c == axis else 0.0
-        basis[0, c] = (unit - t[n, axis] * t[n, c]) / length
-    basis[1, 0] = t[n, 1] * basis[0, 2] - t[n, 2] * basis[0, 1]
-    basis[1, 1] = t[n, 2] * basis[0, 0] - t[n, 0] * basis[0, 2]
-    basis[1, 2] = t[n, 0] * basis[0, 1] - t[n, 1] * basis[0, 0]
 
 
 @kernel
