@@ -90,12 +90,12 @@ class Simulation:
         ]
         if (tool is None) != (motion is None):
             problems.append("tool and motion go together: give both or none")
+        if law is None and fracture is not None:
+            problems.append("fracture needs a law for the cables: give law=CohesiveLaw() too")
+        if tool is None and contact is not None:
+            problems.append("contact needs a tool to be in contact with: give tool and motion too")
         if problems:
             raise ValueError("; ".join(problems))
-        if law is None and fracture is not None:
-            raise ValueError("fracture needs a law for the cables: give law=CohesiveLaw() too")
-        if tool is None and contact is not None:
-            raise ValueError("contact needs a tool to be in contact with: give tool and motion too")
 
         self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         self.law = law
@@ -153,6 +153,11 @@ class Simulation:
         if tool is not None:
             check_tool_outside(mesh, tool, self.rotation, self.translation)
         self._start()
+
+    @property
+    def dt(self) -> float:
+        """Length of the step that comes next [s]."""
+        return self._dt
 
     # ---------------------------------------------------------------- the order of a step
 
@@ -263,6 +268,7 @@ class Simulation:
             most_steps=most_steps,
         )
         self.ledger = Ledger()
+        self.time_step.forget()
         self._start()
         return steps
 

@@ -98,6 +98,11 @@ class StableStep:
                 self._dt = safe
         return self._dt
 
+    def forget(self) -> None:
+        """Evaluate afresh at the next call: the state has been moved from outside."""
+        self._evaluations = self._next = 0
+        self._dt = 0.0
+
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last evaluated frequencies [s]."""
         omega_e2 = self._shell.squared_frequency

@@ -60,7 +60,9 @@ def main() -> int:
             }
             for result in results
         ]
-        options.json.write_text(json.dumps(table, indent=1) + "\n")
+        options.json.write_text(
+            json.dumps(table, indent=1, default=lambda value: value.item()) + "\n"
+        )
     return 1 if failed else 0
 
 
