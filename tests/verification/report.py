@@ -49,14 +49,19 @@ def draw(result: dict[str, Any]) -> None:
 
     figure = Figure(figsize=(7.0, 4.5), dpi=70)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.12, 0.13, 0.85, 0.78))
+    axes = figure.add_axes((0.12, 0.14, 0.85, 0.77))
     for k, (name, curve) in enumerate(result["curves"].items()):
         color = f"C{k}"
         axes.plot(curve["x"], curve["y"], color=color, lw=1.5, label=name)
         if curve.get("x_ref"):
             axes.plot(curve["x_ref"], curve["y_ref"], "o", color=color, ms=4, mfc="none")
     axes.set_title(f"{result['id']} {result['title']}: lines ours, circles published", fontsize=10)
-    axes.set_xlabel(result.get("x_label", ""))
+    if result["id"].startswith("B"):
+        axes.set_xlabel("displacement, in the case's unit of length")
+        axes.set_ylabel("load over the largest load")
+    if all("error" in name for name in result["curves"]):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
     axes.grid(color="0.9")
     axes.legend(fontsize=8, frameon=False)
     (DOCS / "img").mkdir(parents=True, exist_ok=True)
