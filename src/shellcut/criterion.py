@@ -27,6 +27,7 @@ trace of the blade's mid-plane in the sheet.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
@@ -346,14 +347,17 @@ class SplitCriterion:
         if not (option.back and option.ahead) or len(option.ahead) > 1:
             return 1.0  # nothing to turn from, or a bridge: nothing to choose
         x = state.node.x
-        arrive = x[node] - x[list(option.back)].mean(axis=0)
+        arrive = x[node] - _middle(x, option.back)
         leave = x[option.ahead[0]] - x[node]
-        return float(arrive @ leave) / float(np.linalg.norm(arrive) * np.linalg.norm(leave))
+        return float(arrive @ leave) / math.sqrt(float((arrive @ arrive) * (leave @ leave)))
 
     def _weigh(self, state: State, node: int, option: _Option, dt: float, *, blade: bool) -> Split:
         e = _direction(state, node, option)
-        m = np.cross(state.node.t[node], e)
-        m /= np.linalg.norm(m)
+        t = state.node.t[node]
+        m = np.array(
+            [t[1] * e[2] - t[2] * e[1], t[2] * e[0] - t[0] * e[2], t[0] * e[1] - t[1] * e[0]]
+        )
+        m /= math.sqrt(m @ m)
         f1, m1 = self._side(state, node, option.minus, dt)
         f2, m2 = self._side(state, node, option.plus, dt)
         force = (m1 * f2 - m2 * f1) / (m1 + m2)
@@ -412,19 +416,26 @@ def _direction(state: State, node: int, option: _Option) -> Floats:
     """Return the unit direction in which a crack would run through the node."""
     e = _way(state, node, option)
     e -= (e @ state.node.t[node]) * state.node.t[node]
-    return np.asarray(e / np.linalg.norm(e))
+    return np.asarray(e / math.sqrt(e @ e))
 
 
 def _chord(state: State, node: int, option: _Option) -> float:
     """Return the distance from where a crack would come to where it would go [mm]."""
-    return float(np.linalg.norm(_way(state, node, option)))
+    way = _way(state, node, option)
+    return math.sqrt(way @ way)
 
 
 def _way(state: State, node: int, option: _Option) -> Floats:
     x = state.node.x
-    start = x[list(option.back)].mean(axis=0) if option.back else x[node]
-    end = x[list(option.ahead)].mean(axis=0) if option.ahead else x[node]
+    start = _middle(x, option.back) if option.back else x[node]
+    end = _middle(x, option.ahead) if option.ahead else x[node]
     return np.asarray(end - start)
+
+
+def _middle(x: Floats, nodes: tuple[int, ...]) -> Floats:
+    """Return the place of one node, or the middle of a crack's two flank copies."""
+    one = x[nodes[0]]
+    return np.asarray(one if len(nodes) == 1 else 0.5 * (one + x[nodes[1]]))
 
 
 def _strongest_apart(found: list[Split]) -> list[Split]:

@@ -35,7 +35,7 @@ def draw_snapshot(
     stress_limits: tuple[float, float] | None = None,
     title: str | None = None,
     size: tuple[float, float] = (13.0, 7.0),
-    dpi: float = 110.0,
+    dpi: float = 90.0,
 ) -> None:
     """Draw one frame to a picture file.
 
