@@ -83,7 +83,7 @@ class Recorder:
         name: str,
         n_row: int = 1900,
         n_frame: int = 100,
-        n_snapshot: int = 6,
+        n_snapshot: int = 5,
         progress: bool = True,
     ) -> None:
         if sim.motion is None or sim.tool is None:

@@ -25,7 +25,8 @@ def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
             1.0,
             length=6.0,
             width=4.0,
-            travel=3.0,
+            notch=1.0,
+            travel=1.5,
             fracture=Fracture(criterion=criterion),
         )
         case.simulation.run(case.duration)

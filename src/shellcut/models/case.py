@@ -33,7 +33,7 @@ class Case:
         *,
         n_row: int = 1900,
         n_frame: int = 100,
-        n_snapshot: int = 6,
+        n_snapshot: int = 5,
         progress: bool = True,
     ) -> None:
         """Run to the end and leave everything in ``folder``, see :class:`Recorder`."""
