@@ -7,6 +7,9 @@
     Lets a multiplication and an addition become one fused instruction. Nothing is reassociated
     and nan stays nan, so results do not depend on how a loop was vectorised and the divergence
     guard keeps working.
+``nogil=True``
+    Kernels touch no Python object, so two threads may run them side by side
+    (:mod:`shellcut.threads`).
 ``cache=True``
     Compile once a machine. A cached caller does not see an edit in a kernel it imports, hence
     the tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
@@ -30,21 +33,37 @@ Numbers: TypeAlias = npt.NDArray[Any]
 Ints: TypeAlias = npt.NDArray[np.int64]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
+SmallIds: TypeAlias = npt.NDArray[np.int32]
+Number: TypeAlias = Any
+"""What the mechanics are written in: a float, a complex number, or eight floats at once
+(:mod:`shellcut.lanes`)."""
 Vec3: TypeAlias = tuple[float, float, float]
+Vector: TypeAlias = tuple[Number, Number, Number]
+"""A three-vector of numbers."""
 
-_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python, arrays and numbers only."""
-    compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
+    compiled: Callable[P, R] = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
     return compiled
 
 
 def inline(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile scalar arithmetic that only kernels call; LLVM inlines it into them.
+    """Compile scalar arithmetic that only kernels call; LLVM may inline it into them.
 
     Not cached by itself: it is part of the kernels that are.
     """
-    compiled: Callable[P, R] = nb.njit(**{**_OPTIONS, "cache": False})(function)
+    compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
+    return compiled
+
+
+def always_inline(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile arithmetic on many numbers at once, which a call would send through memory.
+
+    Of a quad's mechanics sixteen strains and as many resultants are alive at a time; left to
+    itself LLVM calls such functions, and passing the numbers costs as much as the arithmetic.
+    """
+    compiled: Callable[P, R] = nb.njit(forceinline=True, **_OPTIONS)(function)
     return compiled

@@ -8,55 +8,61 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ._jit import Floats, Numbers, Vec3, inline
+from ._jit import Floats, Numbers, Vec3, always_inline
 
 
-@inline
+@always_inline
 def load(rows: Numbers, i: int) -> Vec3:
     return rows[i, 0], rows[i, 1], rows[i, 2]
 
 
-@inline
+@always_inline
 def store(rows: Floats, i: int, a: Vec3) -> None:
     rows[i, 0] = a[0]
     rows[i, 1] = a[1]
     rows[i, 2] = a[2]
 
 
-@inline
+@always_inline
 def add_to(rows: Floats, i: int, a: Vec3) -> None:
     rows[i, 0] += a[0]
     rows[i, 1] += a[1]
     rows[i, 2] += a[2]
 
 
-@inline
+@always_inline
 def add(a: Vec3, b: Vec3) -> Vec3:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@inline
+@always_inline
 def sub(a: Vec3, b: Vec3) -> Vec3:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@inline
+@always_inline
 def scale(s: float, a: Vec3) -> Vec3:
     return s * a[0], s * a[1], s * a[2]
 
 
-@inline
+@always_inline
 def combine(s: float, a: Vec3, r: float, b: Vec3) -> Vec3:
     """Return s a + r b."""
     return s * a[0] + r * b[0], s * a[1] + r * b[1], s * a[2] + r * b[2]
 
 
-@inline
+@always_inline
+def add_scaled(a: Vec3, s: float, b: Vec3) -> Vec3:
+    """Return a + s b."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@always_inline
 def dot(a: Vec3, b: Vec3) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inline
+@always_inline
 def cross(a: Vec3, b: Vec3) -> Vec3:
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -65,12 +71,12 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
     )
 
 
-@inline
+@always_inline
 def norm(a: Vec3) -> float:
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
-@inline
+@always_inline
 def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
     """Rotate the unit director ``t`` by the Cayley map of ``spin`` = Δt ω, where ω · t = 0.
 
@@ -83,7 +89,7 @@ def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
     return scale(1.0 / (1.0 + aa), combine(1.0 - aa, t, 2.0, cross(a, t)))
 
 
-@inline
+@always_inline
 def tangent_basis(t: Floats, n: int, basis: Floats) -> None:
     """Write two unit tangents b_1, b_2 of director n, with b_1 x b_2 = t, into basis : (2, 3)."""
     axis = 0  # the axis least along the director gives the best conditioned tangent

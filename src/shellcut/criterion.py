@@ -377,7 +377,7 @@ class SplitCriterion:
         )
         force += cable_share(state, node, quads)
         corner = np.argmax(state.quads[fan] == node, axis=1)
-        return force, float(self._shell.section.mass[fan, corner].sum())
+        return force, float(self._shell.mass[fan, corner].sum())
 
 
 def cable_share(state: State, node: int, quads: tuple[int, ...]) -> Floats:

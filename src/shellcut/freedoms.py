@@ -22,10 +22,10 @@ from scipy import sparse
 
 from ._jit import Floats, Ints, Numbers, kernel
 from ._vec3 import load, rotate_director, store, tangent_basis
-from .mitc4 import N_STRAIN, covariant_metric
+from .mitc4 import N_STRAIN, modes, products
 from .shell import MITC4Shell
 from .state import State
-from .tangent import N_FREEDOM, quad_tangents
+from .tangent import N_FREEDOM
 
 # A turn counts as held when its spin about a held axis exceeds this: the sine of an angle between
 # a director and an axis that is zero but for round-off.
@@ -88,23 +88,11 @@ class Freedoms:
         ----------
         shell : MITC4Shell
             The film.
-        bent : ndarray, shape (n_quad, 20), optional
+        bent : ndarray, shape (n_quad, 16), optional
             Part of the strains that the stresses in the stiffness leave out, of :meth:`move`.
         """
-        s, node, quads = shell.section, self._state.node, self._state.quads
-        tangent = np.empty((quads.shape[0], N_FREEDOM, N_FREEDOM))
-        quad_tangents(
-            which=np.arange(quads.shape[0]),
-            x=node.x,
-            t=node.t,
-            quads=quads,
-            metric=shell.metric if bent is None else shell.metric + bent,
-            flat=s.flat,
-            row=s.row,
-            h_flat=s.h_flat,
-            h_full=s.h_full,
-            tangent=tangent,
-        )
+        quads = self._state.quads
+        tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
         _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
         return self._pattern.assemble(tangent)
 
@@ -138,17 +126,17 @@ class Freedoms:
 
         Returns
         -------
-        ndarray, shape (n_quad, 20)
+        ndarray, shape (n_quad, 16)
             The part of the change of strain that is not linear in u.
         """
         displacement, spin = self.split(u)
         node, quads = self._state.node, self._state.quads
         bent = np.zeros((quads.shape[0], N_STRAIN))
         turn = np.cross(spin, node.t[: self.n_node])
-        _take_linear_metric(x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent)
+        _take_linear_products(x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent)
         node.x[: self.n_node] += displacement
         turn_directors(t=node.t, spin=spin)
-        _add_metric(x=node.x, t=node.t, quads=quads, change=bent)
+        _add_products(x=node.x, t=node.t, quads=quads, change=bent)
         self.update()
         return bent
 
@@ -243,31 +231,33 @@ def _turn_tangents(quads: Ints, turned: Numbers, tangent: Floats) -> None:
 
 
 @kernel
-def _add_metric(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
-    """Add the scalar products of all quads to change : (n_quad, 20)."""
-    xe, te, m = np.empty((4, 3)), np.empty((4, 3)), np.empty(20)
+def _add_products(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
+    """Add the scalar products of all quads to change : (n_quad, 16)."""
     for e in range(quads.shape[0]):
-        for a in range(4):
-            for c in range(3):
-                xe[a, c], te[a, c] = x[quads[e, a], c], t[quads[e, a], c]
-        covariant_metric(xe, te, m)
-        for k in range(20):
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        m = products(
+            modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3)),
+            modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3)),
+        )
+        for k in range(N_STRAIN):
             change[e, k] += m[k]
 
 
 @kernel
-def _take_linear_metric(
+def _take_linear_products(
     x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
 ) -> None:
-    """Take the products, and their linear change by dx, dt, off change : (n_quad, 20)."""
+    """Take the products, and their linear change by dx, dt, off change : (n_quad, 16)."""
     xe, te = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
-    m = np.empty(20, np.complex128)
     for e in range(quads.shape[0]):
         for a in range(4):
             n = quads[e, a]
             for c in range(3):
                 xe[a, c] = x[n, c] + 1j * _STEP * dx[n, c]
                 te[a, c] = t[n, c] + 1j * _STEP * dt[n, c]
-        covariant_metric(xe, te, m)
-        for k in range(20):
+        m = products(
+            modes(load(xe, 0), load(xe, 1), load(xe, 2), load(xe, 3)),
+            modes(load(te, 0), load(te, 1), load(te, 2), load(te, 3)),
+        )
+        for k in range(N_STRAIN):
             change[e, k] -= m[k].real + m[k].imag / _STEP

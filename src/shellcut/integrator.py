@@ -17,15 +17,21 @@ of the order alpha dt.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
-from ._jit import Bools, Floats, kernel
-from ._vec3 import cross, load, rotate_director, scale, store
+import numpy as np
+
+from ._jit import Bools, Floats, Ints, Number, Vector, always_inline, inline, kernel
+from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
+from .lanes import WIDTH, along, at, clear_rows, put_at, row_columns, total, zero
 from .state import State
+from .threads import Workers
+
+# Nodes that one part of the loop takes; its sums are added in order, whoever computed them.
+_CHUNK = 16_384
 
 
-@dataclass(frozen=True)
-class KickResult:
+class KickResult(NamedTuple):
     """Energies that only the kick can see, at t_n."""
 
     kinetic_translation: float
@@ -45,108 +51,268 @@ class CentralDifference:
     ----------
     damping_alpha : float
         Mass-proportional damping [1/s].
+    workers : Workers, optional
+        Threads; one by default.
     """
 
-    def __init__(self, *, damping_alpha: float) -> None:
+    def __init__(self, *, damping_alpha: float, workers: Workers | None = None) -> None:
         self.damping_alpha = damping_alpha
+        self._workers = workers or Workers(0)
+        self._revision = -1
+        # Supported nodes, and the first of them in every chunk of nodes.
+        self._supported, self._first_supported = np.zeros(0, np.int64), np.zeros(1, np.int64)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
         """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
-        n = state.node
-        return KickResult(
-            *_kick(
-                n_node=n.count,
-                dt_last=dt_last,
-                dt=0.5 * (dt_last + dt_next),
-                alpha=self.damping_alpha,
-                t=n.t,
-                force=n.force,
-                director_force=n.director_force,
-                mass=n.mass,
-                inertia=n.inertia,
-                supported=n.supported,
-                support=n.support,
-                support_rate=n.support_rate,
-                velocity=n.velocity_half,
-                spin=n.spin_half,
-                reaction=n.reaction,
+        n, stride = state.node, self._workers.count
+        if state.revision != self._revision:
+            self._find_supported(state)
+        dt = 0.5 * (dt_last + dt_next)
+        sums = np.zeros((self._first_supported.size - 1, 4))
+
+        def part(thread: int) -> None:
+            _kick(
+                thread,
+                stride,
+                n.count,
+                dt_last,
+                dt,
+                self.damping_alpha,
+                n.t,
+                n.force_rows,
+                n.mass,
+                n.inertia,
+                n.push,
+                self._supported,
+                self._first_supported,
+                n.support,
+                n.support_rate,
+                n.velocity_half,
+                n.spin_half,
+                n.reaction,
+                sums,
             )
-        )
+
+        self._workers.run(part)
+        translation, rotation, mean, support_work = np.add.reduce(sums).tolist()
+        damping = 0.25 * self.damping_alpha * dt * mean
+        return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
 
     def drift(self, state: State, dt: float) -> None:
-        """Take positions and directors from t_n to t_{n+1}."""
+        """Take positions and directors from t_n to t_{n+1}; clear the forces, which were of t_n."""
+        n, stride = state.node, self._workers.count
+
+        def part(thread: int) -> None:
+            _drift(
+                thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t, n.force_rows
+            )
+
+        self._workers.run(part)
+
+    def _find_supported(self, state: State) -> None:
         n = state.node
-        _drift(n_node=n.count, dt=dt, velocity=n.velocity_half, spin=n.spin_half, x=n.x, t=n.t)
+        self._supported = np.flatnonzero(n.supported[: n.count])
+        chunks = np.arange(0, n.count + _CHUNK, _CHUNK)
+        self._first_supported = np.searchsorted(self._supported, chunks)
+        self._revision = state.revision
 
 
-@kernel
-def _kick(
-    n_node: int,
+@always_inline
+def _node_vector(values: Floats, n: int, lane: int | None) -> Vector:
+    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
+
+
+@always_inline
+def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
+    put_at(values, n, 0, lane, v[0])
+    put_at(values, n, 1, lane, v[1])
+    put_at(values, n, 2, lane, v[2])
+
+
+@always_inline
+def _kick_nodes(
+    n: int,
+    lane: int | None,
+    dt: float,
+    alpha: float,
+    mirror: bool,
+    t: Floats,
+    rows: Floats,
+    mass: Floats,
+    inertia: Floats,
+    push: Floats,
+    velocity: Floats,
+    spin: Floats,
+) -> tuple[Number, Number, Number]:
+    """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
+    keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
+    each = dt / (1.0 + 0.5 * alpha * dt)
+    r = row_columns(rows, n, lane)
+    by_mass, by_inertia = at(push, n, 0, lane), at(push, n, 1, lane)
+    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
+    moment = cross(_node_vector(t, n, lane), r[3:6])
+    v_after = combine(keep, v, each * by_mass, r[0:3])
+    w_after = combine(keep, w, each * by_inertia, moment)
+    _put_node_vector(velocity, n, lane, v_after)
+    _put_node_vector(spin, n, lane, w_after)
+    # Supported nodes have no push and count nothing here.
+    m, j = along(mass, n, lane), along(inertia, n, lane)
+    m, j = m * m * by_mass, j * j * by_inertia
+    v_mean, w_mean = add(v, v_after), add(w, w_after)
+    if mirror:
+        v, w = combine(2.0, v, -1.0, v_after), combine(2.0, w, -1.0, w_after)
+    return (
+        m * dot(v, v_after),
+        j * dot(w, w_after),
+        m * dot(v_mean, v_mean) + j * dot(w_mean, w_mean),
+    )
+
+
+@inline
+def _kick_supported(
+    n: int,
     dt_last: float,
     dt: float,
     alpha: float,
     t: Floats,
-    force: Floats,
-    director_force: Floats,
+    rows: Floats,
     mass: Floats,
     inertia: Floats,
-    supported: Bools,
     support: Bools,
     support_rate: Floats,
     velocity: Floats,
     spin: Floats,
     reaction: Floats,
-) -> tuple[float, float, float, float]:
-    """Advance velocity and spin : (n_node, 3) by dt; write reaction : (n_node, 6)."""
+    moved: Floats,
+    sums: Floats,
+) -> None:
+    """Write velocity and spin of a supported node after the kick into moved : (6,)."""
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
-    push = dt / (1.0 + 0.5 * alpha * dt)
-    translation = 0.0
-    rotation = 0.0
-    damping = 0.0
-    support_work = 0.0
-    for n in range(n_node):
-        m, j = mass[n], inertia[n]
-        moment = cross(load(t, n), load(director_force, n))
-        held = supported[n]
-        kinetic = 0.0
-        spun = 0.0
-        mean2 = 0.0
-        for c in range(3):
-            before = velocity[n, c]
-            after = keep * before + push * force[n, c] / m
-            spin_before = spin[n, c]
-            spin_after = keep * spin_before + push * moment[c] / j
-            if held:
-                if support[n, c]:
-                    after = support_rate[n, c]
-                    r = m * (after - before) / dt + alpha * m * 0.5 * (after + before) - force[n, c]
-                    support_work += 0.5 * (reaction[n, c] + r) * before * dt_last
-                    reaction[n, c] = r
-                if support[n, 3 + c]:
-                    spin_after = support_rate[n, 3 + c]
-                    r = (
-                        j * (spin_after - spin_before) / dt
-                        + alpha * j * 0.5 * (spin_after + spin_before)
-                        - moment[c]
-                    )
-                    support_work += 0.5 * (reaction[n, 3 + c] + r) * spin_before * dt_last
-                    reaction[n, 3 + c] = r
-            # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
-            kinetic += (before if dt_last > 0.0 else 2.0 * before - after) * after
-            spun += (spin_before if dt_last > 0.0 else 2.0 * spin_before - spin_after) * spin_after
-            mean2 += m * (before + after) ** 2 + j * (spin_before + spin_after) ** 2
-            velocity[n, c] = after
-            spin[n, c] = spin_after
-        translation += 0.5 * m * kinetic
-        rotation += 0.5 * j * spun
-        damping += mean2
-    return translation, rotation, 0.25 * alpha * dt * damping, support_work
+    each = dt / (1.0 + 0.5 * alpha * dt)
+    moment = cross(load(t, n), (rows[n, 3], rows[n, 4], rows[n, 5]))
+    for c in range(6):
+        m = mass[n] if c < 3 else inertia[n]
+        force = rows[n, c] if c < 3 else moment[c - 3]
+        before = velocity[n, c] if c < 3 else spin[n, c - 3]
+        after = keep * before + each * force / m
+        if support[n, c]:
+            after = support_rate[n, c]
+            r = m * (after - before) / dt + alpha * m * 0.5 * (after + before) - force
+            sums[3] += 0.5 * (reaction[n, c] + r) * before * dt_last
+            reaction[n, c] = r
+        sums[2] += m * (before + after) ** 2
+        if dt_last == 0.0:
+            before = 2.0 * before - after
+        sums[0 if c < 3 else 1] += m * before * after
+        moved[c] = after
 
 
 @kernel
-def _drift(n_node: int, dt: float, velocity: Floats, spin: Floats, x: Floats, t: Floats) -> None:
-    """Advance x and t : (n_node, 3) by dt."""
-    for n in range(n_node):
-        for c in range(3):
-            x[n, c] += dt * velocity[n, c]
-        store(t, n, rotate_director(load(t, n), scale(dt, load(spin, n))))
+def _kick(
+    first: int,
+    stride: int,
+    n_node: int,
+    dt_last: float,
+    dt: float,
+    alpha: float,
+    t: Floats,
+    rows: Floats,
+    mass: Floats,
+    inertia: Floats,
+    push: Floats,
+    supported: Ints,
+    first_supported: Ints,
+    support: Bools,
+    support_rate: Floats,
+    velocity: Floats,
+    spin: Floats,
+    reaction: Floats,
+    sums: Floats,
+) -> None:
+    """Advance velocity and spin : (n_node, 3) by dt, of the chunks first, first + stride, ...
+
+    rows : (n_node, 8).  reaction : (n_node, 6), written.  sums : (n_chunk, 4), written: m v·v',
+    j w·w', the damping's sum and the work of the reactions.
+    """
+    # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
+    mirror = dt_last == 0.0
+    for chunk in range(first, sums.shape[0], stride):
+        start, stop = chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)
+        held = supported[first_supported[chunk] : first_supported[chunk + 1]]
+        moved = np.empty((held.shape[0], 6))
+        for i in range(held.shape[0]):
+            _kick_supported(
+                held[i],
+                dt_last,
+                dt,
+                alpha,
+                t,
+                rows,
+                mass,
+                inertia,
+                support,
+                support_rate,
+                velocity,
+                spin,
+                reaction,
+                moved[i],
+                sums[chunk],
+            )
+        p0, p1, p2 = zero(None), zero(None), zero(None)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            q0, q1, q2 = _kick_nodes(
+                n, None, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
+            )
+            p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
+        s0, s1, s2 = total(p0), total(p1), total(p2)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            q0, q1, q2 = _kick_nodes(
+                n, 0, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
+            )
+            s0, s1, s2 = s0 + q0, s1 + q1, s2 + q2
+        sums[chunk, 0] += s0
+        sums[chunk, 1] += s1
+        sums[chunk, 2] += s2
+        for i in range(held.shape[0]):
+            for c in range(3):
+                velocity[held[i], c] = moved[i, c]
+                spin[held[i], c] = moved[i, 3 + c]
+
+
+@always_inline
+def _drift_nodes(
+    n: int,
+    lane: int | None,
+    dt: float,
+    velocity: Floats,
+    spin: Floats,
+    x: Floats,
+    t: Floats,
+    rows: Floats,
+) -> None:
+    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
+    _put_node_vector(x, n, lane, add_scaled(_node_vector(x, n, lane), dt, v))
+    turned = rotate_director(_node_vector(t, n, lane), scale(dt, w))
+    _put_node_vector(t, n, lane, turned)
+    clear_rows(rows, n, lane)
+
+
+@kernel
+def _drift(
+    first: int,
+    stride: int,
+    n_node: int,
+    dt: float,
+    velocity: Floats,
+    spin: Floats,
+    x: Floats,
+    t: Floats,
+    rows: Floats,
+) -> None:
+    """Advance x and t : (n_node, 3) by dt, clear rows : (n_node, 8), of every stride-th chunk."""
+    for chunk in range(first, (n_node + _CHUNK - 1) // _CHUNK, stride):
+        start, stop = chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            _drift_nodes(n, None, dt, velocity, spin, x, t, rows)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            _drift_nodes(n, 0, dt, velocity, spin, x, t, rows)

@@ -11,13 +11,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import Floats, Ints, inline, kernel
-from ._vec3 import add, combine, cross, load, scale, sub
+from ._jit import Bools, Floats, Ints, inline, kernel
+from ._vec3 import add, combine, cross, dot, load, scale, sub
 from .mesh import Mesh
-from .state import State
+from .state import State, columns
 from .support import NodeChoice, choose_nodes
+from .threads import Workers
 
 _G = 1.0 / np.sqrt(3.0)
+
+# Nodes that one part of the loop takes; its sums are added in order, whoever computed them.
+_CHUNK = 16_384
+
+Factor = Callable[[float], float]
 
 
 def steady(_time: float) -> float:
@@ -37,7 +43,7 @@ class Gravity:
     """Body force, an acceleration [mm/s²] times mass; factor(time) scales it."""
 
     acceleration: Sequence[float]
-    factor: Callable[[float], float] = steady
+    factor: Factor = steady
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Pressure:
     value: float
     following: bool = False
     quads: str | None = None
-    factor: Callable[[float], float] = steady
+    factor: Factor = steady
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ class NodalForce:
 
     nodes: NodeChoice
     force: Sequence[float]
-    factor: Callable[[float], float] = steady
+    factor: Factor = steady
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ class NodalMoment:
 
     nodes: NodeChoice
     moment: Sequence[float]
-    factor: Callable[[float], float] = steady
+    factor: Factor = steady
 
 
 @dataclass(frozen=True)
@@ -81,7 +87,7 @@ class EdgeTraction:
 
     nodes: NodeChoice
     traction: Sequence[float]
-    factor: Callable[[float], float] = steady
+    factor: Factor = steady
 
 
 Load = Gravity | Pressure | NodalForce | NodalMoment | EdgeTraction
@@ -96,16 +102,18 @@ class LoadSet:
         If a set is unknown, a vector has not three components, or no edge is loaded.
     """
 
-    def __init__(self, mesh: Mesh, loads: Sequence[Load]) -> None:
-        self._gravity: list[tuple[Floats, Callable[[float], float]]] = []
-        self._following: list[tuple[Ints, float, Callable[[float], float]]] = []
-        self._nodal: list[tuple[Ints, Floats, Callable[[float], float]]] = []
-        self._moment: list[tuple[Ints, Floats, Callable[[float], float]]] = []
-        self._by_quad: list[tuple[Ints, Floats, Callable[[float], float]]] = []
+    def __init__(
+        self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None
+    ) -> None:
+        self._workers = workers or Workers(0)
+        self._dead: list[_DeadLoad] = []
+        self._following: list[tuple[Ints, float, Factor]] = []
+        self._nodal: list[tuple[Ints, Floats, Factor]] = []
+        self._moment: list[tuple[Ints, Floats, Factor]] = []
         for one in loads:
             if isinstance(one, Gravity):
                 g = np.array(_vector("acceleration", one.acceleration))
-                self._gravity.append((g, one.factor))
+                self._dead.append(_DeadLoad(one.factor, _Weight(g)))
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
                 self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
@@ -119,61 +127,163 @@ class LoadSet:
                 if one.following:
                     self._following.append((quads, float(one.value), one.factor))
                 else:
-                    rows = np.zeros((quads.size, 4, 3))
-                    _pressure_rows(mesh.nodes, mesh.quads, quads, float(one.value), rows)
-                    self._by_quad.append((quads, rows, one.factor))
+                    pressed = _Pressed(mesh, quads, float(one.value))
+                    self._dead.append(_DeadLoad(one.factor, pressed))
             else:
-                self._by_quad.append((*_edge_rows(mesh, one), one.factor))
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether there is no load at all."""
-        return not (
-            self._gravity or self._following or self._nodal or self._moment or self._by_quad
-        )
+                self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
 
     def add_forces(self, state: State) -> float:
         """Add the loads at t_n to the nodal forces; return their work since t_{n-1} [N·mm]."""
-        if self.is_empty:
-            return 0.0
-        n = state.node
-        total = np.zeros((n.count, 3))
-        for g, factor in self._gravity:
-            total += n.mass[: n.count, None] * (factor(state.time) * g)
+        n, dt = state.node, state.dt
+        now, before = state.time, state.time - dt
+        work = 0.0
+        for load in self._dead:
+            work += self._add_dead(state, load, load.factor(now), load.factor(before))
         for ids, force, factor in self._nodal:
-            np.add.at(total, ids, factor(state.time) * force)
-        for quads, rows, factor in self._by_quad:
-            _scatter_rows(state.quads, quads, rows, factor(state.time), total)
-        for quads, value, factor in self._following:
-            rows = np.empty((quads.size, 4, 3))
-            _pressure_rows(n.x, state.quads, quads, value * factor(state.time), rows)
-            _scatter_rows(state.quads, quads, rows, 1.0, total)
-        step = state.dt * n.velocity_half[: n.count]
-        work = 0.5 * float(((n.load_force[: n.count] + total) * step).sum())
-        n.load_force[: n.count] = total
-        n.force[: n.count] += total
+            np.add.at(n.force, ids, factor(now) * force)
+            mean = 0.5 * (factor(now) + factor(before)) * force
+            work += dt * float((n.velocity_half[ids] @ mean).sum())
+        if self._following:
+            total = np.zeros((n.count, 3))
+            for quads, value, factor in self._following:
+                rows = np.empty((quads.size, 4, 3))
+                _pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
+                _scatter_rows(state.quads, quads, rows, total)
+            step = dt * n.velocity_half[: n.count]
+            work += 0.5 * float(((n.load_force[: n.count] + total) * step).sum())
+            n.load_force[: n.count] = total
+            n.force[: n.count] += total
         for ids, moment, factor in self._moment:
             # The force conjugate to t whose moment t x g is the part of M normal to t.
-            m = np.broadcast_to(factor(state.time) * moment, (ids.size, 3))
+            m = np.broadcast_to(factor(now) * moment, (ids.size, 3))
             np.add.at(n.director_force, ids, np.cross(m, n.t[ids]))
-            spin = n.spin_half[ids]
-            before = np.broadcast_to(factor(state.time - state.dt) * moment, (ids.size, 3))
-            work += 0.5 * state.dt * float(((m + before) * spin).sum())
+            mean = 0.5 * (factor(now) + factor(before)) * moment
+            work += dt * float((n.spin_half[ids] @ mean).sum())
         return work
+
+    def _add_dead(self, state: State, load: _DeadLoad, now: float, before: float) -> float:
+        n, stride = state.node, self._workers.count
+        load.follow(state)
+        sums = np.zeros(-(-n.count // _CHUNK))
+
+        def part(thread: int) -> None:
+            _add_dead_force(
+                thread, stride, n.count, load.force, now, n.velocity_half, n.force_rows, sums
+            )
+
+        self._workers.run(part)
+        return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
+
+    def largest(self, state: State) -> float:
+        """Return the largest component of the nodal loads, moments left out [N]."""
+        n = state.node.count
+        total = state.node.load_force[:n].copy()
+        for load in self._dead:
+            load.follow(state)
+            total += load.factor(state.time) * load.force[:n]
+        for ids, force, factor in self._nodal:
+            np.add.at(total, ids, factor(state.time) * force)
+        return float(np.abs(total).max(initial=0.0))
 
     def fan_force(self, state: State, node: int, fan: Ints) -> Floats:
         """Return the load on a node that comes through the quads ``fan`` [N], gravity left out."""
         force = np.zeros(3)
-        for quads, rows, factor in self._by_quad:
-            for i in np.flatnonzero(np.isin(quads, fan)):
-                corner = state.quads[quads[i]] == node
-                force += factor(state.time) * rows[i][corner].sum(axis=0)
+        for load in self._dead:
+            if not isinstance(load.rule, _Weight):
+                force += load.factor(state.time) * load.rule.through(state, node, fan)
         for quads, value, factor in self._following:
             mine = np.intersect1d(quads, fan)
             rows = np.empty((mine.size, 4, 3))
             _pressure_rows(state.node.x, state.quads, mine, value * factor(state.time), rows)
             force += rows[state.quads[mine] == node].sum(axis=0)
         return force
+
+
+class _Weight:
+    """Mass times an acceleration g : (3,)."""
+
+    def __init__(self, g: Floats) -> None:
+        self._g = g
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        return np.asarray(state.node.mass[nodes, None] * self._g)
+
+
+class _Pressed:
+    """Dead pressure on some quads: the area and the direction of the reference."""
+
+    def __init__(self, mesh: Mesh, quads: Ints, value: float) -> None:
+        self._mesh, self._value = mesh, value
+        self._pressed = np.zeros(mesh.n_quad, np.bool_)
+        self._pressed[quads] = True
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        force = np.zeros((nodes.size, 3))
+        n = state.node
+        _pressure_on_nodes(
+            nodes,
+            n.quads,
+            n.n_quad_at,
+            state.quads,
+            self._pressed,
+            self._mesh.nodes,
+            self._mesh.quads,
+            self._value,
+            force,
+        )
+        return force
+
+    def through(self, state: State, node: int, fan: Ints) -> Floats:
+        mine = fan[self._pressed[fan]]
+        rows = np.empty((mine.size, 4, 3))
+        _pressure_rows(self._mesh.nodes, self._mesh.quads, mine, self._value, rows)
+        return np.asarray(rows[state.quads[mine] == node].sum(axis=0))
+
+
+class _Drawn:
+    """Forces given by rows : (n, 4, 3) at the corners of some quads."""
+
+    def __init__(self, quads: Ints, rows: Floats) -> None:
+        self._quads, self._rows = quads, rows
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        total = np.zeros((state.n_node, 3))
+        _scatter_rows(state.quads, self._quads, self._rows, total)
+        return np.asarray(total[nodes])
+
+    def through(self, state: State, node: int, fan: Ints) -> Floats:
+        mine = np.flatnonzero(np.isin(self._quads, fan))
+        corner = state.quads[self._quads[mine]] == node
+        return np.asarray(self._rows[mine][corner].sum(axis=0))
+
+
+class _DeadLoad:
+    """A nodal force that keeps its direction, scaled by a factor of time.
+
+    Each half of a split node takes the share of its own quads, found again for these two alone.
+    """
+
+    def __init__(self, factor: Factor, rule: _Weight | _Pressed | _Drawn) -> None:
+        self.factor, self.rule = factor, rule
+        self.force: Floats = np.zeros((0, 3))
+        """At a factor of one [N], shape (n_node, 3)."""
+        self._known = 0
+
+    def follow(self, state: State) -> None:
+        """Take in the splits since the last call."""
+        if self.force.shape[0] < state.n_node:
+            grown = columns(state.node.x.shape[0], 3)
+            if self.force.shape[0] == 0:
+                grown[: state.n_node] = self.rule.on(state, np.arange(state.n_node))
+                self._known = len(state.split_log)
+            else:
+                grown[: self.force.shape[0]] = self.force
+            self.force = grown
+        if self._known < len(state.split_log):
+            split = state.split_log[self._known :]
+            nodes = np.unique([id_ for one in split for id_ in (one.node, one.twin)])
+            self.force[nodes] = self.rule.on(state, nodes)
+            self._known = len(state.split_log)
 
 
 def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
@@ -200,12 +310,38 @@ def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
 
 
 @kernel
-def _scatter_rows(quads: Ints, which: Ints, rows: Floats, factor: float, force: Floats) -> None:
+def _add_dead_force(
+    first: int,
+    stride: int,
+    n_node: int,
+    dead: Floats,
+    factor: float,
+    velocity: Floats,
+    rows: Floats,
+    sums: Floats,
+) -> None:
+    """Add factor dead : (n_node, 3) to rows : (n_node, 8), of every ``stride``-th chunk.
+
+    sums : (n_chunk,), the power of ``dead``, is written.
+    """
+    for chunk in range(first, sums.shape[0], stride):
+        power = 0.0
+        for n in range(chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)):
+            force = load(dead, n)
+            rows[n, 0] += factor * force[0]
+            rows[n, 1] += factor * force[1]
+            rows[n, 2] += factor * force[2]
+            power += dot(force, load(velocity, n))
+        sums[chunk] = power
+
+
+@kernel
+def _scatter_rows(quads: Ints, which: Ints, rows: Floats, force: Floats) -> None:
     """Add rows : (n, 4, 3) of the quads ``which`` to force : (n_node, 3)."""
     for i in range(which.shape[0]):
         for a in range(4):
             for c in range(3):
-                force[quads[which[i], a], c] += factor * rows[i, a, c]
+                force[quads[which[i], a], c] += rows[i, a, c]
 
 
 @inline
@@ -235,3 +371,33 @@ def _pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: F
                 sum_ = add(load(rows[i], a), scale(n, p))
                 for c in range(3):
                     rows[i, a, c] = sum_[c]
+
+
+@kernel
+def _pressure_on_nodes(
+    nodes: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    quads: Ints,
+    pressed: Bools,
+    X: Floats,
+    reference_quads: Ints,
+    pressure: float,
+    force: Floats,
+) -> None:
+    """Write the dead pressure on ``nodes`` from the pressed quads at each into force : (n, 3).
+
+    quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
+    before any split.
+    """
+    rows, one = np.empty((1, 4, 3)), np.empty(1, np.int64)
+    for i in range(nodes.shape[0]):
+        for k in range(n_quad_at[nodes[i]]):
+            e = quads_at[nodes[i], k]
+            if pressed[e]:
+                one[0] = e
+                _pressure_rows(X, reference_quads, one, pressure, rows)
+                for a in range(4):
+                    if quads[e, a] == nodes[i]:
+                        for c in range(3):
+                            force[i, c] += rows[0, a, c]

@@ -158,6 +158,23 @@ class ShellMaterial:
         """Whether the layers read the same from below and from above."""
         return tuple(self.layers) == tuple(reversed(self.layers))
 
+    @property
+    def bending_ratio(self) -> float | None:
+        """Bending over membrane stiffness [mm²], None unless one number says it and they part.
+
+        h²/12 of a single layer; layers of different Poisson's ratio, or that do not read the same
+        from below and from above, have none.
+        """
+        if not self.is_symmetric:
+            return None
+        place, weight, materials = self.thickness_points()
+        plane = [w * m.plane_stress() for w, m in zip(weight, materials, strict=True)]
+        membrane = np.sum(plane, axis=0)
+        bending = np.sum([z * z * one for z, one in zip(place, plane, strict=True)], axis=0)
+        ratio = float(bending[0, 0] / membrane[0, 0])
+        round_off = 1e-14 * bending[0, 0]
+        return ratio if np.abs(bending - ratio * membrane).max() <= round_off else None
+
     def thickness_points(
         self, points_per_layer: int = POINTS_PER_LAYER
     ) -> tuple[Floats, Floats, list[Elastic]]:

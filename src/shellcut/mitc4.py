@@ -1,221 +1,276 @@
-"""The MITC4 element: strains, resultants and nodal forces of one quad.
+"""The MITC4 element: strains, resultants and nodal forces of a quad.
 
-Total Lagrangian, in convective coordinates xi^1, xi^2 in [-1, 1] ([Frangi2010] 2, eqs. 1-9), with
-the transverse shear tied at the mid-edge points ([DvorkinBathe1984]).
+Total Lagrangian, in convective coordinates xi, eta in [-1, 1] ([Frangi2010] 2, eqs. 1-9), with the
+transverse shear tied at the mid-edge points ([DvorkinBathe1984]). Everything here is a function of
+numbers: of one quad, or of eight at once (:mod:`shellcut.lanes`).
 
-=================  ==========================================  =======  =====================
-symbol             here                                        unit     source
-=================  ==========================================  =======  =====================
-a_alpha            ``a1`` at eta = -g, +g; ``a2`` at xi = -g, +g   mm   [Frangi2010] below (3)
-t, t_,alpha        director and ``b1``, ``b2``, its derivatives    1    [Frangi2010] (8), (9)
-E_alphabeta        strain of the mid-surface                   mm²      [Frangi2010] (5)
-K_alphabeta        its slope in xi^3                           mm       [Frangi2010] (5), (8)
-2 E_alpha3         transverse shear                            mm       [Frangi2010] (5), (9)
-=================  ==========================================  =======  =====================
+**Modes.** The bilinear mid-surface 4 x = m + xi p + eta q + xi eta h has the modes
 
-With x(xi, eta) bilinear, a_1 depends on eta alone and a_2 on xi alone, so that at the 2 x 2 Gauss
-points (+-g, +-g), g = 1/sqrt(3), the covariant strains of a quad are twenty numbers, not 32:
+    p = -x0 + x1 + x2 - x3,   q = -x0 - x1 + x2 + x3,   h = x0 - x1 + x2 - x3,   m = sum of x,
 
-====== ============================ ===========================================
-rows   strain                       taken at
-====== ============================ ===========================================
-0-1    E_11                         eta = -g, +g
-2-3    E_22                         xi = -g, +g
-4-7    2 E_12                       the four Gauss points, counter-clockwise
-8-15   K_11, K_22, 2 K_12           the same places
-16-17  2 E_13                       tying points (0, -1), (0, +1)
-18-19  2 E_23                       tying points (-1, 0), (+1, 0)
-====== ============================ ===========================================
+so that 4 a_1 = p + eta h and 4 a_2 = q + xi h ([Frangi2010] below (3)). The directors t have modes
+alike, written tp, tq, th, tm, with 4 t_,1 = tp + eta th and 4 t_,2 = tq + xi th.
 
-Each is half a difference of scalar products, s = m(x, t) - m(X, T): :func:`covariant_metric`
-computes m. The energy is W = sum over Gauss points of ½ sᵀ H s with a section stiffness H in
-covariant components (:mod:`shellcut.section`), r = dW/ds are the resultants, and the nodal forces
-are r · ds/d(x, t): :func:`nodal_forces` is the exact derivative of the energy.
+**Strains.** Because a_1 depends on eta alone and a_2 on xi alone, sixteen scalar products of modes
+hold all strains of the quad:
 
-The strain terms in (xi^3)² are dropped: of relative size (thickness / radius of curvature)².
+====== ====================================== ======================================
+row    product                                gives ([Frangi2010] 5, 8, 9)
+====== ====================================== ======================================
+0-2    ½ p·p, ½ q·q, ½ h·h                    16 E_11 = s0 + eta s4 + eta² s2
+3-5    p·q, p·h, q·h                          16 E_22 = s1 + xi s5 + xi² s2
+..                                            16 2E_12 = s3 + xi s4 + eta s5 + 2 xi eta s2
+6-8    p·tp, q·tq, h·th                       K_11, K_22, 2K_12: as E, from s6 to s11,
+9-11   p·tq+q·tp, p·th+h·tp, q·th+h·tq        because K is the change of E along t
+12-13  p·tm+h·tq, p·tq+h·tm                   16 2E_13 = s12 + eta s13
+14-15  q·tm+h·tp, q·tp+h·tm                   16 2E_23 = s14 + xi s15
+====== ====================================== ======================================
+
+each minus its value on the reference surface. The last two rows are the tied shear: a_1·t at the
+tying points (0, -1), (0, +1) and a_2·t at (-1, 0), (+1, 0), joined linearly, is exactly that.
+
+**Resultants and forces.** The energy of a linear material is W = ½ sᵀ H s, exact for 2 x 2 Gauss
+points (:mod:`shellcut.section`); r = dW/ds are the resultants, and the nodal forces are
+r · ds/d(x, t): :func:`nodal_forces` is the exact derivative of the energy.
+
+The strain terms in (xi³)² are dropped: of relative size (thickness / radius of curvature)².
 """
 
 from __future__ import annotations
 
 from math import sqrt
+from typing import TypeAlias
 
-from ._jit import Floats, Numbers, inline
-from ._vec3 import add, combine, dot, load, scale, sub
+from ._jit import Floats, Number, Numbers, SmallIds, Vector, always_inline
+from ._vec3 import add, add_scaled, dot, scale, sub
+from .lanes import corner_node, gather, pick, put
 
-N_STRAIN = 20
+N_STRAIN = 16
+"""Strains of a quad, and resultants."""
 
-_G = 1.0 / sqrt(3.0)
-# a_1(eta) = ¼ (1 - eta) (x1 - x0) + ¼ (1 + eta) (x2 - x3): weight of the near and of the far side.
-NEAR = 0.25 * (1.0 + _G)
-FAR = 0.25 * (1.0 - _G)
+N_MEMBRANE, N_SHEAR, N_FULL = 21, 10, 136
+"""Numbers in the upper triangles of the 6 x 6 membrane, 4 x 4 shear and 16 x 16 stiffness."""
 
-# Which of the two values of E_11 (by eta) and of E_22 (by xi) a Gauss point sees.
-ETA_SIDE = (0, 0, 1, 1)
-XI_SIDE = (0, 1, 1, 0)
+G = 1.0 / sqrt(3.0)
+GAUSS = ((-G, -G), (G, -G), (G, G), (-G, G))
+"""The Gauss points (xi, eta), counter-clockwise."""
+
+Modes: TypeAlias = tuple[Vector, Vector, Vector, Vector]
+Sixteen: TypeAlias = tuple[Number, ...]
+Six: TypeAlias = tuple[Number, Number, Number, Number, Number, Number]
+Four: TypeAlias = tuple[Number, Number, Number, Number]
 
 
-@inline
-def covariant_metric(x: Numbers, t: Numbers, m: Numbers) -> None:
-    """Write the twenty scalar products whose change is the strain.
+@always_inline
+def node_vector(values: Floats, ids: Number) -> Vector:
+    """Return the vectors of values : (n, 3) at some nodes."""
+    return gather(values, 0, ids), gather(values, 1, ids), gather(values, 2, ids)
 
-    Parameters
-    ----------
-    x, t : ndarray, shape (4, 3)
-        Nodal positions [mm] and directors of one quad, counter-clockwise.
-    m : ndarray, shape (20,)
-        Written: ½ a_1·a_1, ½ a_2·a_2, a_1·a_2, a_1·t_,1, a_2·t_,2, a_1·t_,2 + a_2·t_,1, a_alpha·t.
+
+@always_inline
+def modes(v0: Vector, v1: Vector, v2: Vector, v3: Vector) -> Modes:
+    """Return p, q, h and m of four corner vectors."""
+    a, b = sub(v2, v0), sub(v1, v3)
+    c, d = add(v0, v2), add(v1, v3)
+    return add(a, b), sub(a, b), sub(c, d), add(c, d)
+
+
+@always_inline
+def quad_modes(
+    x: Floats, t: Floats, corner: SmallIds, b: int, lane: int | None
+) -> tuple[Modes, Modes]:
+    """Return the modes of positions and of directors.
+
+    x, t : (n_node, 3).  corner : (n_block, 4, 8).
     """
-    x0, x1, x2, x3 = load(x, 0), load(x, 1), load(x, 2), load(x, 3)
-    t0, t1, t2, t3 = load(t, 0), load(t, 1), load(t, 2), load(t, 3)
-    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
-    t01, t32, t03, t12 = sub(t1, t0), sub(t2, t3), sub(t3, t0), sub(t2, t1)
-    a1m, a1p = combine(NEAR, x01, FAR, x32), combine(FAR, x01, NEAR, x32)
-    a2m, a2p = combine(NEAR, x03, FAR, x12), combine(FAR, x03, NEAR, x12)
-    b1m, b1p = combine(NEAR, t01, FAR, t32), combine(FAR, t01, NEAR, t32)
-    b2m, b2p = combine(NEAR, t03, FAR, t12), combine(FAR, t03, NEAR, t12)
-
-    m[0] = 0.5 * dot(a1m, a1m)
-    m[1] = 0.5 * dot(a1p, a1p)
-    m[2] = 0.5 * dot(a2m, a2m)
-    m[3] = 0.5 * dot(a2p, a2p)
-    m[4] = dot(a1m, a2m)
-    m[5] = dot(a1m, a2p)
-    m[6] = dot(a1p, a2p)
-    m[7] = dot(a1p, a2m)
-
-    m[8] = dot(a1m, b1m)
-    m[9] = dot(a1p, b1p)
-    m[10] = dot(a2m, b2m)
-    m[11] = dot(a2p, b2p)
-    m[12] = dot(a1m, b2m) + dot(a2m, b1m)
-    m[13] = dot(a1m, b2p) + dot(a2p, b1m)
-    m[14] = dot(a1p, b2p) + dot(a2p, b1p)
-    m[15] = dot(a1p, b2m) + dot(a2m, b1p)
-
-    # At a mid-edge point a_alpha = ½ (edge) and t = ½ (sum of the edge's directors).
-    m[16] = 0.25 * dot(x01, add(t0, t1))
-    m[17] = 0.25 * dot(x32, add(t3, t2))
-    m[18] = 0.25 * dot(x03, add(t0, t3))
-    m[19] = 0.25 * dot(x12, add(t1, t2))
+    n0, n1 = corner_node(corner, b, 0, lane), corner_node(corner, b, 1, lane)
+    n2, n3 = corner_node(corner, b, 2, lane), corner_node(corner, b, 3, lane)
+    return (
+        modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
+        modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
+    )
 
 
-@inline
-def resultants(s: Numbers, flat: bool, h_flat: Floats, h_full: Floats, e: int, r: Numbers) -> None:
-    """Write r = H s, the derivative of ½ sᵀ H s by the twenty strains.
-
-    Parameters
-    ----------
-    s : ndarray, shape (20,)
-        Covariant strains.
-    flat : bool
-        Take the compact section stiffness, exact where the reference quad is flat.
-    h_flat : ndarray, shape (n_flat, 4, 15)
-        Rows of compact stiffness, see :mod:`shellcut.section`; row ``e`` is read if ``flat``.
-    h_full : ndarray, shape (n_curved, 4, 8, 8)
-        Rows of full stiffness; row ``e`` is read otherwise.
-    r : ndarray, shape (20,)
-        Written.
-    """
-    near, far = 2.0 * NEAR, 2.0 * FAR  # ½ (1 ± g): the tied shear at a Gauss point
-    for k in range(4):
-        r[k] = 0.0
-        r[8 + k] = 0.0
-        r[16 + k] = 0.0
-    for q in range(4):
-        i, j = ETA_SIDE[q], XI_SIDE[q]
-        e1, e2, e12 = s[i], s[2 + j], s[4 + q]
-        k1, k2, k12 = s[8 + i], s[10 + j], s[12 + q]
-        w1m, w1p = (near, far) if i == 0 else (far, near)
-        w2m, w2p = (near, far) if j == 0 else (far, near)
-        g1 = w1m * s[16] + w1p * s[17]
-        g2 = w2m * s[18] + w2p * s[19]
-        if flat:
-            n1 = h_flat[e, q, 0] * e1 + h_flat[e, q, 1] * e2 + h_flat[e, q, 2] * e12
-            n2 = h_flat[e, q, 1] * e1 + h_flat[e, q, 3] * e2 + h_flat[e, q, 4] * e12
-            n12 = h_flat[e, q, 2] * e1 + h_flat[e, q, 4] * e2 + h_flat[e, q, 5] * e12
-            m1 = h_flat[e, q, 6] * k1 + h_flat[e, q, 7] * k2 + h_flat[e, q, 8] * k12
-            m2 = h_flat[e, q, 7] * k1 + h_flat[e, q, 9] * k2 + h_flat[e, q, 10] * k12
-            m12 = h_flat[e, q, 8] * k1 + h_flat[e, q, 10] * k2 + h_flat[e, q, 11] * k12
-            q1 = h_flat[e, q, 12] * g1 + h_flat[e, q, 13] * g2
-            q2 = h_flat[e, q, 13] * g1 + h_flat[e, q, 14] * g2
-        else:
-            v = (e1, e2, e12, k1, k2, k12, g1, g2)
-            n1 = n2 = n12 = m1 = m2 = m12 = q1 = q2 = 0.0
-            for c in range(8):
-                n1 += h_full[e, q, 0, c] * v[c]
-                n2 += h_full[e, q, 1, c] * v[c]
-                n12 += h_full[e, q, 2, c] * v[c]
-                m1 += h_full[e, q, 3, c] * v[c]
-                m2 += h_full[e, q, 4, c] * v[c]
-                m12 += h_full[e, q, 5, c] * v[c]
-                q1 += h_full[e, q, 6, c] * v[c]
-                q2 += h_full[e, q, 7, c] * v[c]
-        r[i] += n1
-        r[2 + j] += n2
-        r[4 + q] = n12
-        r[8 + i] += m1
-        r[10 + j] += m2
-        r[12 + q] = m12
-        r[16] += w1m * q1
-        r[17] += w1p * q1
-        r[18] += w2m * q2
-        r[19] += w2p * q2
+@always_inline
+def products(x: Modes, t: Modes) -> Sixteen:
+    """Return the sixteen scalar products whose change is the strain."""
+    p, q, h, _ = x
+    tp, tq, th, tm = t
+    ptq, qtp, htp, htq, htm = dot(p, tq), dot(q, tp), dot(h, tp), dot(h, tq), dot(h, tm)
+    return (
+        0.5 * dot(p, p),
+        0.5 * dot(q, q),
+        0.5 * dot(h, h),
+        dot(p, q),
+        dot(p, h),
+        dot(q, h),
+        dot(p, tp),
+        dot(q, tq),
+        dot(h, th),
+        ptq + qtp,
+        dot(p, th) + htp,
+        dot(q, th) + htq,
+        dot(p, tm) + htq,
+        ptq + htm,
+        dot(q, tm) + htp,
+        qtp + htm,
+    )
 
 
-@inline
-def nodal_forces(x: Numbers, t: Numbers, r: Numbers, fx: Numbers, ft: Numbers) -> None:
-    """Write dW/dx and dW/dt of one quad from its resultants r = dW/ds.
+@always_inline
+def mode_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[Vector, ...]:
+    """Return r · ds/d(p, q, h) and r · ds/d(tp, tq, th, tm)."""
+    p, q, h, _ = x
+    tp, tq, th, tm = t
+    p_tq, q_tp, h_tm = r[9] + r[13], r[9] + r[15], r[13] + r[15]
+    h_tp, h_tq = r[10] + r[14], r[11] + r[12]
+    fp = add_scaled(add_scaled(scale(r[0], p), r[3], q), r[4], h)
+    fp = add_scaled(add_scaled(fp, r[6], tp), p_tq, tq)
+    fp = add_scaled(add_scaled(fp, r[10], th), r[12], tm)
+    fq = add_scaled(add_scaled(scale(r[1], q), r[3], p), r[5], h)
+    fq = add_scaled(add_scaled(fq, r[7], tq), q_tp, tp)
+    fq = add_scaled(add_scaled(fq, r[11], th), r[14], tm)
+    fh = add_scaled(add_scaled(scale(r[2], h), r[4], p), r[5], q)
+    fh = add_scaled(add_scaled(fh, r[8], th), h_tp, tp)
+    fh = add_scaled(add_scaled(fh, h_tq, tq), h_tm, tm)
+    gp = add_scaled(add_scaled(scale(r[6], p), q_tp, q), h_tp, h)
+    gq = add_scaled(add_scaled(scale(r[7], q), p_tq, p), h_tq, h)
+    gh = add_scaled(add_scaled(scale(r[8], h), r[10], p), r[11], q)
+    gm = add_scaled(add_scaled(scale(r[12], p), r[14], q), h_tm, h)
+    return fp, fq, fh, gp, gq, gh, gm
+
+
+@always_inline
+def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ...]:
+    """Return minus dW/dx [N] and minus dW/dt [N·mm] of the four corners, six numbers each.
 
     Parameters
     ----------
-    x, t : ndarray, shape (4, 3)
-        Nodal positions [mm] and directors.
-    r : ndarray, shape (20,)
+    x, t : Modes
+        Of positions [mm] and of directors.
+    r : sixteen numbers
         Resultants.
-    fx, ft : ndarray, shape (4, 3)
-        Written: derivative of the energy by position [N] and by director [N·mm].
     """
-    x0, x1, x2, x3 = load(x, 0), load(x, 1), load(x, 2), load(x, 3)
-    t0, t1, t2, t3 = load(t, 0), load(t, 1), load(t, 2), load(t, 3)
-    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
-    t01, t32, t03, t12 = sub(t1, t0), sub(t2, t3), sub(t3, t0), sub(t2, t1)
-    a1m, a1p = combine(NEAR, x01, FAR, x32), combine(FAR, x01, NEAR, x32)
-    a2m, a2p = combine(NEAR, x03, FAR, x12), combine(FAR, x03, NEAR, x12)
-    b1m, b1p = combine(NEAR, t01, FAR, t32), combine(FAR, t01, NEAR, t32)
-    b2m, b2p = combine(NEAR, t03, FAR, t12), combine(FAR, t03, NEAR, t12)
+    fp, fq, fh, gp, gq, gh, gm = mode_forces(x, t, r)
+    f_sum, f_difference = add(fp, fq), sub(fp, fq)
+    g_sum, g_difference = add(gp, gq), sub(gp, gq)
+    g_even, g_odd = add(gm, gh), sub(gm, gh)
+    return (
+        sub(f_sum, fh) + sub(g_sum, g_even),
+        sub(fh, f_difference) + sub(scale(-1.0, g_odd), g_difference),
+        sub(scale(-1.0, f_sum), fh) + sub(scale(-1.0, g_even), g_sum),
+        add(f_difference, fh) + sub(g_difference, g_odd),
+    )
 
-    # dW/da: N^{alpha beta} a_beta + M^{alpha beta} t_,beta; dW/dt_,alpha: M^{alpha beta} a_beta.
-    f1m = combine(r[4], a2m, r[5], a2p)
-    f1m = add(f1m, combine(r[0], a1m, r[8], b1m))
-    f1m = add(f1m, combine(r[12], b2m, r[13], b2p))
-    f1p = combine(r[7], a2m, r[6], a2p)
-    f1p = add(f1p, combine(r[1], a1p, r[9], b1p))
-    f1p = add(f1p, combine(r[15], b2m, r[14], b2p))
-    f2m = combine(r[4], a1m, r[7], a1p)
-    f2m = add(f2m, combine(r[2], a2m, r[10], b2m))
-    f2m = add(f2m, combine(r[12], b1m, r[15], b1p))
-    f2p = combine(r[5], a1m, r[6], a1p)
-    f2p = add(f2p, combine(r[3], a2p, r[11], b2p))
-    f2p = add(f2p, combine(r[13], b1m, r[14], b1p))
-    g1m = add(scale(r[8], a1m), combine(r[12], a2m, r[13], a2p))
-    g1p = add(scale(r[9], a1p), combine(r[15], a2m, r[14], a2p))
-    g2m = add(scale(r[10], a2m), combine(r[12], a1m, r[15], a1p))
-    g2p = add(scale(r[11], a2p), combine(r[13], a1m, r[14], a1p))
 
-    # To the edge vectors, with the tied shear, then to the nodes.
-    q01, q32, q03, q12 = 0.25 * r[16], 0.25 * r[17], 0.25 * r[18], 0.25 * r[19]
-    f01 = add(combine(NEAR, f1m, FAR, f1p), scale(q01, add(t0, t1)))
-    f32 = add(combine(FAR, f1m, NEAR, f1p), scale(q32, add(t3, t2)))
-    f03 = add(combine(NEAR, f2m, FAR, f2p), scale(q03, add(t0, t3)))
-    f12 = add(combine(FAR, f2m, NEAR, f2p), scale(q12, add(t1, t2)))
-    g01, g32 = combine(NEAR, g1m, FAR, g1p), combine(FAR, g1m, NEAR, g1p)
-    g03, g12 = combine(NEAR, g2m, FAR, g2p), combine(FAR, g2m, NEAR, g2p)
-    for c in range(3):
-        fx[0, c] = -f01[c] - f03[c]
-        fx[1, c] = f01[c] - f12[c]
-        fx[2, c] = f32[c] + f12[c]
-        fx[3, c] = f03[c] - f32[c]
-        ft[0, c] = -g01[c] - g03[c] + q01 * x01[c] + q03 * x03[c]
-        ft[1, c] = g01[c] - g12[c] + q01 * x01[c] + q12 * x12[c]
-        ft[2, c] = g32[c] + g12[c] + q32 * x32[c] + q12 * x12[c]
-        ft[3, c] = g03[c] - g32[c] + q32 * x32[c] + q03 * x03[c]
+# ---------------------------------------------------------------- linear material: r = H s
+
+
+@always_inline
+def pick6(table: Floats, b: int, first: int, lane: int | None) -> Six:
+    """Return six numbers of a block from the number ``first`` on."""
+    return (
+        pick(table, b, first, lane),
+        pick(table, b, first + 1, lane),
+        pick(table, b, first + 2, lane),
+        pick(table, b, first + 3, lane),
+        pick(table, b, first + 4, lane),
+        pick(table, b, first + 5, lane),
+    )
+
+
+@always_inline
+def pick4(table: Floats, b: int, first: int, lane: int | None) -> Four:
+    """Return four numbers of a block from the number ``first`` on."""
+    return (
+        pick(table, b, first, lane),
+        pick(table, b, first + 1, lane),
+        pick(table, b, first + 2, lane),
+        pick(table, b, first + 3, lane),
+    )
+
+
+@always_inline
+def pick16(table: Floats, b: int, lane: int | None) -> Sixteen:
+    """Return the first sixteen numbers of a block."""
+    return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
+
+
+@always_inline
+def symmetric6(h: Floats, b: int, lane: int | None, v: Six) -> Six:
+    """Return A v of a symmetric 6 x 6 matrix, the first 21 numbers of a block, row by row."""
+    a00, a01, a02, a03, a04, a05 = pick6(h, b, 0, lane)
+    a11, a12, a13, a14, a15, a22 = pick6(h, b, 6, lane)
+    a23, a24, a25, a33, a34, a35 = pick6(h, b, 12, lane)
+    a44, a45, a55 = pick(h, b, 18, lane), pick(h, b, 19, lane), pick(h, b, 20, lane)
+    v0, v1, v2, v3, v4, v5 = v
+    return (
+        a00 * v0 + a01 * v1 + a02 * v2 + a03 * v3 + a04 * v4 + a05 * v5,
+        a01 * v0 + a11 * v1 + a12 * v2 + a13 * v3 + a14 * v4 + a15 * v5,
+        a02 * v0 + a12 * v1 + a22 * v2 + a23 * v3 + a24 * v4 + a25 * v5,
+        a03 * v0 + a13 * v1 + a23 * v2 + a33 * v3 + a34 * v4 + a35 * v5,
+        a04 * v0 + a14 * v1 + a24 * v2 + a34 * v3 + a44 * v4 + a45 * v5,
+        a05 * v0 + a15 * v1 + a25 * v2 + a35 * v3 + a45 * v4 + a55 * v5,
+    )
+
+
+@always_inline
+def symmetric4(h: Floats, b: int, lane: int | None, v: Four) -> Four:
+    """Return A v of a symmetric 4 x 4 matrix, the ten numbers after those 21, row by row."""
+    a00, a01, a02, a03 = pick4(h, b, N_MEMBRANE, lane)
+    a11, a12, a13, a22 = pick4(h, b, N_MEMBRANE + 4, lane)
+    a23, a33 = pick(h, b, N_MEMBRANE + 8, lane), pick(h, b, N_MEMBRANE + 9, lane)
+    v0, v1, v2, v3 = v
+    return (
+        a00 * v0 + a01 * v1 + a02 * v2 + a03 * v3,
+        a01 * v0 + a11 * v1 + a12 * v2 + a13 * v3,
+        a02 * v0 + a12 * v1 + a22 * v2 + a23 * v3,
+        a03 * v0 + a13 * v1 + a23 * v2 + a33 * v3,
+    )
+
+
+@always_inline
+def flat_resultants(h: Floats, bending: float, b: int, lane: int | None, s: Sixteen) -> Sixteen:
+    """Return r = H s of flat quads: membrane, bending and shear stand apart.
+
+    h : (n_block, 31, 8), the upper triangles of the membrane and of the shear stiffness.
+    bending : bending over membrane stiffness [mm²], the same matrix in other strains.
+    """
+    n = symmetric6(h, b, lane, s[0:6])
+    m = symmetric6(
+        h,
+        b,
+        lane,
+        (
+            bending * s[6],
+            bending * s[7],
+            bending * s[8],
+            bending * s[9],
+            bending * s[10],
+            bending * s[11],
+        ),
+    )
+    return n + m + symmetric4(h, b, lane, s[12:16])
+
+
+@always_inline
+def full_resultants(h: Floats, b: int, lane: int | None, s: Sixteen, work: Numbers) -> Sixteen:
+    """Return r = H s with every strain coupled to every other.
+
+    h : (n_block, 136, 8), the upper triangle of H, row by row.  work : (2, 16, 8), overwritten.
+    """
+    for k in range(N_STRAIN):
+        put(work, 0, k, lane, s[k])
+        put(work, 1, k, lane, 0.0 * s[k])
+    entry = 0
+    for i in range(N_STRAIN):
+        si = pick(work, 0, i, lane)
+        ri = pick(work, 1, i, lane) + pick(h, b, entry, lane) * si
+        for j in range(i + 1, N_STRAIN):
+            entry += 1
+            a = pick(h, b, entry, lane)
+            ri = ri + a * pick(work, 0, j, lane)
+            put(work, 1, j, lane, pick(work, 1, j, lane) + a * si)
+        put(work, 1, i, lane, ri)
+        entry += 1
+    return pick16(work, 1, lane)

@@ -2,13 +2,15 @@
 
 A law is a branch of :func:`point_stress`, chosen by the material's ``kind``. It takes the Cartesian
 strain (E_11, E_22, 2E_12) at t_n and the history of the point at t_{n-1}, writes the history at
-t_n, and returns the second Piola-Kirchhoff stress with the stored energy density. A new material
-adds a kind, its parameters and how many history numbers a point keeps.
+t_n, and returns the second Piola-Kirchhoff stress with the stored energy density. It is a function
+of numbers, so it serves one quad or eight (:mod:`shellcut.lanes`); history is read by ``pick`` and
+written by ``put``. A new material adds a kind, its parameters and how many history numbers a point
+keeps.
 """
 
 from __future__ import annotations
 
-from ._jit import Floats, Vec3, inline
+from ._jit import Floats, Number, Vector, always_inline
 
 ELASTIC = 0
 """St.Venant-Kirchhoff: parameters are the six moduli of the upper triangle of C; no history."""
@@ -16,19 +18,23 @@ ELASTIC = 0
 N_PARAMETER = 6
 
 
-@inline
+@always_inline
 def point_stress(
     kind: int,
     parameters: Floats,
     k: int,
-    strain: Vec3,
+    strain: Vector,
     old: Floats,
     new: Floats,
-) -> tuple[Vec3, float]:
-    """Return stress [MPa] and stored energy density [N/mm²] at one point.
+    b: int,
+    b_new: int,
+    first: int,
+    lane: int | None,
+) -> tuple[Vector, Number]:
+    """Return stress [MPa] and stored energy density [N/mm²] at thickness point ``k``.
 
-    parameters : (n_point, N_PARAMETER), row k is read.  old, new : (n_point, n_history), row k of
-    ``old`` is read and of ``new`` written; both have no columns for a law without history.
+    parameters : (n_point, N_PARAMETER), row k is read.  old, new : (n_block, n, 8), the numbers
+    from ``first`` on of block ``b`` are read, those of block ``b_new`` written.
     """
     e1, e2, e12 = strain
     # kind == ELASTIC is the only law so far; others branch here.

@@ -53,11 +53,10 @@ def find_rest(
     dt = 0.0
     residual = np.inf
     for step in range(most_steps):
-        n.force[: n.count] = 0.0
-        n.director_force[: n.count] = 0.0
+        n.force_rows[: n.count] = 0.0
         shell.add_forces(state)
         loads.add_forces(state)
-        residual = _residual(state)
+        residual = _residual(state, loads.largest(state))
         if residual <= tolerance:
             break
         if step % _EVALUATE_EVERY == 0:
@@ -81,11 +80,11 @@ def find_rest(
     n.spin_half[: n.count] = 0.0
     n.load_force[: n.count] = 0.0
     n.reaction[: n.count] = 0.0
-    state.strain_step[:] = 0.0
+    state.strain_before[:] = state.strain
     return step
 
 
-def _residual(state: State) -> float:
+def _residual(state: State, largest_load: float) -> float:
     """Return the largest free nodal force over the largest held force or load."""
     n = state.node
     force: Floats = n.force[: n.count]
@@ -93,6 +92,6 @@ def _residual(state: State) -> float:
     free = np.abs(np.where(held, 0.0, force)).max(initial=0.0)
     scale = max(
         np.abs(np.where(held, force, 0.0)).max(initial=0.0),
-        np.abs(n.load_force[: n.count]).max(initial=0.0),
+        largest_load,
     )
     return float(free / scale) if scale > 0.0 else float(free > 0.0)

@@ -1,27 +1,49 @@
-"""MITC4Shell: the film. Internal and damping forces, lumped mass, stresses, stiffness bound.
-
-Damping is proportional to the stiffness, on the strain rate: the stress acts on s + beta ds/dt,
-with ds/dt = (s_n - s_{n-1}) / dt, the rate of the half step before t_n (so the step stays explicit;
-[Frangi2010] 5.2). The work of the damping stress over a step is summed as
-½ (r_{n-1} + r_n) · (s_n - s_{n-1}) with r its resultants, the central difference's own work.
-"""
+"""MITC4Shell: the film. Internal and damping forces, lumped mass, stresses, stiffness bound."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, inline, kernel
+from ._jit import Floats, Ints
+from .centre_stress import CentreStressMap
+from .lanes import WIDTH, aligned_zeros
 from .material import ShellMaterial
 from .mesh import Mesh
-from .mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
-from .section import build_sections, cartesian_map, shape_functions
+from .mitc4 import N_FULL, N_MEMBRANE, N_SHEAR, N_STRAIN
+from .point_law import N_PARAMETER
+from .quad_blocks import QuadBlocks, build_blocks
+from .quad_forces import (
+    LinearTables,
+    PointTables,
+    add_fan_force,
+    add_flat_point_quads,
+    add_flat_quads,
+    add_full_point_quads,
+    add_full_quads,
+)
+from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
-from .tangent import N_FREEDOM, largest_eigenvalues, quad_tangents
-from .thickness_points import build_points, point_resultants
+from .tangent import N_FREEDOM, largest_eigenvalues, quad_tangents, reference_products
+from .thickness_points import PointRule, build_rule, flat_frames, full_frames
+from .threads import Workers
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
 # set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
+
+# Quads whose tables are built at a time: their temporaries stay small beside the film.
+_BLOCKS_AT_A_TIME = 512
+
+
+class Work(NamedTuple):
+    """What the shell books of one evaluation of its forces."""
+
+    strain_energy: float
+    """At t_n [N·mm]."""
+    damping: float
+    """Work that the damping stress has taken since t_{n-1} [N·mm]."""
 
 
 class MITC4Shell:
@@ -35,25 +57,60 @@ class MITC4Shell:
         Layers.
     damping_beta : float
         Stiffness-proportional damping [s].
+    workers : Workers, optional
+        Threads; one by default.
+    by_lanes : bool
+        False takes the quads one by one, as plain floats: slow, the same to round-off.
     """
 
-    def __init__(self, mesh: Mesh, material: ShellMaterial, *, damping_beta: float) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        *,
+        damping_beta: float,
+        workers: Workers | None = None,
+        by_lanes: bool = True,
+    ) -> None:
         self.material = material
         self.damping_beta = damping_beta
-        self.section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
-        self.points = build_points(mesh.nodes, mesh.directors, mesh.quads, material)
-        rotary = np.maximum(material.thickness**2 / 12.0, self.section.area / _INERTIA_AREA)
-        self.quad_inertia = self.section.mass * rotary[:, None]
-        """Share of each node in the quad's rotary inertia [t·mm²], shape (n_quad, 4)."""
-        true = self.section.mass.sum() * material.thickness**2 / 12.0
-        self.added_inertia_factor = float(self.quad_inertia.sum() / true)
-        """Scaled over true rotary inertia of the whole film."""
-        self.metric = np.zeros((mesh.n_quad, N_STRAIN))
-        """Scalar products of the reference surface, subtracted from the current ones."""
-        _reference_metric(X=mesh.nodes, T=mesh.directors, quads=mesh.quads, metric=self.metric)
-        self._stress_map = _CentreStressMap(mesh, material)
+        self._workers = workers or Workers(mesh.n_quad)
+        self._lane = None if by_lanes else 0
+        self.mass = np.empty((mesh.n_quad, 4))
+        """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
+        self.area = np.empty(mesh.n_quad)
+        """Reference area of the quads [mm²], shape (n_quad,)."""
+        flat = np.zeros(mesh.n_quad, np.bool_)
+        step = _BLOCKS_AT_A_TIME * WIDTH
+        for first in range(0, mesh.n_quad, step):
+            some = slice(first, first + step)
+            X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
+            flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
+            self.mass[some], self.area[some] = lumped_mass(X, T, material)
+        self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+        self.tables, self.points = _build_tables(mesh, material, self.blocks)
+        self._stress_map = CentreStressMap(mesh, material)
         self.squared_frequency = np.zeros(mesh.n_quad)
         """Largest eigenvalue of each quad at its last evaluation [1/s²], shape (n_quad,)."""
+
+    @property
+    def has_points(self) -> bool:
+        """Whether the thickness is integrated by points, at every step."""
+        return bool(self.points.rule.place.size)
+
+    @property
+    def added_inertia_factor(self) -> float:
+        """Scaled over true rotary inertia of the whole film."""
+        true = self.mass.sum() * self.material.thickness**2 / 12.0
+        return float((self.mass.sum(axis=1) @ self._gyration(slice(None))) / true)
+
+    def quad_inertia(self, quads: Ints) -> Floats:
+        """Return the share of each corner in the rotary inertia of quads [t·mm²], shape (n, 4)."""
+        return np.asarray(self.mass[quads] * self._gyration(quads)[:, None])
+
+    def _gyration(self, quads: Ints | slice) -> Floats:
+        """Return the square of the radius of gyration of quads [mm²], scaled."""
+        return np.maximum(self.material.thickness**2 / 12.0, self.area[quads] / _INERTIA_AREA)
 
     def node_inertia(self, state: State, node: int) -> tuple[float, float, float]:
         """Return mass [t], rotary inertia [t·mm²] and contact area [mm²] of a node from its quads.
@@ -64,82 +121,100 @@ class MITC4Shell:
         at = state.node.quads[node, : state.node.n_quad_at[node]]
         corner = np.argmax(state.quads[at] == node, axis=1)
         return (
-            float(sum(self.section.mass[at, corner])),
-            float(sum(self.quad_inertia[at, corner])),
-            0.25 * float(self.section.area[at].mean()),
+            float(sum(self.mass[at, corner])),
+            float(sum(self.quad_inertia(at)[np.arange(at.size), corner])),
+            0.25 * float(self.area[at].mean()),
         )
 
     def initialise(self, state: State) -> None:
-        """Write mass, rotary inertia and contact area of all nodes; lay out the history."""
-        p = self.points
-        state.history = np.zeros((self.metric.shape[0], 4, p.n_point, p.n_history))
-        for n in range(state.n_node):
-            mass, inertia, area = self.node_inertia(state, n)
-            state.node.mass[n], state.node.inertia[n] = mass, inertia
-            state.node.contact_area[n] = area
+        """Write mass, rotary inertia and contact area of all nodes; lay out strains and history."""
+        n, node = state.n_node, state.node
+        n_block, rule = self.blocks.quad.shape[0], self.points.rule
+        state.strain = aligned_zeros((n_block, N_STRAIN, WIDTH))
+        state.strain_before = aligned_zeros((n_block, N_STRAIN, WIDTH))
+        state.history = aligned_zeros((n_block, 4 * rule.place.size * rule.n_history, WIDTH))
+        for a in range(4):
+            ids = state.quads[:, a]
+            node.mass[:n] += np.bincount(ids, self.mass[:, a], n)
+            node.inertia[:n] += np.bincount(ids, self.mass[:, a] * self._gyration(slice(None)), n)
+            node.contact_area[:n] += np.bincount(ids, self.area, n)
+        node.contact_area[:n] *= 0.25 / np.maximum(node.n_quad_at[:n], 1)
+        node.push[:n, 0], node.push[:n, 1] = 1.0 / node.mass[:n], 1.0 / node.inertia[:n]
 
-    def add_forces(self, state: State) -> tuple[float, float]:
-        """Add minus the internal and damping forces at t_n to the nodal forces.
+    def add_forces(self, state: State) -> Work:
+        """Add minus the internal and damping forces at t_n to the nodal forces."""
+        node, blocks = state.node, self.blocks
+        damped = self.damping_beta > 0.0
+        rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
+        sums = np.zeros((blocks.n_strip, 3))
+        fixed = (node.x, node.t, blocks.corner, self.tables)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+            fixed = (*fixed, self.points)
+            changing: tuple[Floats, ...] = (state.strain, state.strain_before, state.history)
+        else:
+            kernels = (add_flat_quads, add_full_quads)
+            changing = (state.strain, state.strain_before)
+        taken = [
+            (kernel, start)
+            for kernel, start in zip(kernels, (blocks.flat_start, blocks.full_start), strict=True)
+            if start[0] < start[-1]
+        ]
+        threads = self._workers.count
 
-        Returns
-        -------
-        strain_energy : float
-            At t_n [N·mm].
-        damping_work : float
-            Dissipated since t_{n-1} [N·mm].
-        """
-        s, p, n = self.section, self.points, state.node
-        rate = self.damping_beta / state.dt if state.dt > 0 else 0.0
-        return _add_quad_forces(
-            x=n.x,
-            t=n.t,
-            quads=state.quads,
-            metric=self.metric,
-            flat=s.flat,
-            row=s.row,
-            h_flat=s.h_flat,
-            h_full=s.h_full,
-            cartesian=p.map,
-            weight=p.weight,
-            place=p.place,
-            kind=p.kind,
-            parameters=p.parameters,
-            shear=p.shear,
-            history=state.history,
-            damping_rate=rate,
-            strain=state.strain,
-            strain_step=state.strain_step,
-            force=n.force,
-            director_force=n.director_force,
-        )
+        # Strips of one parity have no node in common (see quad_blocks).
+        for parity in range(min(2, blocks.n_strip)):
+
+            def part(thread: int, parity: int = parity) -> None:
+                first, stride = parity + 2 * thread, 2 * threads
+                for kernel, start in taken:
+                    kernel(
+                        first,
+                        stride,
+                        start,
+                        *fixed,
+                        damped,
+                        rho,
+                        *changing,
+                        node.force_rows,
+                        sums,
+                        self._lane,
+                    )
+
+            self._workers.run(part)
+        if damped:
+            state.strain, state.strain_before = state.strain_before, state.strain
+        p0, p1, p2 = sums.sum(axis=0).tolist()
+        if self.has_points:
+            return Work(p0, 0.5 * rho * p1)
+        return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
 
     def fan_force(self, state: State, node: int, fan: Ints, dt: float) -> Floats:
         """Return minus the internal and damping force of the quads ``fan`` on a node [N]."""
-        s, p = self.section, self.points
         force = np.zeros(3)
-        _add_fan_force(
+        add_fan_force(
             node=node,
-            fan=fan,
+            slot=self.blocks.slot[fan],
             x=state.node.x,
             t=state.node.t,
-            quads=state.quads,
-            metric=self.metric,
-            flat=s.flat,
-            row=s.row,
-            h_flat=s.h_flat,
-            h_full=s.h_full,
-            cartesian=p.map,
-            weight=p.weight,
-            place=p.place,
-            kind=p.kind,
-            parameters=p.parameters,
-            shear=p.shear,
+            corner=self.blocks.corner,
+            tables=self.tables,
+            points=self.points,
+            damped=self.damping_beta > 0.0,
+            rho=self.damping_beta / dt if dt > 0 else 0.0,
+            last=state.strain,
             history=state.history,
-            damping_rate=self.damping_beta / dt if dt > 0 else 0.0,
-            strain=state.strain,
             force=force,
         )
         return force
+
+    def most_strained_quad(self, state: State) -> int:
+        """Return the quad whose edges have changed most in length, or one that is not finite."""
+        X, x = state.node.X[state.quads], state.node.x[state.quads]
+        with np.errstate(all="ignore"):  # the lengths themselves may overflow
+            length = [np.linalg.norm(np.roll(v, -1, axis=1) - v, axis=2) for v in (X, x)]
+            change = np.abs(length[1] / length[0] - 1.0).max(axis=1)
+        return int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
 
     def stress(self, state: State, quads: Ints, *, place: str = "mid") -> Floats:
         """Return the Cauchy stress tensor at the centre of some quads [MPa].
@@ -170,243 +245,110 @@ class MITC4Shell:
         """
         squared = np.empty(quads.size)
         largest_eigenvalues(
-            self.tangents(state, quads),
-            self.section.mass[quads],
-            self.quad_inertia[quads],
-            squared,
+            self.tangents(state, quads), self.mass[quads], self.quad_inertia(quads), squared
         )
         self.squared_frequency[quads] = squared
 
-    def tangents(self, state: State, quads: Ints) -> Floats:
+    def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
-        Freedoms as in :mod:`shellcut.tangent`; of the pre-integrated section.
+        Freedoms as in :mod:`shellcut.tangent`; of the linear material.
+
+        Parameters
+        ----------
+        state : State
+            Positions and directors.
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        bent : ndarray, shape (n, 16), optional
+            Part of their strains that the stresses in the stiffness leave out.
         """
-        s, n = self.section, state.node
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
         quad_tangents(
-            which=quads,
-            x=n.x,
-            t=n.t,
-            quads=state.quads,
-            metric=self.metric,
-            flat=s.flat,
-            row=s.row,
-            h_flat=s.h_flat,
-            h_full=s.h_full,
+            slot=self.blocks.slot[quads],
+            x=state.node.x,
+            t=state.node.t,
+            corner=self.blocks.corner,
+            tables=self.tables,
+            bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
             tangent=tangent,
         )
         return tangent
 
 
-class _CentreStressMap:
-    """Reference geometry at the quads' centres, to recover stresses there."""
-
-    def __init__(self, mesh: Mesh, material: ShellMaterial) -> None:
-        X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
-        n, n1, n2 = shape_functions(0.0, 0.0)
-        self._n1, self._n2 = n1, n2
-        self._A1, self._A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
-        self._T0 = np.einsum("a,eai->ei", n, T)
-        self._T1, self._T2 = np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)
-        layers = material.layers
-        bottom = np.cumsum([0.0, *(layer.thickness for layer in layers)])
-        mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
-        self._law = {
-            "mid": layers[mid].material.plane_stress(),
-            "nominal": layers[mid].material.plane_stress(),
-            "top": layers[-1].material.plane_stress(),
-            "bottom": layers[0].material.plane_stress(),
-        }
-        h = material.thickness
-        self._height = {"mid": 0.0, "nominal": 0.0, "top": 0.5 * h, "bottom": -0.5 * h}
-
-    def cauchy(self, x: Floats, t: Floats, quads: Ints, place: str) -> Floats:
-        if place not in self._law:
-            raise ValueError(f"place must be one of {sorted(self._law)}, got {place!r}")
-        z = self._height[place]
-        G1 = self._A1[quads] + z * self._T1[quads]
-        G2 = self._A2[quads] + z * self._T2[quads]
-        g1 = np.einsum("a,eai->ei", self._n1, x) + z * np.einsum("a,eai->ei", self._n1, t)
-        g2 = np.einsum("a,eai->ei", self._n2, x) + z * np.einsum("a,eai->ei", self._n2, t)
-        Q, frame = cartesian_map(G1, G2, self._T0[quads])
-
-        def product(a: Floats, b: Floats) -> Floats:
-            return np.asarray(np.einsum("ei,ei->e", a, b))
-
-        covariant = np.stack(
-            [
-                0.5 * (product(g1, g1) - product(G1, G1)),
-                0.5 * (product(g2, g2) - product(G2, G2)),
-                product(g1, g2) - product(G1, G2),
-            ],
-            axis=1,
-        )
-        s = np.einsum("eij,ej->ei", Q[:, :3, :3], covariant) @ self._law[place]
-        # F ê_i, the frame carried along by the deformation, from ê_i = (ê_i · G^alpha) G_alpha.
-        contra = np.linalg.inv(np.stack([G1, G2, self._T0[quads]], axis=2))[:, :2]
-        c = np.einsum("eki,eni->enk", contra, frame)
-        f1 = c[:, 0, :1] * g1 + c[:, 0, 1:] * g2
-        f2 = c[:, 1, :1] * g1 + c[:, 1, 1:] * g2
-        if place == "nominal":
-            f1, f2 = _orthonormal(f1, f2)
-            volume = np.ones(len(quads))
-        else:
-            volume = np.linalg.norm(np.cross(g1, g2), axis=1) / np.linalg.norm(
-                np.cross(G1, G2), axis=1
-            )
-        outer = np.einsum
-        sigma = (
-            s[:, 0, None, None] * outer("ei,ej->eij", f1, f1)
-            + s[:, 1, None, None] * outer("ei,ej->eij", f2, f2)
-            + s[:, 2, None, None] * (outer("ei,ej->eij", f1, f2) + outer("ei,ej->eij", f2, f1))
-        )
-        return np.asarray(sigma / volume[:, None, None])
+def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
+    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see quad_forces."""
+    a_last, b_last = state.strain_forms
+    step, step_before = p0 - p1, p1 - p2
+    c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
+    d = (step_before - b_last) / (1.0 + rho)
+    b = step - rho * c
+    a = p0 - rho * b
+    state.strain_forms = a, b
+    return Work(0.5 * a, 0.5 * rho * (c + d))
 
 
-def _orthonormal(f1: Floats, f2: Floats) -> tuple[Floats, Floats]:
-    normal = np.cross(f1, f2)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    e1 = f1 / np.linalg.norm(f1, axis=1, keepdims=True)
-    return e1, np.cross(normal, e1)
+def _build_tables(
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks
+) -> tuple[LinearTables, PointTables]:
+    """Lay out what does not change of the quads in blocks."""
+    n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
+    n_full = n_block - n_flat
+    rule = build_rule(material) if material.points_per_layer else _NO_POINTS
+    n_point = rule.place.size
+    linear = LinearTables(
+        n_flat,
+        aligned_zeros((n_flat, 6, WIDTH)),
+        aligned_zeros((n_flat, N_MEMBRANE + N_SHEAR, WIDTH)),
+        material.bending_ratio or 0.0,
+        aligned_zeros((n_full, N_STRAIN, WIDTH)),
+        aligned_zeros((n_full, N_FULL, WIDTH)),
+    )
+    points = PointTables(
+        aligned_zeros((n_flat if n_point else 0, 16, WIDTH)),
+        aligned_zeros((n_full if n_point else 0, 28 * n_point, WIDTH)),
+        rule,
+    )
+    for first in range(0, n_block, _BLOCKS_AT_A_TIME):
+        for start, stop, flat in (
+            (first, min(first + _BLOCKS_AT_A_TIME, n_flat), True),
+            (max(first, n_flat), min(first + _BLOCKS_AT_A_TIME, n_block), False),
+        ):
+            if start >= stop:
+                continue
+            quads = mesh.quads[blocks.quad[start:stop].ravel()]
+            X, T = mesh.nodes[quads], mesh.directors[quads]
+            products = reference_products(X, T)
+
+            def fill(
+                table: Floats,
+                rows: Floats,
+                start: int = start,
+                stop: int = stop,
+                first: int = 0 if flat else n_flat,
+            ) -> None:
+                some = slice(start - first, stop - first)
+                table[some] = rows.reshape(stop - start, WIDTH, -1).transpose(0, 2, 1)
+
+            # Places that repeat a quad pull at nothing.
+            filled = blocks.filled[start:stop].reshape(-1, 1)
+            if flat:
+                fill(linear.flat_reference, products[:, :6])
+                fill(linear.flat_stiffness, filled * flat_stiffness(X, T, material))
+            else:
+                fill(linear.full_reference, products)
+                fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
+            if n_point:
+                frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
+                fill(points.flat_frame if flat else points.full_frame, filled * frames)
+    return linear, points
 
 
-@inline
-def _gather(rows: Floats, quads: Ints, e: int, out: Floats) -> None:
-    for a in range(4):
-        n = quads[e, a]
-        for c in range(3):
-            out[a, c] = rows[n, c]
-
-
-@kernel
-def _reference_metric(X: Floats, T: Floats, quads: Ints, metric: Floats) -> None:
-    xe, te = np.empty((4, 3)), np.empty((4, 3))
-    for e in range(quads.shape[0]):
-        _gather(X, quads, e, xe)
-        _gather(T, quads, e, te)
-        covariant_metric(xe, te, metric[e])
-
-
-@kernel
-def _add_quad_forces(
-    x: Floats,
-    t: Floats,
-    quads: Ints,
-    metric: Floats,
-    flat: Bools,
-    row: Ints,
-    h_flat: Floats,
-    h_full: Floats,
-    cartesian: Floats,
-    weight: Floats,
-    place: Floats,
-    kind: Ints,
-    parameters: Floats,
-    shear: Floats,
-    history: Floats,
-    damping_rate: float,
-    strain: Floats,
-    strain_step: Floats,
-    force: Floats,
-    director_force: Floats,
-) -> tuple[float, float]:
-    """Add minus dW/dx and dW/dt of every quad, with stiffness damping, to the nodal forces.
-
-    x, t, force, director_force : (n_node, 3).  quads : (n_quad, 4).  metric : (n_quad, 20).
-    cartesian .. shear : fields of PointTable, taken if it has points, with history : (n_quad, 4,
-    n_point, n_history).  damping_rate : beta / dt.  Writes history, strain and strain_step :
-    (n_quad, 20), reading the last ones.
-    Returns strain energy and damping work [N·mm].
-    """
-    xe, te = np.empty((4, 3)), np.empty((4, 3))
-    fx, ft = np.empty((4, 3)), np.empty((4, 3))
-    s, ds = np.empty(20), np.empty(20)
-    r, rd = np.empty(20), np.empty(20)
-    energy = 0.0
-    damping = 0.0
-    for e in range(quads.shape[0]):
-        _gather(x, quads, e, xe)
-        _gather(t, quads, e, te)
-        covariant_metric(xe, te, s)
-        for k in range(20):
-            s[k] -= metric[e, k]
-            ds[k] = s[k] - strain[e, k]
-        if place.shape[0] > 0:
-            energy += point_resultants(
-                s, e, cartesian, weight, place, kind, parameters, shear, history[e], history[e], r
-            )
-        else:
-            resultants(s, flat[e], h_flat, h_full, row[e], r)
-            for k in range(20):
-                energy += 0.5 * s[k] * r[k]
-        if damping_rate > 0.0:
-            resultants(ds, flat[e], h_flat, h_full, row[e], rd)
-            work = 0.0
-            for k in range(20):
-                work += (strain_step[e, k] + ds[k]) * rd[k]
-                r[k] += damping_rate * rd[k]
-            damping += 0.5 * damping_rate * work
-        for k in range(20):
-            strain[e, k] = s[k]
-            strain_step[e, k] = ds[k]
-        nodal_forces(xe, te, r, fx, ft)
-        for a in range(4):
-            n = quads[e, a]
-            for c in range(3):
-                force[n, c] -= fx[a, c]
-                director_force[n, c] -= ft[a, c]
-    return energy, damping
-
-
-@kernel
-def _add_fan_force(
-    node: int,
-    fan: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
-    metric: Floats,
-    flat: Bools,
-    row: Ints,
-    h_flat: Floats,
-    h_full: Floats,
-    cartesian: Floats,
-    weight: Floats,
-    place: Floats,
-    kind: Ints,
-    parameters: Floats,
-    shear: Floats,
-    history: Floats,
-    damping_rate: float,
-    strain: Floats,
-    force: Floats,
-) -> None:
-    """Add minus the force of the quads ``fan`` on ``node`` to ``force`` : (3,)."""
-    xe, te = np.empty((4, 3)), np.empty((4, 3))
-    fx, ft = np.empty((4, 3)), np.empty((4, 3))
-    s, r = np.empty(20), np.empty(20)
-    ds, rd = np.empty(20), np.empty(20)
-    trial = np.empty_like(history[0])
-    for i in range(fan.shape[0]):
-        e = fan[i]
-        _gather(x, quads, e, xe)
-        _gather(t, quads, e, te)
-        covariant_metric(xe, te, s)
-        for k in range(20):
-            s[k] -= metric[e, k]
-            ds[k] = damping_rate * (s[k] - strain[e, k])
-        resultants(ds, flat[e], h_flat, h_full, row[e], rd)
-        if place.shape[0] > 0:
-            point_resultants(
-                s, e, cartesian, weight, place, kind, parameters, shear, history[e], trial, r
-            )
-        else:
-            resultants(s, flat[e], h_flat, h_full, row[e], r)
-        for k in range(20):
-            r[k] += rd[k]
-        nodal_forces(xe, te, r, fx, ft)
-        for a in range(4):
-            if quads[e, a] == node:
-                for c in range(3):
-                    force[c] -= fx[a, c]
+_NO_POINTS = PointRule(
+    np.zeros(0),
+    np.zeros(0),
+    np.zeros(0, np.int64),
+    np.zeros((0, N_PARAMETER)),
+    np.zeros((0, 3)),
+    0,
+)

@@ -24,6 +24,7 @@ from .shell import MITC4Shell
 from .start_check import check_tool_outside
 from .state import initial_state
 from .support import Support, SupportSet
+from .threads import Workers
 from .time_step import StableStep, Stepping
 from .tool import Tool
 from .topology import split_node
@@ -58,6 +59,9 @@ class Simulation:
         Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
+    threads : int, optional
+        Threads to use; by default one for a small film, else the cores there are. The result does
+        not depend on it, bit for bit.
 
     Raises
     ------
@@ -82,6 +86,7 @@ class Simulation:
         damping_alpha: float = 0.1,
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
+        threads: int | None = None,
     ) -> None:
         problems = [
             f"{name} must be a number that is not negative, got {value!r}"
@@ -99,10 +104,11 @@ class Simulation:
 
         self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         self.law = law
-        self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta)
+        workers = Workers(mesh.n_quad, threads)
+        self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta, workers=workers)
         self.supports = SupportSet(mesh, supports)
-        self.loads = LoadSet(mesh, loads)
-        self.integrator = CentralDifference(damping_alpha=damping_alpha)
+        self.loads = LoadSet(mesh, loads, workers)
+        self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
         self.contact = (
             PenaltyContact(tool, contact or Contact(), material.thickness) if tool else None
@@ -178,8 +184,6 @@ class Simulation:
 
     def _forces(self) -> None:
         s, book = self.state, self.ledger
-        s.node.force[: s.n_node] = 0.0
-        s.node.director_force[: s.n_node] = 0.0
         book.strain, damping = self.shell.add_forces(s)
         book.damping_stiffness += damping
         book.load_work += self.loads.add_forces(s)
@@ -209,6 +213,7 @@ class Simulation:
 
     def _start(self) -> None:
         """Take the first, half kick from t_0."""
+        self.state.node.force_rows[:] = 0.0
         self._forces()
         self._dt = self.time_step.next(self.state)
         self._kick(0.0, self._dt)
@@ -343,7 +348,7 @@ class Simulation:
 
     def _blown_up(self) -> None:
         s = self.state
-        quad = int(np.argmax(np.where(np.isfinite(s.strain), abs(s.strain), np.inf).max(axis=1)))
+        quad = self.shell.most_strained_quad(s)
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         raise UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "

@@ -13,8 +13,16 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, SmallInts
+from .lanes import aligned_zeros
 from .mesh import MAX_VALENCE, Mesh
-from .mitc4 import N_STRAIN
+
+def columns(rows: int, count: int) -> Floats:
+    """Return zeros of shape (rows, count), one column after the other.
+
+    Eight consecutive nodes of a column are one vector (:mod:`shellcut.lanes`).
+    """
+    return np.asarray(aligned_zeros((count, rows)).T)
+
 
 # A split adds one node; the reserve spares most runs a reallocation.
 _RESERVE = 256
@@ -36,7 +44,10 @@ class _Table:
             return
         for name in arrays:
             old = getattr(self, name)
-            grown = np.zeros((max(2 * capacity, self.count + extra), *old.shape[1:]), old.dtype)
+            shape = (max(2 * capacity, self.count + extra), *old.shape[1:])
+            # Arrays whose columns the kernels read by lanes keep one column after the other.
+            by_column = old.ndim == 2 and old.flags.f_contiguous
+            grown = columns(*shape) if by_column else aligned_zeros(shape, old.dtype)
             grown[: self.count] = old[: self.count]
             setattr(self, name, grown)
 
@@ -79,14 +90,15 @@ class NodeTable(_Table):
     """Velocity [mm/s], shape (n, 3)."""
     spin_half: Floats
     """Angular velocity of the director [rad/s], normal to it, shape (n, 3)."""
-    force: Floats
-    """Total nodal force [N], shape (n, 3)."""
-    director_force: Floats
-    """Total force conjugate to the director [N·mm], shape (n, 3); its moment is t x this."""
+    force_rows: Floats
+    """Total nodal force [N], force conjugate to the director [N·mm], and two numbers that fill the
+    cache line, shape (n, 8)."""
     mass: Floats
     """Lumped mass [t], shape (n,)."""
     inertia: Floats
     """Scaled rotary inertia [t·mm²], shape (n,)."""
+    push: Floats
+    """1 / mass and 1 / inertia, both zero at supported nodes, which move otherwise, shape (n, 2)."""
     contact_area: Floats
     """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
     origin: Ints
@@ -106,7 +118,7 @@ class NodeTable(_Table):
     reaction: Floats
     """Reaction that holds them [N, N·mm] at t_n, shape (n, 6)."""
     load_force: Floats
-    """Load on the node at the last evaluation [N], shape (n, 3)."""
+    """Following load on the node at the last evaluation [N], shape (n, 3)."""
     contact_side: SmallInts
     """Side of the blade the node lies on: +1, -1, or 0 while it is not known, shape (n,)."""
     contact_depth: Floats
@@ -115,6 +127,21 @@ class NodeTable(_Table):
     """Part of the penetration that is being absorbed [mm], shape (n,)."""
     contact_force: Floats
     """Contact force on the node [N], shape (n, 3)."""
+
+    @property
+    def force(self) -> Floats:
+        """Total nodal force [N], shape (n, 3)."""
+        return self.force_rows[:, 0:3]
+
+    @property
+    def director_force(self) -> Floats:
+        """Total force conjugate to the director [N·mm], shape (n, 3); its moment is t x this."""
+        return self.force_rows[:, 3:6]
+
+    def weigh(self, node: int, mass: float, inertia: float) -> None:
+        """Give a node its mass [t] and rotary inertia [t·mm²]."""
+        self.mass[node], self.inertia[node] = mass, inertia
+        self.push[node] = (0.0, 0.0) if self.supported[node] else (1.0 / mass, 1.0 / inertia)
 
 
 @dataclass
@@ -194,11 +221,13 @@ class State:
     quads: Ints
     """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
     strain: Floats
-    """Covariant strains of the last force evaluation, shape (n_quad, 20)."""
+    """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, 8)."""
+    strain_before: Floats
+    """Those of the evaluation before, likewise."""
     history: Floats
-    """History of the thickness points, shape (n_quad, 4, n_point, n_history)."""
-    strain_step: Floats
-    """Their change over the last step, shape (n_quad, 20)."""
+    """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, 8)."""
+    strain_forms: tuple[float, float] = (0.0, 0.0)
+    """A and B of :mod:`shellcut.quad_forces` at the last evaluation [N·mm]."""
     time: float = 0.0
     """t_n [s]."""
     dt: float = 0.0
@@ -223,14 +252,15 @@ class State:
 
 
 def initial_state(mesh: Mesh) -> State:
-    """Allocate the state of an unloaded mesh at rest."""
+    """Allocate the state of an unloaded mesh at rest; the shell lays out strains and history."""
     n, cap = mesh.n_node, mesh.n_node + _RESERVE
 
     def rows(*shape: int) -> Floats:
         return np.zeros((cap, *shape))
 
-    X, T = rows(3), rows(3)
+    X, T, x, t = columns(cap, 3), columns(cap, 3), columns(cap, 3), columns(cap, 3)
     X[:n], T[:n] = mesh.nodes, mesh.directors
+    x[:n], t[:n] = mesh.nodes, mesh.directors
     origin = np.zeros(cap, np.int64)
     origin[:n] = mesh.origin
     halved = np.zeros(cap, np.bool_)
@@ -240,14 +270,14 @@ def initial_state(mesh: Mesh) -> State:
         count=n,
         X=X,
         T=T,
-        x=X.copy(),
-        t=T.copy(),
-        velocity_half=rows(3),
-        spin_half=rows(3),
-        force=rows(3),
-        director_force=rows(3),
+        x=x,
+        t=t,
+        velocity_half=columns(cap, 3),
+        spin_half=columns(cap, 3),
+        force_rows=aligned_zeros((cap, 8)),
         mass=rows(),
         inertia=rows(),
+        push=columns(cap, 2),
         contact_area=rows(),
         origin=origin,
         halved=halved,
@@ -276,9 +306,9 @@ def initial_state(mesh: Mesh) -> State:
         node=node,
         cable=cable,
         quads=mesh.quads.copy(),
-        strain=np.zeros((mesh.n_quad, N_STRAIN)),
-        strain_step=np.zeros((mesh.n_quad, N_STRAIN)),
-        history=np.zeros((mesh.n_quad, 4, 0, 0)),
+        strain=np.zeros((0, 0, 0)),
+        strain_before=np.zeros((0, 0, 0)),
+        history=np.zeros((0, 0, 0)),
     )
 
 

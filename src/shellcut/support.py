@@ -140,11 +140,12 @@ class SupportSet:
                     )
 
     def initialise(self, state: State) -> None:
-        """Write the masks of held components."""
+        """Write the masks of held components; supported nodes no longer follow their forces."""
         for support, ids in zip(self._supports, self.nodes, strict=True):
             for c in support.held():
                 state.node.support[ids, c] = True
         state.node.supported[:] = state.node.support.any(axis=1)
+        state.node.push[state.node.supported] = 0.0
 
     def prescribe(self, state: State, time_half: float) -> None:
         """Write the prescribed velocities at t_{n+1/2}."""

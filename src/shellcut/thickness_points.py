@@ -8,85 +8,54 @@ At every Gauss point of the quad and every point xi³ of the thickness, with Q a
 so curved and warped references, the volume factor and layers are treated as in the pre-integrated
 section. For a St.Venant-Kirchhoff material both paths agree to round-off; this one costs more
 and needs no linearity. The transverse shear stays elastic.
+
+Q follows from the frame ê_n · G^k, of which a, b, p = ê_1 · G^1, G^2, G^3 and f, r = ê_2 · G^2, G^3
+and d = ê_3 · G^3 do not vanish. On a flat quad the frame is the same at all heights, p = r = 0 and
+d = 1: strains are turned once a Gauss point, and the law is asked for e + xi³ k.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, inline
+from ._jit import Floats, Ints, Number, Vector, always_inline
+from .lanes import pick, zero
 from .material import ShellMaterial
-from .mitc4 import ETA_SIDE, FAR, NEAR, XI_SIDE
-from .point_law import N_PARAMETER, point_stress
-from .section import cartesian_map, gauss_geometry
+from .mitc4 import GAUSS, Sixteen
+from .point_law import point_stress
+from .section import frame_components, gauss_geometry
+
+N_FLAT_FRAME, N_FULL_FRAME = 4, 7
+"""Numbers a frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
 
 
-@dataclass(frozen=True)
-class PointTable:
-    """Thickness points of every quad; without any the arrays are empty.
+class PointRule(NamedTuple):
+    """The points through the thickness, the same for all quads."""
 
-    Attributes
-    ----------
-    map : ndarray, shape (n_quad, 4, n_point, 5, 5)
-        Q at every point.
-    weight : ndarray, shape (n_quad, 4, n_point)
-        w √G [mm³].
-    place : ndarray, shape (n_point,)
-        xi³ [mm].
-    kind : ndarray of int, shape (n_point,)
-        Law of each point.
-    parameters : ndarray, shape (n_point, N_PARAMETER)
-        Of each point's law.
-    shear : ndarray, shape (n_point, 3)
-        Transverse shear moduli 11, 12, 22 with the shear factor [MPa].
-    n_history : int
-        Numbers kept at a point.
-    """
-
-    map: Floats
-    weight: Floats
     place: Floats
+    """xi³ [mm], shape (n_point,)."""
+    weight: Floats
+    """Of the quadrature [mm], shape (n_point,)."""
     kind: Ints
+    """Law of each point, shape (n_point,)."""
     parameters: Floats
+    """Of each point's law, shape (n_point, N_PARAMETER)."""
     shear: Floats
+    """Transverse shear moduli 11, 12, 22 with the shear factor [MPa], shape (n_point, 3)."""
     n_history: int
-
-    @property
-    def n_point(self) -> int:
-        """Points through the thickness; 0 where the section is pre-integrated."""
-        return int(self.place.size)
+    """Numbers kept at a point."""
 
 
-def build_points(
-    nodes: Floats, directors: Floats, quads: Ints, material: ShellMaterial
-) -> PointTable:
-    """Lay out the thickness points; an empty table for a pre-integrated material."""
-    if material.points_per_layer is None:
-        return PointTable(
-            np.zeros((0, 4, 0, 5, 5)),
-            np.zeros((0, 4, 0)),
-            np.zeros(0),
-            np.zeros(0, np.int64),
-            np.zeros((0, N_PARAMETER)),
-            np.zeros((0, 3)),
-            0,
-        )
-    place, thickness_weight, layers = material.thickness_points(material.points_per_layer)
-    n_point = place.size
-    Q = np.zeros((quads.shape[0], 4, n_point, 5, 5))
-    weight = np.zeros((quads.shape[0], 4, n_point))
-    for q, (_, A1, A2, T0, T1, T2) in enumerate(gauss_geometry(nodes[quads], directors[quads])):
-        for k in range(n_point):
-            G1, G2 = A1 + place[k] * T1, A2 + place[k] * T2  # [Frangi2010] (6)
-            Q[:, q, k], _ = cartesian_map(G1, G2, T0)
-            weight[:, q, k] = thickness_weight[k] * np.einsum("ei,ei->e", np.cross(G1, G2), T0)
+def build_rule(material: ShellMaterial) -> PointRule:
+    """Return the points of a material that has ``points_per_layer``."""
+    assert material.points_per_layer is not None
+    place, weight, layers = material.thickness_points(material.points_per_layer)
     shear = [material.shear_factor * layer.transverse_shear() for layer in layers]
-    return PointTable(
-        Q,
-        weight,
+    return PointRule(
         place,
+        weight,
         np.array([layer.kind for layer in layers]),
         np.array([layer.parameters() for layer in layers]),
         np.array([[s[0, 0], s[0, 1], s[1, 1]] for s in shear]),
@@ -94,72 +63,205 @@ def build_points(
     )
 
 
-@inline
-def point_resultants(
-    s: Floats,
-    e: int,
-    cartesian: Floats,
-    weight: Floats,
-    place: Floats,
-    kind: Ints,
-    parameters: Floats,
-    shear: Floats,
+def flat_frames(X: Floats, T: Floats) -> Floats:
+    """Return a, b, f and √G at the four Gauss points of flat quads, shape (n_quad, 16)."""
+    rows = []
+    for _, A1, A2, T0, _, _ in gauss_geometry(X, T):
+        c, _ = frame_components(A1, A2, T0)
+        volume = np.einsum("ei,ei->e", np.cross(A1, A2), T0)
+        rows += [c[:, 0, 0], c[:, 0, 1], c[:, 1, 1], volume]
+    return np.stack(rows, axis=1)
+
+
+def full_frames(X: Floats, T: Floats, rule: PointRule) -> Floats:
+    """Return the frames of any quads, shape (n_quad, 4 n_point 7), thickness points innermost."""
+    rows = []
+    for _, A1, A2, T0, T1, T2 in gauss_geometry(X, T):
+        for z, w in zip(rule.place, rule.weight, strict=True):
+            G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
+            c, _ = frame_components(G1, G2, T0)
+            volume = w * np.einsum("ei,ei->e", np.cross(G1, G2), T0)
+            rows += [*c[:, 0].T, c[:, 1, 1], c[:, 1, 2], c[:, 2, 2], volume]
+    return np.stack(rows, axis=1)
+
+
+@always_inline
+def _strain_at(s: Sixteen, i: int, xi: float, eta: float) -> Vector:
+    """Return 16 (E_11, E_22, 2E_12) for i = 0, 16 (K_11, K_22, 2K_12) for i = 6."""
+    return (
+        s[i] + eta * s[i + 4] + (eta * eta) * s[i + 2],
+        s[i + 1] + xi * s[i + 5] + (xi * xi) * s[i + 2],
+        s[i + 3] + xi * s[i + 4] + eta * s[i + 5] + (2.0 * xi * eta) * s[i + 2],
+    )
+
+
+@always_inline
+def _turn(a: Number, b: Number, f: Number, v: Vector) -> Vector:
+    """Return (e_11, e_22, 2e_12) of the in-plane covariant strain v."""
+    return (
+        a * (a * v[0] + b * v[2]) + b * b * v[1],
+        f * f * v[1],
+        f * (2.0 * (b * v[1]) + a * v[2]),
+    )
+
+
+@always_inline
+def _turn_back(a: Number, b: Number, f: Number, n: Vector) -> Vector:
+    """Return the covariant resultants of the in-plane Cartesian ones."""
+    along = b * n[0] + f * n[2]
+    return a * a * n[0], b * along + f * (f * n[1] + b * n[2]), a * along
+
+
+@always_inline
+def _sixteen(v: Number) -> Sixteen:
+    four = v, v, v, v
+    return four + four + four + four
+
+
+@always_inline
+def _add_resultants(
+    r: Sixteen, n: Vector, m: Vector, q1: Number, q2: Number, xi: float, eta: float
+) -> Sixteen:
+    """Return r + Bᵀ (n, m, q) / 16 of one Gauss point; n, m, q come with the factor 1/16."""
+    xx, ee, xe = xi * xi, eta * eta, 2.0 * xi * eta
+    return (
+        r[0] + n[0],
+        r[1] + n[1],
+        r[2] + ee * n[0] + xx * n[1] + xe * n[2],
+        r[3] + n[2],
+        r[4] + eta * n[0] + xi * n[2],
+        r[5] + xi * n[1] + eta * n[2],
+        r[6] + m[0],
+        r[7] + m[1],
+        r[8] + ee * m[0] + xx * m[1] + xe * m[2],
+        r[9] + m[2],
+        r[10] + eta * m[0] + xi * m[2],
+        r[11] + xi * m[1] + eta * m[2],
+        r[12] + q1,
+        r[13] + eta * q1,
+        r[14] + q2,
+        r[15] + xi * q2,
+    )
+
+
+@always_inline
+def flat_point_resultants(
+    s: Sixteen,
+    frame: Floats,
+    rule: PointRule,
     old: Floats,
     new: Floats,
-    r: Floats,
-) -> float:
-    """Write r, the resultants of the strains s : (20,) of quad e; return its stored energy [N·mm].
+    b: int,
+    b_new: int,
+    lane: int | None,
+) -> tuple[Sixteen, Number]:
+    """Return the resultants of flat quads, and their stored energy [N·mm].
 
-    cartesian, weight, place, kind, parameters, shear : fields of PointTable.  old, new : (4,
-    n_point, n_history), the quad's histories at t_{n-1} and t_n, which may be one array.
+    frame : (n_block, 16, 8).  old, new : (n_block, 4 n_point n_history, 8), the histories at
+    t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.
     """
-    near, far = 2.0 * NEAR, 2.0 * FAR
-    stored = 0.0
-    for k in range(20):
-        r[k] = 0.0
+    n_point = rule.place.shape[0]
+    none = zero(lane)
+    r = _sixteen(none)
+    stored = none
     for q in range(4):
-        i, j = ETA_SIDE[q], XI_SIDE[q]
-        w1m, w1p = (near, far) if i == 0 else (far, near)
-        w2m, w2p = (near, far) if j == 0 else (far, near)
-        g1 = w1m * s[16] + w1p * s[17]
-        g2 = w2m * s[18] + w2p * s[19]
-        q1 = q2 = 0.0
-        for k in range(place.shape[0]):
-            z, w = place[k], weight[e, q, k]
-            v = (
-                s[i] + z * s[8 + i],
-                s[2 + j] + z * s[10 + j],
-                s[4 + q] + z * s[12 + q],
-                g1,
-                g2,
+        xi, eta = GAUSS[q]
+        # A quarter on the frame makes the sixteenth that the strains of the modes carry.
+        a = 0.25 * pick(frame, b, 4 * q, lane)
+        c = 0.25 * pick(frame, b, 4 * q + 1, lane)
+        f = 0.25 * pick(frame, b, 4 * q + 2, lane)
+        volume = pick(frame, b, 4 * q + 3, lane)
+        e = _turn(a, c, f, _strain_at(s, 0, xi, eta))
+        k = _turn(a, c, f, _strain_at(s, 6, xi, eta))
+        n, m = (none, none, none), (none, none, none)
+        density, g11, g12, g22 = none, 0.0, 0.0, 0.0
+        for j in range(n_point):
+            z, w = rule.place[j], rule.weight[j]
+            first = (q * n_point + j) * rule.n_history
+            strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
+            stress, energy = point_stress(
+                rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
             )
-            Q = cartesian[e, q, k]
-            c1 = c2 = c12 = c13 = c23 = 0.0
-            for m in range(5):
-                c1 += Q[0, m] * v[m]
-                c2 += Q[1, m] * v[m]
-                c12 += Q[2, m] * v[m]
-                c13 += Q[3, m] * v[m]
-                c23 += Q[4, m] * v[m]
+            n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
+            zw = z * w
+            m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
+            density = density + w * energy
+            g11 += w * rule.shear[j, 0]
+            g12 += w * rule.shear[j, 1]
+            g22 += w * rule.shear[j, 2]
+        g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+        e13, e23 = a * g1 + c * g2, f * g2
+        s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
+        stored = stored + volume * (density + 0.5 * (s13 * e13 + s23 * e23))
+        n = (volume * n[0], volume * n[1], volume * n[2])
+        m = (volume * m[0], volume * m[1], volume * m[2])
+        quarter = 0.25 * volume
+        r = _add_resultants(
+            r,
+            _turn_back(a, c, f, n),
+            _turn_back(a, c, f, m),
+            quarter * (a * s13),
+            quarter * (c * s13 + f * s23),
+            xi,
+            eta,
+        )
+    return r, stored
+
+
+@always_inline
+def full_point_resultants(
+    s: Sixteen,
+    frame: Floats,
+    rule: PointRule,
+    old: Floats,
+    new: Floats,
+    b: int,
+    b_new: int,
+    first_block: int,
+    lane: int | None,
+) -> tuple[Sixteen, Number]:
+    """Return the resultants of any quads, and their stored energy [N·mm].
+
+    frame : (n_block - first_block, 4 n_point 7, 8); the other arguments as for flat quads.
+    """
+    n_point = rule.place.shape[0]
+    none = zero(lane)
+    r = _sixteen(none)
+    stored = none
+    for q in range(4):
+        xi, eta = GAUSS[q]
+        e, k = _strain_at(s, 0, xi, eta), _strain_at(s, 6, xi, eta)
+        g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+        n, m = (none, none, none), (none, none, none)
+        q1, q2 = none, none
+        for j in range(n_point):
+            z, at = rule.place[j], 7 * (q * n_point + j)
+            block = b - first_block
+            a = 0.25 * pick(frame, block, at, lane)
+            c = 0.25 * pick(frame, block, at + 1, lane)
+            p = pick(frame, block, at + 2, lane)
+            f = 0.25 * pick(frame, block, at + 3, lane)
+            t = pick(frame, block, at + 4, lane)
+            d = pick(frame, block, at + 5, lane)
+            w = pick(frame, block, at + 6, lane)
+            e1, e2, e12 = _turn(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
+            ag, fg = a * g1 + c * g2, f * g2
+            strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
+            e13, e23 = d * ag, d * fg
+            first = (q * n_point + j) * rule.n_history
             (s1, s2, s12), density = point_stress(
-                kind[k], parameters, k, (c1, c2, c12), old[q], new[q]
+                rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
             )
-            s13 = shear[k, 0] * c13 + shear[k, 1] * c23
-            s23 = shear[k, 1] * c13 + shear[k, 2] * c23
-            stored += w * (density + 0.5 * (s13 * c13 + s23 * c23))
-            n1 = w * (Q[0, 0] * s1 + Q[1, 0] * s2 + Q[2, 0] * s12 + Q[3, 0] * s13 + Q[4, 0] * s23)
-            n2 = w * (Q[0, 1] * s1 + Q[1, 1] * s2 + Q[2, 1] * s12 + Q[3, 1] * s13 + Q[4, 1] * s23)
-            n12 = w * (Q[0, 2] * s1 + Q[1, 2] * s2 + Q[2, 2] * s12 + Q[3, 2] * s13 + Q[4, 2] * s23)
-            q1 += w * (Q[0, 3] * s1 + Q[1, 3] * s2 + Q[2, 3] * s12 + Q[3, 3] * s13 + Q[4, 3] * s23)
-            q2 += w * (Q[0, 4] * s1 + Q[1, 4] * s2 + Q[2, 4] * s12 + Q[3, 4] * s13 + Q[4, 4] * s23)
-            r[i] += n1
-            r[2 + j] += n2
-            r[4 + q] += n12
-            r[8 + i] += z * n1
-            r[10 + j] += z * n2
-            r[12 + q] += z * n12
-        r[16] += w1m * q1
-        r[17] += w1p * q1
-        r[18] += w2m * q2
-        r[19] += w2p * q2
-    return stored
+            s13 = rule.shear[j, 0] * e13 + rule.shear[j, 1] * e23
+            s23 = rule.shear[j, 1] * e13 + rule.shear[j, 2] * e23
+            stored = stored + w * (density + 0.5 * (s13 * e13 + s23 * e23))
+            back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
+            n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
+            m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])
+            # dW/d(ag) and dW/d(fg), with their quarter.
+            to_ag = (0.25 * w) * (p * s1 + t * s12 + d * s13)
+            to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
+            q1 = q1 + a * to_ag
+            q2 = q2 + c * to_ag + f * to_fg
+        r = _add_resultants(r, n, m, q1, q2, xi, eta)
+    return r, stored

@@ -33,10 +33,12 @@ def split_node(
     for e in split.plus:
         corner = int(np.flatnonzero(state.quads[e] == node)[0])
         state.quads[e, corner] = twin
+    shell.blocks.rewire(state.quads, np.array(split.plus))
     for half, quads in ((node, split.minus), (twin, split.plus)):
         n.n_quad_at[half] = len(quads)
         n.quads[half, : len(quads)] = sorted(quads)
-        n.mass[half], n.inertia[half], n.contact_area[half] = shell.node_inertia(state, half)
+        mass, inertia, n.contact_area[half] = shell.node_inertia(state, half)
+        n.weigh(half, mass, inertia)
         # Forces of the last evaluation, shared like the mass, enter the next work increment only.
         share = n.mass[half] / before
         n.contact_force[half] *= share

@@ -104,29 +104,33 @@ def forces(X, T, x, t, quads, material):
     return by_x, by_t
 
 
-def metric(x, t):
-    """The twenty scalar products of the table in the mitc4 module, shape (20,)."""
+def modes(v):
+    """Bilinear modes p, q, h and the sum m of four corner vectors (4, 3): 4 v = m + xi p + ..."""
+    sign = np.array(CORNERS)
+    return sign[:, 0] @ v, sign[:, 1] @ v, (sign[:, 0] * sign[:, 1]) @ v, v.sum(axis=0)
 
-    def base(xi, eta):
-        _, by_xi, by_eta = shape(xi, eta)
-        return (by_xi @ x, by_eta @ x), (by_xi @ t, by_eta @ t)
 
-    rows = []
-    for eta in (-G, G):
-        a, _ = base(0.3, eta)
-        rows.append(0.5 * a[0] @ a[0])
-    for xi in (-G, G):
-        a, _ = base(xi, 0.3)
-        rows.append(0.5 * a[1] @ a[1])
-    rows += [a[0] @ a[1] for a, _ in (base(*p) for p in GAUSS)]
-    for eta in (-G, G):
-        a, b = base(0.3, eta)
-        rows.append(a[0] @ b[0])
-    for xi in (-G, G):
-        a, b = base(xi, 0.3)
-        rows.append(a[1] @ b[1])
-    rows += [a[0] @ b[1] + a[1] @ b[0] for a, b in (base(*p) for p in GAUSS)]
-    for xi, eta, alpha in ((0, -1, 0), (0, 1, 0), (-1, 0, 1), (1, 0, 1)):
-        value, *by = shape(xi, eta)
-        rows.append((by[alpha] @ x) @ (value @ t))
-    return np.array(rows)
+def products(x, t):
+    """The sixteen scalar products of the table in the mitc4 module, shape (16,)."""
+    p, q, h, _ = modes(x)
+    tp, tq, th, tm = modes(t)
+    return np.array(
+        [
+            *(0.5 * p @ p, 0.5 * q @ q, 0.5 * h @ h, p @ q, p @ h, q @ h),
+            *(p @ tp, q @ tq, h @ th, p @ tq + q @ tp, p @ th + h @ tp, q @ th + h @ tq),
+            *(p @ tm + h @ tq, p @ tq + h @ tm, q @ tm + h @ tp, q @ tp + h @ tm),
+        ]
+    )
+
+
+def generalised(x, t, xi, eta):
+    """½ a_1·a_1, ½ a_2·a_2, a_1·a_2, a_alpha·t_,beta alike, and the tied a_alpha·t, shape (8,)."""
+    value, *by = shape(xi, eta)
+    (a1, a2), (b1, b2) = ([d @ v for d in by] for v in (x, t))
+    return np.array(
+        [
+            *(0.5 * a1 @ a1, 0.5 * a2 @ a2, a1 @ a2),
+            *(a1 @ b1, a2 @ b2, a1 @ b2 + a2 @ b1),
+            *tied_shear(x, t, xi, eta),
+        ]
+    )

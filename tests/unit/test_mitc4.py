@@ -1,13 +1,22 @@
-"""Strains, resultants and forces of one quad against their definitions."""
+"""Strains, resultants and forces of a quad against their definitions."""
 
 import numpy as np
 import pytest
 
 from naive import cases
 from naive import shell as naive
+from shellcut._jit import kernel
 from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
-from shellcut.section import build_sections
+from shellcut.mitc4 import (
+    N_FULL,
+    N_STRAIN,
+    flat_resultants,
+    full_resultants,
+    modes,
+    nodal_forces,
+    products,
+)
+from shellcut.section import flat_stiffness, full_stiffness, strain_map
 
 EPS = np.finfo(float).eps
 
@@ -20,81 +29,87 @@ def a_quad(seed=0):
     return x, t / np.linalg.norm(t, axis=1)[:, None]
 
 
+def modes_of(v):
+    return modes(*(tuple(corner) for corner in v.tolist()))
+
+
 @pytest.mark.parametrize("seed", range(3))
-def test_metric_is_the_twenty_products(seed):
+def test_products_are_those_of_the_modes(seed):
     x, t = a_quad(seed)
-    m = np.full(N_STRAIN, np.nan)
-    covariant_metric(x, t, m)
-    # Round-off: sums of some ten products of numbers of size one.
-    np.testing.assert_allclose(m, naive.metric(x, t), rtol=0, atol=16 * EPS)
+    m = products(modes_of(x), modes_of(t))
+    # Round-off: sums of some ten products of numbers of size four.
+    np.testing.assert_allclose(m, naive.products(x, t), rtol=0, atol=256 * EPS)
+
+
+@pytest.mark.parametrize(("xi", "eta"), [*naive.GAUSS, (0.3, -0.8)])
+def test_products_hold_the_strains_at_every_point(xi, eta):
+    # Membrane and bending exactly, and the transverse shear as tied at the mid-edge points.
+    x, t = a_quad(5)
+    wanted = naive.generalised(x, t, xi, eta)
+    np.testing.assert_allclose(strain_map(xi, eta) @ naive.products(x, t), wanted, atol=16 * EPS)
 
 
 @pytest.mark.parametrize("k", range(N_STRAIN))
 def test_nodal_forces_are_the_derivative_of_each_product(k):
     x, t = a_quad(7)
-    r = np.zeros(N_STRAIN)
-    r[k] = 1.0
-    fx, ft = np.full((4, 3), np.nan), np.full((4, 3), np.nan)
-    nodal_forces(x, t, r, fx, ft)
+    r = tuple(float(k == i) for i in range(N_STRAIN))
+    forces = -np.array(nodal_forces(modes_of(x), modes_of(t), r))
     tiny = 1e-30  # a complex step has no cancellation: exact to round-off
-    for out, which in ((fx, 0), (ft, 1)):
+    for first, which in ((0, 0), (3, 1)):
         for a in range(4):
             for c in range(3):
                 now = [x.astype(complex), t.astype(complex)]
                 now[which][a, c] += 1j * tiny
-                slope = naive.metric(*now)[k].imag / tiny
-                assert abs(out[a, c] - slope) <= 16 * EPS, (k, which, a, c)
+                slope = naive.products(*now)[k].imag / tiny
+                assert abs(forces[a, first + c] - slope) <= 64 * EPS, (k, which, a, c)
+
+
+@kernel
+def _full(h, s, r):
+    work = np.empty((2, 16, 8))
+    for lane in range(8):
+        v = full_resultants(
+            h,
+            0,
+            lane,
+            (
+                *(s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7]),
+                *(s[8], s[9], s[10], s[11], s[12], s[13], s[14], s[15]),
+            ),
+            work,
+        )
+        for k in range(16):
+            r[lane, k] = v[k]
 
 
 def test_resultants_are_the_gradient_of_the_quadratic_energy():
     # A coupled section: the layers are not symmetric, so all of H is filled.
     layers = [Layer(Elastic(1500.0, 0.3, 1e-9), 0.05), Layer(Elastic(60e3, 0.33, 2.7e-9), 0.01)]
     mesh = cases.warped(1, 1)
-    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, ShellMaterial(layers))
-    assert not section.flat[0]
+    X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
+    upper = full_stiffness(X, T, ShellMaterial(layers))[0]
+    assert upper.shape == (N_FULL,)
+    H = np.zeros((16, 16))
+    H[np.triu_indices(16)] = upper
+    H += np.triu(H, 1).T
     s = np.random.default_rng(2).uniform(-1, 1, N_STRAIN)
-
-    def energy(strain):
-        total = 0.0
-        for q, (xi, eta) in enumerate(naive.GAUSS):
-            i, j = int(eta > 0), int(xi > 0)
-            g1 = 0.5 * (1 - eta) * strain[16] + 0.5 * (1 + eta) * strain[17]
-            g2 = 0.5 * (1 - xi) * strain[18] + 0.5 * (1 + xi) * strain[19]
-            v = np.array(
-                [
-                    *(strain[i], strain[2 + j], strain[4 + q]),
-                    *(strain[8 + i], strain[10 + j], strain[12 + q], g1, g2),
-                ]
-            )
-            total += 0.5 * v @ section.h_full[0, q] @ v
-        return total
-
-    r = np.full(N_STRAIN, np.nan)
-    resultants(s, False, section.h_flat, section.h_full, 0, r)
-    gradient = np.zeros(N_STRAIN)
-    for k in range(N_STRAIN):
-        z = s.astype(complex)
-        z[k] += 1e-30j
-        gradient[k] = energy(z).imag / 1e-30
+    r = np.full((8, N_STRAIN), np.nan)
+    _full(np.repeat(upper[None, :, None], 8, axis=2), s, r)
     # Round-off against the largest resultant.
-    np.testing.assert_allclose(r, gradient, rtol=0, atol=1e-14 * np.abs(r).max())
-    assert 0.5 * s @ r == pytest.approx(energy(s), rel=1e-13)
+    np.testing.assert_allclose(r[0], H @ s, rtol=0, atol=1e-14 * np.abs(H @ s).max())
+    assert (r == r[0]).all()
 
 
-def test_compact_and_full_stiffness_agree_on_a_flat_quad():
+def test_flat_and_full_stiffness_agree_on_a_flat_quad():
     mesh = cases.skewed_flat(1, 1, seed=4)
-    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
-    assert section.flat[0]
-    # An invisible tilt of one director sends the same quad down the full path.
-    tilted = mesh.directors.copy()
-    tilted[0, 0] += 1e-11
-    full = build_sections(mesh.nodes, tilted, mesh.quads, cases.FILM)
-    assert not full.flat[0]
+    X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
+    h = np.repeat(flat_stiffness(X, T, cases.FILM)[:, :, None], 8, axis=2)
     s = np.random.default_rng(2).uniform(-1, 1, N_STRAIN)
-    s[8:16] /= cases.FILM.thickness  # so that bending weighs as much as stretching
-    r, r_full = np.empty(N_STRAIN), np.empty(N_STRAIN)
-    resultants(s, True, section.h_flat, section.h_full, 0, r)
-    resultants(s, False, full.h_flat, full.h_full, 0, r_full)
-    # The tilt of 1e-11 itself, some ten times that in the products of the stiffness.
-    for part in (slice(0, 8), slice(8, 16), slice(16, 20)):
-        np.testing.assert_allclose(r_full[part], r[part], rtol=0, atol=1e-9 * np.abs(r[part]).max())
+    s[6:12] /= cases.FILM.thickness  # so that bending weighs as much as stretching
+    r = np.array(flat_resultants(h, cases.FILM.bending_ratio, 0, 0, tuple(s.tolist())))
+    H = np.zeros((16, 16))
+    H[np.triu_indices(16)] = full_stiffness(X, T, cases.FILM)[0]
+    H += np.triu(H, 1).T
+    for part in (slice(0, 6), slice(6, 12), slice(12, 16)):
+        wanted = (H @ s)[part]
+        np.testing.assert_allclose(r[part], wanted, rtol=0, atol=1e-13 * np.abs(wanted).max())

@@ -7,7 +7,16 @@ from naive import cases
 from naive import shell as naive
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.meshing import cylinder
-from shellcut.section import build_sections, cartesian_map, shape_functions
+from shellcut.section import (
+    cartesian_map,
+    flat_quads,
+    flat_stiffness,
+    full_stiffness,
+    lumped_mass,
+    point_stiffness,
+    shape_functions,
+    strain_map,
+)
 
 SOFT, STIFF = Elastic(1000.0, 0.3, 1e-9), Elastic(70e3, 0.33, 2.7e-9)
 
@@ -41,30 +50,38 @@ def naive_stiffness(X, T, q, material, n_point):
     return H
 
 
+def corners(mesh):
+    return mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
+
+
 @pytest.mark.parametrize("layers", [[(SOFT, 0.3)], [(SOFT, 0.2), (STIFF, 0.05), (SOFT, 0.05)]])
 def test_curved_reference_against_a_converged_quadrature(layers):
     # Thickness / radius = 0.15, twice what a shell is for. Quadrature: four points a layer leave
     # 9e-8 of the bending stiffness there (measured), and less of the rest.
     mesh = cases.curved(2, 1)
     material = ShellMaterial([Layer(*pair) for pair in layers])
-    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
-    assert not section.flat.any()
-    for e, quad in enumerate(mesh.quads):
-        for q in range(4):
-            H = naive_stiffness(mesh.nodes[quad], mesh.directors[quad], q, material, 12)
-            scale = np.sqrt(np.outer(np.diag(H), np.diag(H)))
-            error = np.abs(section.h_full[section.row[e], q] - H) / scale
-            assert error.max() < 2e-7
+    X, T = corners(mesh)
+    assert not flat_quads(X, T).any()
+    whole = np.zeros((mesh.n_quad, 16, 16))
+    for q, point in enumerate(naive.GAUSS):
+        h = point_stiffness(X, T, material, q)
+        for e in range(mesh.n_quad):
+            wanted = naive_stiffness(X[e], T[e], q, material, 12)
+            scale = np.sqrt(np.outer(np.diag(wanted), np.diag(wanted)))
+            assert (np.abs(h[e] - wanted) / scale).max() < 2e-7
+            whole[e] += strain_map(*point).T @ wanted @ strain_map(*point)
+    # In the strains of the modes, where it is a sum over the four points.
+    upper = full_stiffness(X, T, material)
+    i, j = np.triu_indices(16)
+    scale = np.sqrt(np.einsum("ek,ek->ek", whole[:, i, i], whole[:, j, j]))
+    assert (np.abs(upper - whole[:, i, j]) / scale).max() < 2e-7
 
 
 def test_curvature_couples_stretching_and_bending():
     # A single layer on a curved reference: without the volume factor and G_alpha at its own
     # height the coupling would vanish.
     mesh = cases.curved(1, 1)
-    section = build_sections(
-        mesh.nodes, mesh.directors, mesh.quads, ShellMaterial([Layer(SOFT, 0.3)])
-    )
-    H = section.h_full[0, 0]
+    H = point_stiffness(*corners(mesh), ShellMaterial([Layer(SOFT, 0.3)]), 0)[0]
     coupling = H[0, 3] / np.sqrt(H[0, 0] * H[3, 3])
     # Of the size of h / R = 0.15 times a number of order one: a bound either way.
     assert 0.03 < abs(coupling) < 0.3
@@ -81,8 +98,8 @@ def test_volume_factor_gives_the_mass_of_a_layered_sector():
     error = []
     for n in (4, 8, 16):
         mesh = cylinder(radius, length, n_around=n, n_along=2, arc_deg=90.0)
-        section = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
-        error.append(abs(section.mass.sum() / exact - 1.0))
+        mass, _ = lumped_mass(*corners(mesh), material)
+        error.append(abs(mass.sum() / exact - 1.0))
     order = np.log2(np.array(error[:-1]) / np.array(error[1:]))
     # Discretisation: chords for arcs, second order, within the usual 0.15.
     np.testing.assert_allclose(order, 2.0, atol=0.15)
@@ -91,82 +108,65 @@ def test_volume_factor_gives_the_mass_of_a_layered_sector():
 
 def test_mass_and_area_of_a_skewed_flat_sheet_are_exact():
     mesh = cases.skewed_flat()
-    section = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
+    mass, area = lumped_mass(*corners(mesh), cases.FILM)
     # Round-off: 2 x 2 points integrate a bilinear Jacobian exactly.
-    np.testing.assert_allclose(section.area, mesh.quad_areas(), rtol=1e-13)
-    np.testing.assert_allclose(section.mass.sum(axis=1), 1e-9 * 0.074 * section.area, rtol=1e-13)
+    np.testing.assert_allclose(area, mesh.quad_areas(), rtol=1e-13)
+    np.testing.assert_allclose(mass.sum(axis=1), 1e-9 * 0.074 * area, rtol=1e-13)
     x = mesh.nodes[mesh.quads]
     for e in range(mesh.n_quad):
         share = np.zeros(4)
         for xi, eta in naive.GAUSS:
             value, *by = naive.shape(xi, eta)
             share += value * np.linalg.norm(np.cross(by[0] @ x[e], by[1] @ x[e]))
-        np.testing.assert_allclose(section.mass[e], 1e-9 * 0.074 * share, rtol=1e-13)
+        np.testing.assert_allclose(mass[e], 1e-9 * 0.074 * share, rtol=1e-13)
 
 
-def test_only_flat_quads_of_symmetric_layers_take_the_compact_form():
-    flat, bent = cases.skewed_flat(2, 1), cases.warped(2, 1)
-    lopsided = ShellMaterial([Layer(SOFT, 0.05), Layer(STIFF, 0.02)])
-    even = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)])
-
-    def shapes(mesh, material):
-        s = build_sections(mesh.nodes, mesh.directors, mesh.quads, material)
-        return s.flat.tolist(), s.h_flat.shape[0], s.h_full.shape[0], s.row.tolist()
-
-    assert shapes(flat, cases.FILM) == ([True] * 2, 2, 0, [0, 1])
-    assert shapes(flat, even) == ([True] * 2, 2, 0, [0, 1])
-    assert shapes(flat, lopsided) == ([False] * 2, 0, 2, [0, 1])
-    assert shapes(bent, cases.FILM) == ([False] * 2, 0, 2, [0, 1])
+def test_flat_quads_are_told_from_warped_curved_and_tilted_ones():
+    for case, flat in (("flat", True), ("warped", False), ("curved", False)):
+        assert flat_quads(*corners(cases.ALL[case]())).tolist() == [flat] * 6
+    mesh = cases.skewed_flat(2, 1)
+    X, T = corners(mesh)
+    tilted = T + np.array([1e-9, 0.0, 0.0])  # all alike, yet not normal
+    assert not flat_quads(X, tilted).any()
 
 
-def test_rows_of_a_sheet_that_is_partly_flat():
-    # The two forms are numbered apart; the row of each quad must be its own.
-    mesh = cases.skewed_flat(4, 1, seed=6)
-    nodes = mesh.nodes.copy()
-    nodes[[4, 9], 2] = (
-        0.3  # the last column of nodes is lifted: quad 3 is bent, 2 has its directors
-    )
-    mesh = cases.moved_mesh(mesh, nodes)
-    s = build_sections(mesh.nodes, mesh.directors, mesh.quads, cases.FILM)
-    assert s.flat.tolist() == [True, True, False, False]
-    assert s.row.tolist() == [0, 1, 0, 1]
-    for e in range(mesh.n_quad):
-        quad = mesh.quads[e : e + 1]
-        alone = build_sections(mesh.nodes, mesh.directors, quad, cases.FILM)
-        mine = s.h_flat[s.row[e]] if s.flat[e] else s.h_full[s.row[e]]
-        both = alone.h_flat if s.flat[e] else alone.h_full
-        np.testing.assert_array_equal(mine, both[0])
+def test_bending_ratio_only_where_one_number_says_it():
+    stiff = Elastic(70e3, SOFT.poisson, 2.7e-9)
+    even = ShellMaterial([Layer(SOFT, 0.03), Layer(stiff, 0.01), Layer(SOFT, 0.03)])
+    assert cases.FILM.bending_ratio == pytest.approx(0.074**2 / 12, rel=1e-14)
+    bending = (1000.0 * (0.07**3 - 0.01**3) + 70e3 * 0.01**3) / 12
+    ratio = bending / (1000.0 * 0.06 + 70e3 * 0.01)
+    assert even.bending_ratio == pytest.approx(ratio, rel=1e-13)
+    assert ShellMaterial([Layer(SOFT, 0.05), Layer(stiff, 0.02)]).bending_ratio is None
+    # Other Poisson's ratio in the core: even, but bending and stretching are not alike.
+    other = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)])
+    assert other.bending_ratio is None
 
 
 def test_symmetric_layers_equal_one_layer_of_the_same_stiffness():
     # All layers of one material: the thickness integral may not depend on how it is parted.
-    mesh = cases.curved(2, 1)
-    one = build_sections(mesh.nodes, mesh.directors, mesh.quads, ShellMaterial([Layer(SOFT, 0.09)]))
-    three = build_sections(
-        mesh.nodes,
-        mesh.directors,
-        mesh.quads,
-        ShellMaterial([Layer(SOFT, 0.02), Layer(SOFT, 0.05), Layer(SOFT, 0.02)]),
-    )
+    X, T = corners(cases.curved(2, 1))
+    one = full_stiffness(X, T, ShellMaterial([Layer(SOFT, 0.09)]))
+    parts = [Layer(SOFT, 0.02), Layer(SOFT, 0.05), Layer(SOFT, 0.02)]
+    three = full_stiffness(X, T, ShellMaterial(parts))
     # Round-off and the quadrature's (h/R)^8 = 2e-11 / 2^8.
-    np.testing.assert_allclose(three.h_full, one.h_full, rtol=0, atol=1e-12 * one.h_full.max())
+    np.testing.assert_allclose(three, one, rtol=0, atol=1e-12 * one.max())
 
 
 def test_layered_stretching_and_bending_stiffness_on_a_unit_square():
-    # Square of side 2: G_alpha are unit vectors, so H holds the Cartesian stiffness itself.
-    X = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
-    T = np.tile([0.0, 0.0, 1.0], (4, 1))
-    quads = np.array([[0, 1, 2, 3]])
+    # Square of side 2: G_alpha are unit vectors, so h holds the Cartesian stiffness itself.
+    X = np.array([[[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]]])
+    T = np.tile([0.0, 0.0, 1.0], (1, 4, 1))
     material = ShellMaterial([Layer(SOFT, 0.03), Layer(STIFF, 0.01), Layer(SOFT, 0.03)], 0.8)
-    H = build_sections(X, T, quads, material).h_flat[0]
     soft, stiff = 1000.0 / (1 - 0.3**2), 70e3 / (1 - 0.33**2)
     shear = 0.8 * (0.06 * 1000.0 / 2.6 + 0.01 * 70e3 / 2.66)
     core = 2 / 3 * stiff * 0.005**3
     for q in range(4):
-        assert H[q, 0] == pytest.approx(0.06 * soft + 0.01 * stiff, rel=1e-13)
-        assert H[q, 6] == pytest.approx(2 / 3 * soft * (0.035**3 - 0.005**3) + core, rel=1e-13)
-        assert H[q, 12] == pytest.approx(shear, rel=1e-13)
-        assert H[q, 13] == pytest.approx(0.0, abs=1e-13 * shear)
+        h = point_stiffness(X, T, material, q)[0]
+        assert h[0, 0] == pytest.approx(0.06 * soft + 0.01 * stiff, rel=1e-13)
+        assert h[3, 3] == pytest.approx(2 / 3 * soft * (0.035**3 - 0.005**3) + core, rel=1e-13)
+        assert h[6, 6] == pytest.approx(shear, rel=1e-13)
+        assert h[6, 7] == pytest.approx(0.0, abs=1e-13 * shear)
 
 
 def test_cartesian_map_turns_a_tensor():

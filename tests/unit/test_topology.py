@@ -140,7 +140,7 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
         held = [e for e in range(mesh.n_quad) if half in state.quads[e]]
         assert held == sorted(quads)
         assert state.node.quads[half, : state.node.n_quad_at[half]].tolist() == held
-        share = sum(shell.section.mass[e, state.quads[e].tolist().index(half)] for e in held)
+        share = sum(shell.mass[e, state.quads[e].tolist().index(half)] for e in held)
         assert state.node.mass[half] == pytest.approx(share, rel=1e-14)
         assert state.node.halved[half]
         # Forces of the last evaluation are shared like the mass, lest the halves fly apart.

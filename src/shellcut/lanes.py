@@ -1,0 +1,578 @@
+"""Lanes: eight doubles that a kernel handles as one number.
+
+A loop over quads written with plain floats is not turned into vector instructions by the compiler:
+the gathers at its start and the scatters at its end stand in the way. Lanes say it outright. The
+mechanics are functions of *numbers* (:data:`shellcut._jit.Number`); given floats they treat one
+quad, given lanes eight at a time, and given complex numbers they differentiate themselves.
+
+Where a number comes from is the only difference, and the functions here hide it. Their argument
+``lane`` says which of the eight is meant: an integer takes one, as a float; ``None`` takes all
+eight, as lanes:
+
+=====================================  ===================================================
+:func:`turns`, :func:`nth`             the visits that a block takes
+:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
+:func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
+:func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
+:func:`at`, :func:`along`              values at consecutive nodes, and
+:func:`put_at`                         how they are written
+:func:`row_columns`,                   the first six columns of consecutive force rows,
+:func:`clear_rows`                     and how the rows are cleared
+:func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
+:func:`make_prefetch`                  a function that asks for a block needed soon
+=====================================  ===================================================
+
+Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
+addition may become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` to
+one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NUMBA_DISABLE_JIT=1)
+the same functions run on NumPy arrays of eight numbers.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, models, overload, register_model
+
+from ._jit import Floats, Number, SmallIds
+
+WIDTH = 8
+"""Numbers in one vector."""
+
+_CACHE_LINE = 64
+
+_I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
+_DOUBLE = ir.DoubleType()
+_LANES = ir.VectorType(_DOUBLE, WIDTH)
+_IDS = ir.VectorType(_I32, WIDTH)
+_CONTRACT = ("contract",)
+
+
+def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
+    """Return an array of zeros that starts on a cache line, so that no vector straddles two."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    raw = np.zeros(size + _CACHE_LINE, np.uint8)
+    start = -raw.ctypes.data % _CACHE_LINE
+    return raw[start : start + size].view(dtype).reshape(shape)
+
+
+# ---------------------------------------------------------------- the two types
+
+
+class _LanesType(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+class _LaneIdsType(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name="LaneIds")
+
+
+lanes_type = _LanesType()
+_lane_ids_type = _LaneIdsType()
+
+
+@register_model(_LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, front_end_type: Any) -> None:
+        super().__init__(manager, front_end_type, _LANES)
+
+
+@register_model(_LaneIdsType)
+class _LaneIdsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, front_end_type: Any) -> None:
+        super().__init__(manager, front_end_type, _IDS)
+
+
+# ---------------------------------------------------------------- arithmetic
+
+
+def _constant(kind: Any, values: list[int]) -> Any:
+    return ir.Constant(ir.VectorType(kind, len(values)), values)
+
+
+def _broadcast(builder: Any, value: Any, kind: Any) -> Any:
+    one = builder.insert_element(ir.Constant(kind, ir.Undefined), value, ir.Constant(_I32, 0))
+    return builder.shuffle_vector(one, one, _constant(_I32, [0] * WIDTH))
+
+
+def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
+    @infer_global(op)
+    class _Typing(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            if lanes_type in args and all(
+                a == lanes_type or isinstance(a, types.Float) for a in args
+            ):
+                return signature(
+                    lanes_type, *(a if a == lanes_type else types.float64 for a in args)
+                )
+            return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        operands = [
+            a if t == lanes_type else _broadcast(builder, a, _LANES)
+            for a, t in zip(args, sig.args, strict=True)
+        ]
+        return getattr(builder, instruction)(*operands, flags=_CONTRACT)
+
+    for pair in ((lanes_type,) * 2, (lanes_type, types.float64), (types.float64, lanes_type)):
+        lower_builtin(op, *pair)(lower)
+
+
+for _op, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _add_binary_operator(_op, _instruction)
+
+
+@infer_global(operator.neg)
+class _NegativeTyping(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(lanes_type, lanes_type) if args == (lanes_type,) else None
+
+
+@lower_builtin(operator.neg, lanes_type)
+def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fneg(args[0])
+
+
+# ---------------------------------------------------------------- addresses and transposition
+
+
+def _address(context: Any, builder: Any, array_type: Any, array: Any, index: list[Any]) -> Any:
+    made = context.make_array(array_type)(context, builder, array)
+    shape = cgutils.unpack_tuple(builder, made.shape, array_type.ndim)
+    strides = cgutils.unpack_tuple(builder, made.strides, array_type.ndim)
+    return cgutils.get_item_pointer2(
+        context, builder, made.data, shape, strides, array_type.layout, index, wraparound=False
+    )
+
+
+def _vector_address(
+    context: Any, builder: Any, array_type: Any, array: Any, index: list[Any], kind: Any
+) -> Any:
+    address = _address(context, builder, array_type, array, index)
+    return builder.bitcast(address, kind.as_pointer())
+
+
+def _row_address(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
+    """Address of a row of eight in a C-ordered (n, 8) array: a shift instead of a product."""
+    made = context.make_array(array_type)(context, builder, array)
+    return builder.gep(builder.bitcast(made.data, _LANES.as_pointer()), [row])
+
+
+def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
+    """Turn eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges."""
+
+    def exchange(a: Any, b: Any, order: list[int]) -> Any:
+        return builder.shuffle_vector(a, b, _constant(_I32, order))
+
+    pairs = [None] * 8
+    for k in range(0, 8, 2):
+        pairs[k] = exchange(rows[k], rows[k + 1], [0, 8, 2, 10, 4, 12, 6, 14])
+        pairs[k + 1] = exchange(rows[k], rows[k + 1], [1, 9, 3, 11, 5, 13, 7, 15])
+    fours = [None] * 8
+    for k in (0, 1, 4, 5):
+        fours[k] = exchange(pairs[k], pairs[k + 2], [0, 1, 8, 9, 4, 5, 12, 13])
+        fours[k + 2] = exchange(pairs[k], pairs[k + 2], [2, 3, 10, 11, 6, 7, 14, 15])
+    columns = [None] * 8
+    for k in range(4):
+        columns[k] = exchange(fours[k], fours[k + 4], [0, 1, 2, 3, 8, 9, 10, 11])
+        columns[k + 4] = exchange(fours[k], fours[k + 4], [4, 5, 6, 7, 12, 13, 14, 15])
+    return columns
+
+
+_ZERO = ir.Constant(_I64, 0)
+
+
+@intrinsic
+def _load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(
+            context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES
+        )
+        return builder.load(where, align=8)
+
+    return lanes_type(table, types.intp, types.intp), generate
+
+
+@intrinsic
+def _store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(
+            context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES
+        )
+        builder.store(args[3], where, align=8)
+        return context.get_dummy_value()
+
+    return types.void(table, types.intp, types.intp, lanes_type), generate
+
+
+@intrinsic
+def _load_at(typing_context: Any, values: Any, n: Any, c: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
+        return builder.load(where, align=8)
+
+    return lanes_type(values, types.intp, types.intp), generate
+
+
+@intrinsic
+def _load_along(typing_context: Any, values: Any, n: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(context, builder, values, args[0], [args[1]], _LANES)
+        return builder.load(where, align=8)
+
+    return lanes_type(values, types.intp), generate
+
+
+@intrinsic
+def _store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
+        builder.store(args[3], where, align=8)
+        return context.get_dummy_value()
+
+    return types.void(values, types.intp, types.intp, lanes_type), generate
+
+
+@intrinsic
+def _load_ids(typing_context: Any, corner: Any, b: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        where = _vector_address(context, builder, corner, args[0], [args[1], args[2], _ZERO], _IDS)
+        return builder.load(where, align=4)
+
+    return _lane_ids_type(corner, types.intp, types.intp), generate
+
+
+@intrinsic
+def _gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        column = _address(context, builder, values, args[0], [_ZERO, args[1]])
+        # llvmlite does not build an address per lane from one base; LLVM does, and then needs no
+        # vector of addresses in registers.
+        where = builder.gep(column, [_ZERO])
+        where.indices = [args[2]]
+        where.operands = [column, args[2]]
+        where.type = ir.VectorType(_DOUBLE.as_pointer(), WIDTH)
+        mask = _constant(_I1, [1] * WIDTH)
+        function = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(_LANES, [where.type, _I32, mask.type, _LANES]),
+            "llvm.masked.gather.v8f64.v8p0",
+        )
+        return builder.call(
+            function, [where, ir.Constant(_I32, 8), mask, ir.Constant(_LANES, ir.Undefined)]
+        )
+
+    return lanes_type(values, types.intp, _lane_ids_type), generate
+
+
+@intrinsic
+def _scatter_add_rows(
+    typing_context: Any, rows: Any, corner: Any, b: Any, a: Any, force: Any
+) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        # The last two columns only fill the cache line; what stands there is never read.
+        nothing = ir.Constant(_LANES, ir.Undefined)
+        columns = [*cgutils.unpack_tuple(builder, args[4], 6), nothing, nothing]
+        for lane, row in enumerate(_transpose(builder, columns)):
+            index = [args[2], args[3], ir.Constant(_I64, lane)]
+            node = builder.load(_address(context, builder, corner, args[1], index))
+            where = _row_address(context, builder, rows, args[0], builder.sext(node, _I64))
+            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, corner, types.intp, types.intp, force), generate
+
+
+@intrinsic
+def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
+    returns = types.UniTuple(lanes_type, 6)
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        loaded = []
+        for lane in range(WIDTH):
+            row = builder.add(args[1], ir.Constant(_I64, lane))
+            where = _row_address(context, builder, rows, args[0], row)
+            loaded.append(builder.load(where, align=8))
+        return context.make_tuple(builder, returns, _transpose(builder, loaded)[:6])
+
+    return returns(rows, types.intp), generate
+
+
+@intrinsic
+def _no_lanes(typing_context: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(_LANES, [0.0] * WIDTH)
+
+    return lanes_type(), generate
+
+
+@intrinsic
+def _sum_of_lanes(typing_context: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        sum_ = builder.extract_element(args[0], ir.Constant(_I32, 0))
+        for lane in range(1, WIDTH):
+            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(_I32, lane)))
+        return sum_
+
+    return types.float64(lanes_type), generate
+
+
+# ---------------------------------------------------------------- the functions kernels call
+
+_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+
+def _all(lane: Any) -> bool:
+    return isinstance(lane, types.NoneType)
+
+
+def turns(lane: int | None) -> int:
+    """Return how often a block must be visited: once by lanes, eight times one by one."""
+    return 1 if lane is None else WIDTH
+
+
+@overload(turns, jit_options=_OPTIONS)
+def _turns(lane):
+    return (lambda lane: 1) if _all(lane) else (lambda lane: WIDTH)
+
+
+def nth(lane: int | None, turn: int) -> int | None:
+    """Return the lane of a visit: all of them, or the one whose turn it is."""
+    return None if lane is None else turn
+
+
+@overload(nth, jit_options=_OPTIONS)
+def _nth(lane, turn):
+    return (lambda lane, turn: None) if _all(lane) else (lambda lane, turn: turn)
+
+
+def pick(table: Floats, b: int, k: int, lane: int | None) -> Number:
+    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
+    return table[b, k].copy() if lane is None else table[b, k, lane]
+
+
+@overload(pick, jit_options=_OPTIONS)
+def _pick(table, b, k, lane):
+    if _all(lane):
+        return lambda table, b, k, lane: _load_block(table, b, k)
+    return lambda table, b, k, lane: table[b, k, lane]
+
+
+def put(table: Floats, b: int, k: int, lane: int | None, value: Number) -> None:
+    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
+    if lane is None:
+        table[b, k] = value
+    else:
+        table[b, k, lane] = value
+
+
+@overload(put, jit_options=_OPTIONS)
+def _put(table, b, k, lane, value):
+    if _all(lane):
+        return lambda table, b, k, lane, value: _store_block(table, b, k, value)
+
+    def one(table, b, k, lane, value):
+        table[b, k, lane] = value
+
+    return one
+
+
+def corner_node(corner: SmallIds, b: int, a: int, lane: int | None) -> Any:
+    """Return the node ids at corner ``a`` of block ``b``, for :func:`gather`."""
+    return corner[b, a] if lane is None else int(corner[b, a, lane])
+
+
+@overload(corner_node, jit_options=_OPTIONS)
+def _corner_node(corner, b, a, lane):
+    if _all(lane):
+        return lambda corner, b, a, lane: _load_ids(corner, b, a)
+    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+
+
+def gather(values: Floats, c: int, ids: Any) -> Number:
+    """Return column ``c`` of values : (n, 3), one column after the other, at some nodes."""
+    return values[ids, c]
+
+
+@overload(gather, jit_options=_OPTIONS)
+def _gather(values, c, ids):
+    if ids == _lane_ids_type:
+        return lambda values, c, ids: _gather_column(values, c, ids)
+    return lambda values, c, ids: values[ids, c]
+
+
+def scatter_add(
+    rows: Floats, corner: SmallIds, b: int, a: int, lane: int | None, force: tuple[Number, ...]
+) -> None:
+    """Add six numbers to the rows : (n, 8) of the nodes at corner ``a``, lane after lane."""
+    for at_lane in range(WIDTH) if lane is None else (lane,):
+        for c in range(6):
+            rows[corner[b, a, at_lane], c] += force[c][at_lane] if lane is None else force[c]
+
+
+@overload(scatter_add, jit_options=_OPTIONS)
+def _scatter_add(rows, corner, b, a, lane, force):
+    if _all(lane):
+        return lambda rows, corner, b, a, lane, force: _scatter_add_rows(rows, corner, b, a, force)
+
+    def one(rows, corner, b, a, lane, force):
+        for c in range(6):
+            rows[corner[b, a, lane], c] += force[c]
+
+    return one
+
+
+def at(values: Floats, n: int, c: int, lane: int | None) -> Number:
+    """Return column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
+    return values[n : n + WIDTH, c].copy() if lane is None else values[n, c]
+
+
+@overload(at, jit_options=_OPTIONS)
+def _at(values, n, c, lane):
+    if _all(lane):
+        return lambda values, n, c, lane: _load_at(values, n, c)
+    return lambda values, n, c, lane: values[n, c]
+
+
+def along(values: Floats, n: int, lane: int | None) -> Number:
+    """Return values : (m,) at node ``n``, or at the eight nodes from ``n``."""
+    return values[n : n + WIDTH].copy() if lane is None else values[n]
+
+
+@overload(along, jit_options=_OPTIONS)
+def _along(values, n, lane):
+    if _all(lane):
+        return lambda values, n, lane: _load_along(values, n)
+    return lambda values, n, lane: values[n]
+
+
+def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
+    """Write column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
+    if lane is None:
+        values[n : n + WIDTH, c] = value
+    else:
+        values[n, c] = value
+
+
+@overload(put_at, jit_options=_OPTIONS)
+def _put_at(values, n, c, lane, value):
+    if _all(lane):
+        return lambda values, n, c, lane, value: _store_at(values, n, c, value)
+
+    def one(values, n, c, lane, value):
+        values[n, c] = value
+
+    return one
+
+
+def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
+    """Return the first six columns of rows : (m, 8) at node ``n``, or the eight from ``n``."""
+    if lane is None:
+        return tuple(rows[n : n + WIDTH, c].copy() for c in range(6))
+    return tuple(rows[n, c] for c in range(6))
+
+
+@overload(row_columns, jit_options=_OPTIONS)
+def _row_columns(rows, n, lane):
+    if _all(lane):
+        return lambda rows, n, lane: _load_row_columns(rows, n)
+
+    def one(rows, n, lane):
+        return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5]
+
+    return one
+
+
+def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
+    """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
+    rows[n : n + (WIDTH if lane is None else 1)] = 0.0
+
+
+@overload(clear_rows, jit_options=_OPTIONS)
+def _clear_rows(rows, n, lane):
+    count = WIDTH if _all(lane) else 1
+
+    def clear(rows, n, lane):
+        for k in range(count):
+            for c in range(8):
+                rows[n + k, c] = 0.0
+
+    return clear
+
+
+def zero(lane: int | None) -> Number:
+    """Return nothing to begin a sum with."""
+    return np.zeros(WIDTH) if lane is None else 0.0
+
+
+@overload(zero, jit_options=_OPTIONS)
+def _zero(lane):
+    if _all(lane):
+        return lambda lane: _no_lanes()
+    return lambda lane: 0.0
+
+
+def total(value: Number) -> float:
+    """Return the sum over the lanes, from the first to the last."""
+    sum_ = 0.0
+    for one in np.atleast_1d(value):
+        sum_ += float(one)
+    return sum_
+
+
+@overload(total, jit_options=_OPTIONS)
+def _total(value):
+    if value == lanes_type:
+        return lambda value: _sum_of_lanes(value)
+    return lambda value: value
+
+
+def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
+    """Return a function that asks for the ``lines`` cache lines of block ``b`` of a table.
+
+    The hardware looks ahead along a few streams only; a quad's tables are more. The block after
+    the last one does no harm.
+    """
+
+    @intrinsic
+    def ask(typing_context: Any, table: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            index = [args[1], _ZERO, _ZERO]
+            first = _vector_address(context, builder, table, args[0], index, _I8)
+            function = cgutils.get_or_insert_function(
+                builder.module,
+                ir.FunctionType(ir.VoidType(), [first.type, _I32, _I32, _I32]),
+                "llvm.prefetch.p0",
+            )
+            read, keep_near, data = _I32(0), _I32(3), _I32(1)
+            for line in range(lines):
+                where = builder.gep(first, [ir.Constant(_I64, line * _CACHE_LINE)])
+                builder.call(function, [where, read, keep_near, data])
+            return context.get_dummy_value()
+
+        return types.void(table, types.intp), generate
+
+    def prefetch(table: Floats, b: int) -> None:
+        pass
+
+    @overload(prefetch, jit_options=_OPTIONS)
+    def _prefetch(table, b):
+        return lambda table, b: ask(table, b)
+
+    return prefetch

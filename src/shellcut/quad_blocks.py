@@ -1,0 +1,142 @@
+"""Quads in blocks of eight, the order in which the force kernels take them.
+
+A block fills the lanes of one vector (:mod:`shellcut.lanes`). Quads of one block are neighbours, so
+that their nodes lie in few cache lines; flat quads stand in blocks of their own, before the
+others, because they need less data. Within each kind the quads form *strips* across the film, in
+order along its longest side, each strip broad enough that only neighbouring strips share nodes.
+Two strips of even number, or two of odd number, may thus add their forces at the same time on two
+threads; and a node receives its quads' forces in an order that depends on the strips alone, not
+on the number of threads.
+
+Places that no quad fills repeat the last quad of the strip, with a stiffness of zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ._jit import Bools, Floats, Ints, SmallIds
+from .lanes import WIDTH, aligned_zeros
+
+# One strip until a second thread could pay; then two for every so many quads, at most so many.
+_ONE_STRIP_BELOW = 20_000
+_QUADS_PER_STRIP = 5_000
+_MOST_STRIPS = 64
+
+# Breadth of a lane of quads within a strip, in median diagonals of a quad.
+_LANE = 2.5
+
+
+@dataclass(frozen=True)
+class QuadBlocks:
+    """Which quad stands where.
+
+    Attributes
+    ----------
+    quad : ndarray of int32, shape (n_block, 8)
+        Quad at each place.
+    filled : ndarray of bool, shape (n_block, 8)
+        False at places that repeat a quad.
+    slot : ndarray of int, shape (n_quad,)
+        Place of each quad, 8 block + lane.
+    corner : ndarray of int32, shape (n_block, 4, 8)
+        Node ids; :meth:`rewire` keeps them up to date.
+    flat_start, full_start : ndarray of int, shape (n_strip + 1,)
+        First block of each strip, of flat quads and of the others.
+    """
+
+    quad: SmallIds
+    filled: Bools
+    slot: Ints
+    corner: SmallIds
+    flat_start: Ints
+    full_start: Ints
+
+    @property
+    def n_flat(self) -> int:
+        """Number of blocks of flat quads, the first ones."""
+        return int(self.flat_start[-1])
+
+    @property
+    def n_strip(self) -> int:
+        """Number of strips."""
+        return int(self.flat_start.size - 1)
+
+    def rewire(self, quads: Ints, which: Ints) -> None:
+        """Take over the nodes of the quads ``which`` from quads : (n_quad, 4)."""
+        block, lane = np.divmod(self.slot[which], WIDTH)
+        self.corner[block, :, lane] = quads[which]
+        for b in np.unique(block):
+            repeats = np.flatnonzero(~self.filled[b])
+            self.corner[b][:, repeats] = quads[self.quad[b, repeats]].T
+
+
+def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
+    """Order quads into strips and blocks.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_node, 3)
+        Reference positions [mm].
+    quads : ndarray, shape (n_quad, 4)
+        Node ids.
+    flat : ndarray of bool, shape (n_quad,)
+        Which quads stand in the first blocks.
+    """
+    centre = nodes[quads].mean(axis=1)
+    axes = np.argsort(-np.ptp(nodes, axis=0), kind="stable")
+    along, across = centre[:, axes[0]], centre[:, axes[1]]
+    strip = _strips(along, quads, nodes.shape[0])
+    n_strip = int(strip.max(initial=0)) + 1
+    # Within a strip up and down narrow lanes: the nodes in hand stay in the nearest cache.
+    diagonal = np.linalg.norm(nodes[quads[:, 2]] - nodes[quads[:, 0]], axis=1)
+    lane = np.floor((along - along.min()) / (_LANE * np.median(diagonal)))
+    order = np.lexsort((across, lane, strip, ~flat))
+
+    size = np.stack([np.bincount(strip[kind], minlength=n_strip) for kind in (flat, ~flat)])
+    n_block = -(-size // WIDTH)
+    start = np.concatenate([[0], np.cumsum(n_block.ravel())])
+    place = np.arange(order.size) + np.repeat(
+        WIDTH * start[:-1] - np.concatenate([[0], np.cumsum(size.ravel())[:-1]]), size.ravel()
+    )
+    filled = np.zeros(WIDTH * int(start[-1]), np.bool_)
+    filled[place] = True
+    # The quad at the last filled place before: a strip's first place is always filled.
+    last = np.maximum.accumulate(np.where(filled, np.arange(filled.size), 0))
+    quad = np.zeros(filled.size, np.int32)
+    quad[place] = order
+    quad = quad[last]
+    slot = np.empty(order.size, np.int64)
+    slot[order] = place
+    corner: SmallIds = aligned_zeros((int(start[-1]), 4, WIDTH), np.int32)
+    corner[:] = quads[quad.reshape(-1, WIDTH)].transpose(0, 2, 1)
+    return QuadBlocks(
+        quad.reshape(-1, WIDTH),
+        filled.reshape(-1, WIDTH),
+        slot,
+        corner,
+        start[: n_strip + 1],
+        start[n_strip:],
+    )
+
+
+def _strips(along: Floats, quads: Ints, n_node: int) -> Ints:
+    """Return the strip of each quad, as many as share nodes with their neighbours only."""
+    n_quad = along.size
+    if n_quad < _ONE_STRIP_BELOW:
+        return np.zeros(n_quad, np.int64)
+    rank = np.empty(n_quad, np.int64)
+    rank[np.argsort(along, kind="stable")] = np.arange(n_quad)
+    n_strip = min(_MOST_STRIPS, 2 * (n_quad // (2 * _QUADS_PER_STRIP)))
+    while n_strip > 1:
+        strip = rank * n_strip // n_quad
+        first, last = np.full(n_node, n_strip), np.zeros(n_node, np.int64)
+        for a in range(4):
+            np.minimum.at(first, quads[:, a], strip)
+            np.maximum.at(last, quads[:, a], strip)
+        if (last - first <= 1).all():
+            return np.asarray(strip)
+        n_strip //= 2
+    return np.zeros(n_quad, np.int64)

@@ -1,0 +1,62 @@
+"""Two or more threads for large films, one for the others.
+
+A step of a small film is shorter than handing its parts out would take, so threads are used only
+above a size; the caller may ask for a number. Results do not depend on it: who divides the work
+divides it the same way for any number of threads. Plain Python threads serve, because kernels
+release the interpreter's lock: Numba's own pools cost up to fifty microseconds a region, and one of
+them slows down by a hundred when other programs want the cores.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+_PAYS_FROM = 50_000
+"""Quads from which on a second thread pays: a step then takes over a millisecond."""
+_MOST = 8
+
+
+def available_cores() -> int:
+    """Return the cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # macOS and Windows do not know affinity
+        return os.cpu_count() or 1
+
+
+class Workers:
+    """Run the parts of a loop side by side.
+
+    Parameters
+    ----------
+    n_quad : int
+        Size of the film.
+    threads : int, optional
+        How many threads; by default one for a small film, else the cores there are, at most eight.
+
+    Raises
+    ------
+    ValueError
+        If ``threads`` is not a positive whole number.
+    """
+
+    def __init__(self, n_quad: int, threads: int | None = None) -> None:
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise ValueError(f"threads must be a whole number from 1 on, or None, got {threads!r}")
+        if threads is None:
+            threads = min(_MOST, available_cores()) if n_quad >= _PAYS_FROM else 1
+        self.count = threads
+        """Number of threads."""
+        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+
+    def run(self, part: Callable[[int], None]) -> None:
+        """Call ``part`` with 0, 1, ... count - 1, each on a thread, and wait for all."""
+        if self._pool is None:
+            part(0)
+            return
+        others = [self._pool.submit(part, k) for k in range(1, self.count)]
+        part(0)
+        for other in others:
+            other.result()

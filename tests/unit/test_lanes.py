@@ -1,0 +1,165 @@
+"""Lanes against eight floats: arithmetic, loads and stores, gather and scatter."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+
+from shellcut._jit import kernel
+from shellcut.lanes import (
+    along,
+    aligned_zeros,
+    at,
+    clear_rows,
+    corner_node,
+    gather,
+    make_prefetch,
+    nth,
+    pick,
+    put,
+    put_at,
+    row_columns,
+    scatter_add,
+    total,
+    turns,
+    zero,
+)
+
+RNG = np.random.default_rng(8)
+prefetch = make_prefetch(3)
+
+
+@kernel
+def _arithmetic(table, out, lane):
+    for turn in range(turns(lane)):
+        one = nth(lane, turn)
+        a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
+        c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
+        put(out, 0, 0, one, c)
+
+
+@kernel
+def _total(table, k, lane):
+    sum_ = 0.0
+    for turn in range(turns(lane)):
+        sum_ += total(pick(table, 0, k, nth(lane, turn)))
+    return sum_
+
+
+@kernel
+def _corners(corner, x, rows, out, lane):
+    prefetch(out, 1)
+    for turn in range(turns(lane)):
+        one = nth(lane, turn)
+        for a in range(4):
+            ids = corner_node(corner, 0, a, one)
+            v = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
+            put(out, 0, a, one, v[0] + v[1] * v[2])
+            six = (v[0], v[1], v[2], 2.0 * v[0], 2.0 * v[1], 2.0 * v[2])
+            scatter_add(rows, corner, 0, a, one, six)
+
+
+@kernel
+def _nodes(x, mass, rows, first, out, lane):
+    for turn in range(turns(lane)):
+        n = first + turn
+        r = row_columns(rows, n, lane)
+        put_at(out, n, 0, lane, at(x, n, 0, lane) + along(mass, n, lane) * r[0])
+        put_at(out, n, 1, lane, r[1] * r[2] + r[3])
+        put_at(out, n, 2, lane, r[4] - r[5])
+        clear_rows(rows, n, lane)
+
+
+def test_arithmetic_is_that_of_floats():
+    table = RNG.uniform(1, 2, (2, 2, 8))
+    a, b = table[1]
+    wanted = 0.0 - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
+    for lane in (None, 0):
+        out = np.full((1, 1, 8), np.nan)
+        _arithmetic(table, out, lane)
+        # A fused multiply-add rounds once where NumPy rounds twice: a few units in the last place.
+        np.testing.assert_allclose(out[0, 0], wanted, rtol=1e-14)
+
+
+def test_total_runs_from_the_first_lane_to_the_last():
+    # 1e16 swallows a one that comes after it, and not one that came before.
+    table = np.array([[[1.0, 1.0, 1e16, 1.0, -1e16, 1.0, 0.0, 0.0]]])
+    wanted = 0.0
+    for v in table[0, 0]:
+        wanted += v
+    assert _total(table, 0, None) == _total(table, 0, 0) == total(table[0, 0]) == wanted
+
+
+def test_gather_and_scatter_with_nodes_that_repeat():
+    # All lanes of the first corner are one node: adding them at once would lose seven.
+    corner = np.zeros((1, 4, 8), np.int32)
+    corner[0, 0] = 3
+    corner[0, 1:] = RNG.integers(0, 12, (3, 8))
+    x = np.asfortranarray(RNG.uniform(-1, 1, (12, 3)))
+    wanted_rows = np.zeros((12, 6))
+    for a in range(4):
+        for node in corner[0, a]:
+            wanted_rows[node] += np.concatenate([x[node], 2 * x[node]])
+    ids = corner[0]
+    wanted = x[ids, 0] + x[ids, 1] * x[ids, 2]
+    for lane in (None, 0):
+        rows, out = aligned_zeros((12, 8)), np.full((1, 4, 8), np.nan)
+        _corners(corner, x, rows, out, lane)
+        np.testing.assert_allclose(out[0], wanted, rtol=1e-14)
+        # Sums of up to eight terms of size one.
+        np.testing.assert_allclose(rows[:, :6], wanted_rows, rtol=0, atol=1e-14)
+
+
+def test_consecutive_nodes():
+    x, mass = np.asfortranarray(RNG.uniform(-1, 1, (20, 3))), RNG.uniform(1, 2, 20)
+    full = aligned_zeros((20, 8))
+    full[:] = RNG.uniform(-1, 1, (20, 8))
+    some = slice(5, 13)
+    wanted = np.stack(
+        [
+            x[some, 0] + mass[some] * full[some, 0],
+            full[some, 1] * full[some, 2] + full[some, 3],
+            full[some, 4] - full[some, 5],
+        ],
+        axis=1,
+    )
+    for lane in (None, 0):
+        rows, out = full.copy(), np.full((20, 3), np.nan, order="F")
+        _nodes(x, mass, rows, 5, out, lane)
+        np.testing.assert_allclose(out[some], wanted, rtol=0, atol=1e-15)
+        assert np.isnan(out[:5]).all()
+        assert np.isnan(out[13:]).all()
+        assert not rows[some].any()
+        np.testing.assert_array_equal(rows[13:], full[13:])
+
+
+def test_arrays_start_on_a_cache_line():
+    for shape, dtype in (((7, 8), float), ((3,), np.int32), ((0, 16, 8), float)):
+        array = aligned_zeros(shape, dtype)
+        assert array.ctypes.data % 64 == 0 or array.size == 0
+        assert (array.shape, array.dtype) == (shape, np.dtype(dtype))
+        assert not array.any()
+
+
+_WITHOUT_COMPILER = """
+import numba
+assert numba.config.DISABLE_JIT
+import test_lanes as tests
+tests.test_arithmetic_is_that_of_floats()
+tests.test_total_runs_from_the_first_lane_to_the_last()
+tests.test_gather_and_scatter_with_nodes_that_repeat()
+tests.test_consecutive_nodes()
+"""
+
+
+def test_the_same_functions_run_without_the_compiler():
+    here = os.path.dirname(__file__)
+    subprocess.run(
+        [sys.executable, "-c", _WITHOUT_COMPILER],
+        check=True,
+        cwd=here,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )
+
+

@@ -1,0 +1,80 @@
+"""Blocks and strips: every quad has one place, neighbours alone share nodes across strips."""
+
+import numpy as np
+import pytest
+
+from naive import cases
+from shellcut.meshing import cylinder, rectangle
+from shellcut.quad_blocks import build_blocks
+
+
+def some_flat(mesh, seed=1):
+    return np.random.default_rng(seed).random(mesh.n_quad) < 0.6
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+def test_every_quad_has_one_place_with_its_nodes(case):
+    mesh = cases.ALL[case](7, 5)
+    flat = some_flat(mesh)
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+    places = blocks.quad.ravel()[blocks.filled.ravel()]
+    assert sorted(places.tolist()) == list(range(mesh.n_quad))
+    block, lane = np.divmod(blocks.slot, 8)
+    np.testing.assert_array_equal(blocks.quad[block, lane], np.arange(mesh.n_quad))
+    np.testing.assert_array_equal(blocks.corner[block, :, lane], mesh.quads)
+    # Flat quads stand first, and each kind in blocks of its own.
+    assert ((block < blocks.n_flat) == flat).all()
+    # Where there is none the nodes are still those of some quad.
+    np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), mesh.quads[blocks.quad])
+
+
+def test_a_rewired_quad_is_followed_where_it_is_repeated_too():
+    mesh = rectangle(3.0, 1.0, n_x=3, n_y=1)
+    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(3, np.bool_))
+    quads = mesh.quads.copy()
+    last = int(blocks.quad[0, 7])  # five places repeat the last quad
+    quads[last, 2] = 99
+    blocks.rewire(quads, np.array([last]))
+    np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), quads[blocks.quad])
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        rectangle(300.0, 100.0, n_x=300, n_y=100),
+        cylinder(20.0, 90.0, n_around=150, n_along=200),
+    ],
+    ids=["sheet", "tube"],
+)
+def test_only_neighbouring_strips_share_nodes(mesh):
+    flat = np.zeros(mesh.n_quad, np.bool_)
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+    assert blocks.n_strip >= 4
+    assert blocks.n_strip % 2 == 0
+    touched = [set() for _ in range(mesh.n_node)]
+    for k in range(blocks.n_strip):
+        corner = blocks.corner[blocks.full_start[k] : blocks.full_start[k + 1]]
+        for node in np.unique(corner):
+            touched[node].add(k)
+    assert all(max(strips) - min(strips) <= 1 for strips in touched)
+    # Even shares, or the second thread would wait.
+    size = np.diff(blocks.full_start)
+    assert size.max() <= size.min() + 1
+
+
+def test_a_small_film_is_one_strip():
+    mesh = rectangle(3.0, 3.0, n_x=30, n_y=30)
+    assert build_blocks(mesh.nodes, mesh.quads, np.ones(900, np.bool_)).n_strip == 1
+
+
+def test_quads_too_long_for_strips_stay_in_one():
+    # Each quad spans the length: any two strips would share nodes.
+    mesh = rectangle(1.0, 50.0, n_x=1, n_y=25_000)
+    turned = mesh.nodes[:, [1, 0, 2]] * [0.001, 1000.0, 1.0]
+    blocks = build_blocks(turned, mesh.quads, np.ones(mesh.n_quad, np.bool_))
+    strip = np.repeat(np.arange(blocks.n_strip), np.diff(blocks.flat_start))
+    first, last = np.full(mesh.n_node, 99), np.full(mesh.n_node, -1)
+    for k, corner in zip(strip, blocks.corner, strict=True):
+        np.minimum.at(first, corner.ravel(), k)
+        np.maximum.at(last, corner.ravel(), k)
+    assert (last - first <= 1).all()
