@@ -47,8 +47,11 @@ from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from .cohesive_law import CohesiveLaw, envelope, traction
 from .cutting_edge import (
+    NORMAL,
+    START,
     CuttingEdges,
     edge_point,
+    segment_part,
     strip_coordinates,
     to_body,
     to_space,
@@ -131,10 +134,7 @@ class CableSet:
                 ends=c.ends,
                 rotation=rotation,
                 translation=translation,
-                edge_start=self._edges.start,
-                edge_vector=self._edges.vector,
-                edge_normal=self._edges.normal,
-                edge_back=self._edges.back,
+                segments=self._edges.segments,
                 m=c.m,
                 contact_area=n.contact_area,
                 onset=self.law.onset,
@@ -222,10 +222,7 @@ def _find_joints(
     ends: Ints,
     rotation: Floats,
     translation: Floats,
-    edge_start: Floats,
-    edge_vector: Floats,
-    edge_normal: Floats,
-    edge_back: Floats,
+    segments: Floats,
     m: Floats,
     contact_area: Floats,
     onset: float,
@@ -238,7 +235,7 @@ def _find_joints(
 ) -> int:
     """Bend every straight cable that a cutting edge has reached; return how many.
 
-    Works in the body frame of the tool. edge_* : (n_edge, 3).  Writes the joint of the cables met.
+    Works in the body frame of the tool. segments : as CuttingEdges.  Writes the joint of the cables met.
     """
     made = 0
     for c in range(n_cable):
@@ -250,9 +247,9 @@ def _find_joints(
         across = turn_back(load(m, c), rotation)
         reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[ends[c, 0]])
         shallowest = np.inf
-        for k in range(edge_start.shape[0]):
-            a = load(edge_start, k)
-            b = load(edge_normal, k)
+        for k in range(segments.shape[0]):
+            a = segment_part(segments, k, START)
+            b = segment_part(segments, k, NORMAL)
             side_minus = dot(sub(minus, a), b)
             side_plus = dot(sub(plus, a), b)
             share = 0.5
@@ -262,13 +259,11 @@ def _find_joints(
             elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
                 continue
             crossing = combine(1.0 - share, minus, share, plus)
-            along, _, depth, owns = strip_coordinates(
-                crossing, k, edge_start, edge_vector, edge_normal, edge_back
-            )
+            along, _, depth, owns = strip_coordinates(crossing, k, segments)
             if not owns or depth >= shallowest:
                 continue
             shallowest = depth
-            p = edge_point(along, k, edge_start, edge_vector)
+            p = edge_point(along, k, segments)
             status[c] = JOINTED
             edge[c] = k
             overshoot[c] = depth

@@ -174,9 +174,12 @@ class SplitCriterion:
         self._strength = strength
         self._shell = shell
         self._loads = loads
-        self._blade = BladeCut(tool) if tool is not None and fracture.blade_cut else None
+        self._blade = None
+        if tool is not None and fracture.blade_cut:
+            self._blade = BladeCut(tool, float(shell.section.area.max()))
         self._free_edges = free_edges
-        self._rim = rim
+        self._rim = np.zeros(int(rim.max(initial=-1)) + 1, np.bool_)
+        self._rim[rim] = True
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
         self._options: dict[int, list[_Option]] = {}
         self._options_revision = -1
