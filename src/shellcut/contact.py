@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -87,8 +88,7 @@ class Contact:
             raise ValueError("; ".join(problems))
 
 
-@dataclass(frozen=True)
-class ContactForces:
+class ContactForces(NamedTuple):
     """What the contact did in one evaluation."""
 
     wrench: Floats
