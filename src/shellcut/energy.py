@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from ._jit import Floats, kernel
 
+
 @dataclass
 class Ledger:
     """Energies and works at t_n, all in N·mm (= mJ)."""

@@ -101,6 +101,7 @@ class LoadSet:
         self._following: list[tuple[Ints, float, Callable[[float], float]]] = []
         self._nodal: list[tuple[Ints, Floats, Callable[[float], float]]] = []
         self._moment: list[tuple[Ints, Floats, Callable[[float], float]]] = []
+        # Quads in ascending order; a quad may be loaded on several of its edges.
         self._by_quad: list[tuple[Ints, Floats, Callable[[float], float]]] = []
         for one in loads:
             if isinstance(one, Gravity):
@@ -115,7 +116,8 @@ class LoadSet:
             elif isinstance(one, Pressure):
                 if not np.isfinite(one.value):
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
-                quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
+                everywhere = one.quads is None
+                quads = np.arange(mesh.n_quad) if everywhere else np.sort(mesh.quad_set(one.quads))
                 if one.following:
                     self._following.append((quads, float(one.value), one.factor))
                 else:
@@ -161,19 +163,32 @@ class LoadSet:
             work += 0.5 * state.dt * float(((m + before) * spin).sum())
         return work
 
-    def fan_force(self, state: State, node: int, fan: Ints) -> Floats:
-        """Return the load on a node that comes through the quads ``fan`` [N], gravity left out."""
-        force = np.zeros(3)
-        for quads, rows, factor in self._by_quad:
-            for i in np.flatnonzero(np.isin(quads, fan)):
-                corner = state.quads[quads[i]] == node
-                force += factor(state.time) * rows[i][corner].sum(axis=0)
-        for quads, value, factor in self._following:
-            mine = np.intersect1d(quads, fan)
+    def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
+        """Add the load on a node that comes through a single quad, gravity left out [N].
+
+        Parameters
+        ----------
+        state : State
+            At t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        force : ndarray, shape (n, 3)
+            Added to.
+        """
+        for loaded, rows, factor in self._by_quad:
+            first = np.searchsorted(loaded, quads, side="left")
+            last = np.searchsorted(loaded, quads, side="right")
+            for i in np.flatnonzero(first < last).tolist():
+                corner = state.quads[quads[i]] == nodes[i]
+                mine = rows[first[i] : last[i], corner]
+                force[i] += factor(state.time) * mine.sum(axis=(0, 1))
+        for loaded, value, factor in self._following:
+            first = np.searchsorted(loaded, quads)
+            mine = np.flatnonzero(loaded[np.minimum(first, loaded.size - 1)] == quads)
             rows = np.empty((mine.size, 4, 3))
-            _pressure_rows(state.node.x, state.quads, mine, value * factor(state.time), rows)
-            force += rows[state.quads[mine] == node].sum(axis=0)
-        return force
+            pressure = value * factor(state.time)
+            _pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
+            force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
 
 
 def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:

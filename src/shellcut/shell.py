@@ -113,13 +113,27 @@ class MITC4Shell:
             director_force=n.director_force,
         )
 
-    def fan_force(self, state: State, node: int, fan: Ints, dt: float) -> Floats:
-        """Return minus the internal and damping force of the quads ``fan`` on a node [N]."""
+    def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
+        """Return minus the internal and damping force of single quads on one of their nodes [N].
+
+        Parameters
+        ----------
+        state : State
+            Positions at t_{n+1}, strains of t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        dt : float
+            Length of the step between [s].
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+        """
         s, p = self.section, self.points
-        force = np.zeros(3)
-        _add_fan_force(
-            node=node,
-            fan=fan,
+        force = np.empty((quads.size, 3))
+        _corner_forces(
+            which=quads,
+            nodes=nodes,
             x=state.node.x,
             t=state.node.t,
             quads=state.quads,
@@ -360,9 +374,9 @@ def _add_quad_forces(
 
 
 @kernel
-def _add_fan_force(
-    node: int,
-    fan: Ints,
+def _corner_forces(
+    which: Ints,
+    nodes: Ints,
     x: Floats,
     t: Floats,
     quads: Ints,
@@ -382,14 +396,14 @@ def _add_fan_force(
     strain: Floats,
     force: Floats,
 ) -> None:
-    """Add minus the force of the quads ``fan`` on ``node`` to ``force`` : (3,)."""
+    """Write minus the force of quad which[i] on its node nodes[i] to force : (n, 3)."""
     xe, te = np.empty((4, 3)), np.empty((4, 3))
     fx, ft = np.empty((4, 3)), np.empty((4, 3))
     s, r = np.empty(20), np.empty(20)
     ds, rd = np.empty(20), np.empty(20)
     trial = np.empty_like(history[0])
-    for i in range(fan.shape[0]):
-        e = fan[i]
+    for i in range(which.shape[0]):
+        e = which[i]
         _gather(x, quads, e, xe)
         _gather(t, quads, e, te)
         covariant_metric(xe, te, s)
@@ -407,6 +421,6 @@ def _add_fan_force(
             r[k] += rd[k]
         nodal_forces(xe, te, r, fx, ft)
         for a in range(4):
-            if quads[e, a] == node:
+            if quads[e, a] == nodes[i]:
                 for c in range(3):
-                    force[c] -= fx[a, c]
+                    force[i, c] = -fx[a, c]
