@@ -94,7 +94,7 @@ def tool_work(
     last_contact: Floats,
     last: Floats,
 ) -> tuple[float, float]:
-    """Return the work on the tool over a step [N·mm], of the contact alone and of contact and cables.
+    """Return the work on the tool over a step [N·mm], of the contact and of contact and cables.
 
     contact_wrench, cable_wrench : (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.
     spin, velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.  last_contact, last :
