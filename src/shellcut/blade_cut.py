@@ -8,11 +8,14 @@ nodes' positions only: no list of nodes of an expected path exists.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, kernel
 from ._vec3 import load
-from .cutting_edge import CUT_DEPTH, CuttingEdges, strip_coordinates, to_body
+from .cutting_edge import NORMAL, CuttingEdges, strip_coordinates, to_body
+from .near_nodes import NearNodes, in_box
 from .state import State
 from .tool import Tool
 
@@ -24,90 +27,111 @@ _PASSED_REACH = 0.5
 
 
 class BladeCut:
-    """The cutting edges seen from the nodes: who has been pierced, who has been passed."""
+    """The cutting edges seen from the nodes: who has been pierced, who has been passed.
 
-    def __init__(self, tool: Tool) -> None:
+    Parameters
+    ----------
+    tool : Tool
+        Whose edges cut.
+    largest_area : float
+        Of a quad [mm²], for how far beside the edge a node may lie.
+    """
+
+    def __init__(self, tool: Tool, largest_area: float) -> None:
         self._edges = CuttingEdges.of(tool)
-        points = tool.vertices[tool.edges.ravel()]
-        self._low = points.min(axis=0) - CUT_DEPTH
-        self._high = points.max(axis=0) + CUT_DEPTH
+        self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
+        self._near = NearNodes(self._low, self._high)
 
     def cut_nodes(
         self,
         state: State,
         tips: list[int],
-        rim: Ints,
+        rim: Bools,
         rotation: Floats,
         translation: Floats,
     ) -> dict[int, Floats]:
         """Return the unsupported nodes that the edge has cut and the blade's trace at each.
 
         The trace is the unit direction, in the sheet, in which the blade's mid-plane cuts it.
+        rim : (n,), whether a node lies on the film's own boundary; later ones do not.
         """
         n = state.node
-        tip = np.zeros(n.count, np.bool_)
-        tip[tips] = True
-        nearest_row = tip.copy()
-        nearest_row[rim] = True
-        edge_of = np.full(n.count, -1, np.int64)
-        _cut_nodes(
-            n_node=n.count,
+        self._near.renew(state, rotation, translation)
+        near = self._near.ids
+        edge_of = np.empty(near.size, np.int64)
+        n_cut = _cut_nodes(
+            near=near,
             x=n.x,
             supported=n.supported,
-            tip=tip,
-            nearest_row=nearest_row,
+            tips=np.array(tips, np.int64),
+            rim=rim,
             halved=n.halved,
             contact_area=n.contact_area,
             rotation=rotation,
             translation=translation,
             low=self._low,
             high=self._high,
-            start=self._edges.start,
-            vector=self._edges.vector,
-            normal=self._edges.normal,
-            back=self._edges.back,
+            segments=self._edges.segments,
+            body=self._edges.body,
             edge_of=edge_of,
         )
-        traces = {}
+        traces: dict[int, Floats] = {}
+        if n_cut == 0:
+            return traces
         for i in np.flatnonzero(edge_of >= 0).tolist():
-            trace = np.cross(n.t[i], rotation @ self._edges.normal[edge_of[i]])
-            traces[i] = trace / np.linalg.norm(trace)
+            node = int(near[i])
+            trace = np.cross(n.t[node], rotation @ self._edges.segments[edge_of[i], NORMAL])
+            traces[node] = trace / np.linalg.norm(trace)
         return traces
 
 
 @kernel
 def _cut_nodes(
-    n_node: int,
+    near: Ints,
     x: Floats,
     supported: Bools,
-    tip: Bools,
-    nearest_row: Bools,
+    tips: Ints,
+    rim: Bools,
     halved: Bools,
     contact_area: Floats,
     rotation: Floats,
     translation: Floats,
     low: Floats,
     high: Floats,
-    start: Floats,
-    vector: Floats,
-    normal: Floats,
-    back: Floats,
+    segments: Floats,
+    body: Ints,
     edge_of: Ints,
-) -> None:
-    """Write the edge segment that has cut each node into edge_of : (n_node,), or leave it."""
-    for n in range(n_node):
+) -> int:
+    """Write the segment that has cut each near node to edge_of : (n_near,), else -1; count them.
+
+    low, high : (n_body, 3), boxes around the strips of each tooth.  body : (n_edge,).
+    """
+    n_cut = 0
+    for i in range(near.shape[0]):
+        n = near[i]
+        edge_of[i] = -1
+        if supported[n]:
+            continue
+        tip = False
+        for k in range(tips.shape[0]):
+            tip = tip or tips[k] == n
         # A flank that the blade slides along is within reach of its edge, but has been cut.
-        if supported[n] or (halved[n] and not tip[n]):
+        if halved[n] and not tip:
             continue
         p = to_body(load(x, n), rotation, translation)
-        if not (low[0] < p[0] < high[0] and low[1] < p[1] < high[1] and low[2] < p[2] < high[2]):
-            continue
-        reach = np.sqrt(4.0 * contact_area[n]) * (
-            _PASSED_REACH if nearest_row[n] else _PIERCED_REACH
-        )
+        nearest_row = tip or (n < rim.shape[0] and rim[n])
+        reach = np.sqrt(4.0 * contact_area[n]) * (_PASSED_REACH if nearest_row else _PIERCED_REACH)
         shallowest = np.inf
-        for k in range(start.shape[0]):
-            _, lateral, depth, owns = strip_coordinates(p, k, start, vector, normal, back)
-            if owns and depth < shallowest and abs(lateral) <= reach:
-                shallowest = depth
-                edge_of[n] = k
+        for b in range(low.shape[0]):
+            if not in_box(p, low, high, b):
+                continue
+            for k in range(segments.shape[0]):
+                if body[k] != b:
+                    continue
+                _, lateral, depth, owns = strip_coordinates(p, k, segments)
+                if owns and depth < shallowest and abs(lateral) <= reach:
+                    shallowest = depth
+                    edge_of[i] = k
+        if edge_of[i] >= 0:
+            n_cut += 1
+    return n_cut

@@ -39,16 +39,19 @@ A branch shorter than ``SHORT_BRANCH`` keeps its last direction.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallInts, inline, kernel
+from ._jit import Floats, Ints, SmallInts, Vec3, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from .cohesive_law import CohesiveLaw, envelope, traction
 from .cutting_edge import (
+    NORMAL,
+    START,
     CuttingEdges,
     edge_point,
+    segment_part,
     strip_coordinates,
     to_body,
     to_space,
@@ -63,15 +66,13 @@ SHORT_BRANCH = 1e-3
 START_OPENING = 0.05
 """ell_b, opening over which the equilibrium-start force fades [mm]."""
 
-
 # A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
 # the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
 _BESIDE_REACH = 0.5
 _FACING = 0.5
 
 
-@dataclass(frozen=True)
-class CableForces:
+class CableForces(NamedTuple):
     """What the cables did in one evaluation."""
 
     wrench: Floats
@@ -123,30 +124,9 @@ class CableSet:
         couple = np.zeros(3)
         if c.count == 0:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
-        made = 0
-        if self.directional:
-            made = _find_joints(
-                n_cable=c.count,
-                x=n.x,
-                ends=c.ends,
-                rotation=rotation,
-                translation=translation,
-                edge_start=self._edges.start,
-                edge_vector=self._edges.vector,
-                edge_normal=self._edges.normal,
-                edge_back=self._edges.back,
-                m=c.m,
-                contact_area=n.contact_area,
-                onset=self.law.onset,
-                status=c.status,
-                edge=c.edge,
-                joint_body=c.joint_body,
-                joint=c.joint,
-                joint_slack=c.joint_slack,
-                overshoot=c.overshoot,
-            )
-        work, start_work, broken = _add_cable_forces(
+        work, start_work, made, broken = _add_cable_forces(
             n_cable=c.count,
+            directional=self.directional,
             x=n.x,
             velocity=n.velocity_half,
             dt=state.dt,
@@ -158,10 +138,13 @@ class CableSet:
             law=self._parameters,
             rotation=rotation,
             translation=translation,
-            edge=c.edge,
+            segments=self._edges.segments,
             edge_body=self._edges.body,
+            contact_area=n.contact_area,
+            edge=c.edge,
             joint_body=c.joint_body,
             joint_slack=c.joint_slack,
+            overshoot=c.overshoot,
             status=c.status,
             opening=c.opening,
             opening_max=c.opening_max,
@@ -215,77 +198,64 @@ class CableSet:
         return ends.ravel(), stiffness.ravel()
 
 
-@kernel
-def _find_joints(
-    n_cable: int,
-    x: Floats,
-    ends: Ints,
+@inline
+def _find_joint(
+    c: int,
+    x_minus: Vec3,
+    x_plus: Vec3,
+    m: Vec3,
+    onset: float,
+    reach: float,
     rotation: Floats,
     translation: Floats,
-    edge_start: Floats,
-    edge_vector: Floats,
-    edge_normal: Floats,
-    edge_back: Floats,
-    m: Floats,
-    contact_area: Floats,
-    onset: float,
-    status: SmallInts,
+    segments: Floats,
     edge: Ints,
     joint_body: Floats,
     joint: Floats,
     joint_slack: Floats,
     overshoot: Floats,
-) -> int:
-    """Bend every straight cable that a cutting edge has reached; return how many.
+) -> bool:
+    """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
-    Works in the body frame of the tool. edge_* : (n_edge, 3).  Writes the joint of the cables met.
+    Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  Writes
+    row c of the last five.
     """
-    made = 0
-    for c in range(n_cable):
-        if status[c] != STRAIGHT:
+    minus = to_body(x_minus, rotation, translation)
+    plus = to_body(x_plus, rotation, translation)
+    across = turn_back(m, rotation)
+    shallowest = np.inf
+    for k in range(segments.shape[0]):
+        a = segment_part(segments, k, START)
+        b = segment_part(segments, k, NORMAL)
+        side_minus = dot(sub(minus, a), b)
+        side_plus = dot(sub(plus, a), b)
+        share = 0.5
+        if side_minus * side_plus <= 0.0:
+            gap = side_minus - side_plus
+            share = side_minus / gap if gap != 0.0 else 0.5
+        elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
             continue
-        x_minus, x_plus = load(x, ends[c, 0]), load(x, ends[c, 1])
-        minus = to_body(x_minus, rotation, translation)
-        plus = to_body(x_plus, rotation, translation)
-        across = turn_back(load(m, c), rotation)
-        reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[ends[c, 0]])
-        shallowest = np.inf
-        for k in range(edge_start.shape[0]):
-            a = load(edge_start, k)
-            b = load(edge_normal, k)
-            side_minus = dot(sub(minus, a), b)
-            side_plus = dot(sub(plus, a), b)
-            share = 0.5
-            if side_minus * side_plus <= 0.0:
-                gap = side_minus - side_plus
-                share = side_minus / gap if gap != 0.0 else 0.5
-            elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
-                continue
-            crossing = combine(1.0 - share, minus, share, plus)
-            along, _, depth, owns = strip_coordinates(
-                crossing, k, edge_start, edge_vector, edge_normal, edge_back
-            )
-            if not owns or depth >= shallowest:
-                continue
-            shallowest = depth
-            p = edge_point(along, k, edge_start, edge_vector)
-            status[c] = JOINTED
-            edge[c] = k
-            overshoot[c] = depth
-            store(joint_body, c, p)
-            p = to_space(p, rotation, translation)
-            store(joint, c, p)
-            bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
-            straight = norm(combine(1.0, sub(x_plus, x_minus), onset, load(m, c))) - onset
-            joint_slack[c] = bent - straight
-        if status[c] == JOINTED:
-            made += 1
-    return made
+        crossing = combine(1.0 - share, minus, share, plus)
+        along, _, depth, owns = strip_coordinates(crossing, k, segments)
+        if not owns or depth >= shallowest:
+            continue
+        shallowest = depth
+        edge[c] = k
+        overshoot[c] = depth
+        p = edge_point(along, k, segments)
+        store(joint_body, c, p)
+        p = to_space(p, rotation, translation)
+        store(joint, c, p)
+        bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
+        straight = norm(combine(1.0, sub(x_plus, x_minus), onset, m)) - onset
+        joint_slack[c] = bent - straight
+    return shallowest < np.inf
 
 
 @kernel
 def _add_cable_forces(
     n_cable: int,
+    directional: bool,
     x: Floats,
     velocity: Floats,
     dt: float,
@@ -297,10 +267,13 @@ def _add_cable_forces(
     law: Floats,
     rotation: Floats,
     translation: Floats,
-    edge: Ints,
+    segments: Floats,
     edge_body: Ints,
+    contact_area: Floats,
+    edge: Ints,
     joint_body: Floats,
     joint_slack: Floats,
+    overshoot: Floats,
     status: SmallInts,
     opening: Floats,
     opening_max: Floats,
@@ -314,22 +287,43 @@ def _add_cable_forces(
     force: Floats,
     wrench: Floats,
     couple: Floats,
-) -> tuple[float, float, int]:
+) -> tuple[float, float, int, int]:
     """Add the forces of all live cables to force : (n_node, 3) and wrench : (n_body, 6).
 
-    velocity : (n_node, 3), moved x over the last step dt.  Writes the cables' opening, stress,
-    joint, branch directions, force and work.  Returns the work on law and start force, and how many
-    cables broke.
+    velocity : (n_node, 3), moved x over the last step dt.  segments : as CuttingEdges.  Writes the
+    cables' opening, stress, joint, branch directions, force and work.  Returns the work on law and
+    start force, how many joints were made and how many cables broke.
     """
     onset = law[7]
     work = 0.0
     start_work = 0.0
+    n_made = 0
     n_broken = 0
     for c in range(n_cable):
         if status[c] == BROKEN:
             continue
         i, j = ends[c, 0], ends[c, 1]
         minus, plus = load(x, i), load(x, j)
+        if directional and status[c] == STRAIGHT:
+            reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[i])
+            if _find_joint(
+                c,
+                minus,
+                plus,
+                load(m, c),
+                onset,
+                reach,
+                rotation,
+                translation,
+                segments,
+                edge,
+                joint_body,
+                joint,
+                joint_slack,
+                overshoot,
+            ):
+                status[c] = JOINTED
+                n_made += 1
         jointed = status[c] == JOINTED
         p = (0.0, 0.0, 0.0)
         p_moved = (0.0, 0.0, 0.0)
@@ -409,7 +403,7 @@ def _add_cable_forces(
             status[c] = BROKEN
             end_time[c] = time
             n_broken += 1
-    return work, start_work, n_broken
+    return work, start_work, n_made, n_broken
 
 
 @inline

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ._jit import Floats
-from .fan import open_edges
+from ._jit import Floats, Ints, kernel
+from ._vec3 import add, cross, load, norm, scale, sub
+from .fan import open_edge_copies
 from .frame import Frame
 from .simulation import Simulation
 from .state import BROKEN, JOINTED
@@ -36,7 +37,6 @@ def capture(
     s, n = sim.state, sim.state.n_node
     components, principal = _lamina_stress(sim)
     segments, jointed, traction = _cable_segments(sim)
-    crack = [list(copies) for copies in open_edges(s).values()]
     tool_points, tool_triangles, edges = np.zeros((0, 3)), np.zeros((0, 3), np.int64), None
     if sim.tool is not None:
         tool_points = sim.tool.vertices @ sim.rotation.T + sim.translation
@@ -54,7 +54,7 @@ def capture(
         quads=s.quads,
         quad_stress=components,
         quad_principal=principal,
-        crack_edges=np.array(crack, np.int64).reshape(-1, 2, 2),
+        crack_edges=open_edge_copies(s),
         cable_segments=segments,
         cable_state=jointed,
         cable_traction=traction,
@@ -69,21 +69,37 @@ def capture(
 def _lamina_stress(sim: Simulation) -> tuple[Floats, Floats]:
     """Return s11, s22, s12 in the frame of each quad's first edge, and the principal stresses."""
     s = sim.state
-    tensor = sim.shell.stress(s, np.arange(s.quads.shape[0]))
-    x = s.node.x[s.quads]
-    a1 = x[:, 1] + x[:, 2] - x[:, 0] - x[:, 3]
-    a2 = x[:, 2] + x[:, 3] - x[:, 0] - x[:, 1]
-    normal = np.cross(a1, a2)
-    e1 = a1 / np.linalg.norm(a1, axis=1, keepdims=True)
-    e2 = np.cross(normal, e1)
-    e2 /= np.linalg.norm(e2, axis=1, keepdims=True)
+    n = s.quads.shape[0]
+    tensor = sim.shell.stress(s, np.arange(n))
+    components, principal = np.empty((n, 3)), np.empty((n, 2))
+    _lamina_components(
+        x=s.node.x, quads=s.quads, tensor=tensor, components=components, principal=principal
+    )
+    return components, principal
 
-    def component(a: Floats, b: Floats) -> Floats:
-        return np.asarray(np.einsum("ei,eij,ej->e", a, tensor, b))
 
-    s11, s22, s12 = component(e1, e1), component(e2, e2), component(e1, e2)
-    mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)
-    return np.stack([s11, s22, s12], axis=1), np.stack([mean + radius, mean - radius], axis=1)
+@kernel
+def _lamina_components(
+    x: Floats, quads: Ints, tensor: Floats, components: Floats, principal: Floats
+) -> None:
+    """Write components : (n_quad, 3) and principal : (n_quad, 2) of tensor : (n_quad, 3, 3)."""
+    for e in range(quads.shape[0]):
+        x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
+        x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
+        a1 = sub(add(x1, x2), add(x0, x3))
+        normal = cross(a1, sub(add(x2, x3), add(x0, x1)))
+        e1 = scale(1.0 / norm(a1), a1)
+        e2 = cross(normal, e1)
+        e2 = scale(1.0 / norm(e2), e2)
+        s11 = s22 = s12 = 0.0
+        for i in range(3):
+            for j in range(3):
+                s11 += e1[i] * tensor[e, i, j] * e1[j]
+                s22 += e2[i] * tensor[e, i, j] * e2[j]
+                s12 += e1[i] * tensor[e, i, j] * e2[j]
+        mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)
+        components[e, 0], components[e, 1], components[e, 2] = s11, s22, s12
+        principal[e, 0], principal[e, 1] = mean + radius, mean - radius
 
 
 def _cable_segments(

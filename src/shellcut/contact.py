@@ -9,9 +9,10 @@ the mean reference area of the node's quads, and
 which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. The faces are
 frictionless: adhesion is in the joints of the cables.
 
-*Search.* Global: now and then the nodes in the bounding box of a tooth plus a margin are listed;
-the list lasts until tool and nodes together may have moved by half the margin. Local: every step
-each listed node looks up the closest triangles of its cell in a grid fixed to the tool.
+*Search.* Global: the nodes near a tooth are listed now and then (:mod:`shellcut.near_nodes`).
+Local: a listed node looks up the closest triangles of its cell in a grid fixed to the tool. One
+that is found outside keeps the place and its distance from the surface, and is passed over until it
+has come as far as that from there, seen from the tool: before, it cannot have touched it.
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
@@ -30,12 +31,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ._jit import Floats, Ints, SmallInts, inline, kernel
-from ._vec3 import cross, dot, load, store, sub
-from .cutting_edge import CuttingEdges, strip_coordinates, to_body, turn
+from ._vec3 import cross, dot, load, norm, store, sub
+from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
+from .near_nodes import NearNodes
 from .state import State
 from .tool import Tool
 from .tool_grid import ClosestTriangleGrid, signed_distance
@@ -49,13 +52,12 @@ JUMP = 0.01
 ABSORB_TIME = 2e-5
 """Decay time of an absorbed jump [s]."""
 
-# Search margin [mm]: large enough to last hundreds of steps, small beside a tooth.
-_MARGIN = 0.5
-
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
 _CLEARLY_BESIDE = 0.15
 
+# Taken off a distance from the surface, far above its round-off [mm].
+_ROUND_OFF = 1e-9
 
 # How far off the mid-plane a node may lie, in local edge lengths, for its quads to decide its side.
 _UNDECIDED = 0.1
@@ -86,8 +88,7 @@ class Contact:
             raise ValueError("; ".join(problems))
 
 
-@dataclass(frozen=True)
-class ContactForces:
+class ContactForces(NamedTuple):
     """What the contact did in one evaluation."""
 
     wrench: Floats
@@ -124,78 +125,58 @@ class PenaltyContact:
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
         ]
-        self._low = np.array([c.min(axis=(0, 1)) for c in corners]) - _MARGIN
-        self._high = np.array([c.max(axis=(0, 1)) for c in corners]) + _MARGIN
-        self._radius = float(np.linalg.norm(tool.vertices, axis=1).max())
-        self._pose = np.eye(3), np.zeros(3)
-        self._near = np.zeros(0, np.int64)
-        self._revision = -1
-        self._slack = 0.0
+        self.near = NearNodes(
+            np.array([c.min(axis=(0, 1)) for c in corners]),
+            np.array([c.max(axis=(0, 1)) for c in corners]),
+        )
+        """The nodes of the last global search."""
+        self._listed: Ints = self.near.ids
+        # Of each listed node: where it was found outside (body frame) and how far from the surface.
+        self._place, self._clear = np.zeros((0, 3)), np.zeros(0)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
         n = state.node
-        self._search(state, rotation, translation)
+        if self.near.renew(state, rotation, translation):
+            self._take_list(state)
         wrench = np.zeros((self.tool.n_body, 6))
         node_work, stored, n_inside, deepest = _add_contact_forces(
-            self._near,
-            n.x,
-            n.velocity_half,
-            state.dt,
-            rotation,
-            translation,
-            self._grid.arrays,
-            self.tool.triangle_normals,
-            self.tool.triangle_body,
-            self._edges.start,
-            self._edges.vector,
-            self._edges.normal,
-            self._edges.back,
-            state.quads,
-            n.quads,
-            n.n_quad_at,
-            n.contact_area,
-            self.parameters.penalty,
-            self.smoothing_depth,
-            n.contact_side,
-            n.contact_depth,
-            n.contact_offset,
-            n.contact_force,
-            n.force,
-            wrench,
+            near=self._listed,
+            x=n.x,
+            velocity=n.velocity_half,
+            dt=state.dt,
+            rotation=rotation,
+            translation=translation,
+            grid=self._grid.arrays,
+            reach=self._grid.reach,
+            triangle_body=self.tool.triangle_body,
+            segments=self._edges.segments,
+            quads=state.quads,
+            quads_at=n.quads,
+            n_quad_at=n.n_quad_at,
+            contact_area=n.contact_area,
+            penalty=self.parameters.penalty,
+            g_m=self.smoothing_depth,
+            place=self._place,
+            clear=self._clear,
+            side=n.contact_side,
+            depth=n.contact_depth,
+            offset=n.contact_offset,
+            contact_force=n.contact_force,
+            force=n.force,
+            wrench=wrench,
         )
         return ContactForces(wrench, node_work, stored, n_inside, deepest)
 
-    def near_nodes(self) -> Ints:
-        """Return the nodes of the last global search."""
-        return self._near
-
-    def _search(self, state: State, rotation: Floats, translation: Floats) -> None:
+    def _take_list(self, state: State) -> None:
+        """Go over to the new list; what has left it is outside."""
         n = state.node
-        # No point of the tool has moved by more than its origin plus the turn times its radius.
-        turn, shift = rotation - self._pose[0], translation - self._pose[1]
-        moved = math.sqrt(shift @ shift) + self._radius * math.sqrt(np.vdot(turn, turn))
-        self._pose = rotation, translation
-        if self._near.size:
-            speed = n.velocity_half[self._near]
-            moved += state.dt * float(np.abs(speed).max())
-        self._slack -= moved
-        if self._revision == state.revision and self._slack > 0.0:
-            return
-        body = (n.x[: n.count] - translation) @ rotation
-        inside = np.zeros(n.count, np.bool_)
-        for low, high in zip(self._low, self._high, strict=True):
-            inside |= ((body > low) & (body < high)).all(axis=1)
-        near = np.flatnonzero(inside)
-        left = np.setdiff1d(self._near, near)
+        left = np.setdiff1d(self._listed, self.near.ids)
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
-        self._near = near
-        self._revision = state.revision
-        # A node outside the list is at least the margin away; half is spent before the next search
-        # so that nodes not in the list, whose speed is not watched, may move by the other half.
-        self._slack = 0.5 * _MARGIN
+        self._listed = self.near.ids
+        self._place, self._clear = np.zeros((self._listed.size, 3)), np.zeros(self._listed.size)
 
 
 @inline
@@ -223,10 +204,7 @@ def _side_of_quads(
     x: Floats,
     rotation: Floats,
     translation: Floats,
-    start: Floats,
-    vector: Floats,
-    normal: Floats,
-    back: Floats,
+    segments: Floats,
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
@@ -237,8 +215,8 @@ def _side_of_quads(
     size = np.sqrt(4.0 * contact_area[n])
     k_best = -1
     shallowest = np.inf
-    for k in range(start.shape[0]):
-        _, lateral, depth, owns = strip_coordinates(here, k, start, vector, normal, back)
+    for k in range(segments.shape[0]):
+        _, lateral, depth, owns = strip_coordinates(here, k, segments)
         # Near the mid-plane only; the strip of the tooth across the ring reaches here too.
         if owns and depth < shallowest and abs(lateral) < _UNDECIDED * size:
             shallowest = depth
@@ -254,7 +232,7 @@ def _side_of_quads(
             cy += weight * x[other, 1]
             cz += weight * x[other, 2]
     centre = to_body((cx, cy, cz), rotation, translation)
-    beside = dot(sub(centre, here), load(normal, k_best))
+    beside = dot(sub(centre, here), segment_part(segments, k_best, NORMAL))
     if abs(beside) < _CLEARLY_BESIDE * size:
         return 0
     return 1 if beside > 0.0 else -1
@@ -269,18 +247,17 @@ def _add_contact_forces(
     rotation: Floats,
     translation: Floats,
     grid: tuple,  # type: ignore[type-arg]
-    triangle_normals: Floats,
+    reach: float,
     triangle_body: Ints,
-    start: Floats,
-    vector: Floats,
-    normal: Floats,
-    back: Floats,
+    segments: Floats,
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
     contact_area: Floats,
     penalty: float,
     g_m: float,
+    place: Floats,
+    clear: Floats,
     side: SmallInts,
     depth: Floats,
     offset: Floats,
@@ -290,11 +267,13 @@ def _add_contact_forces(
 ) -> tuple[float, float, int, float]:
     """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
 
-    Writes side, depth, offset and contact_force of these nodes. Returns the work on the nodes over
-    the last step, the stored energy, how many are inside and the largest depth.
+    place : (n_near, 3) and clear : (n_near,): a node closer to its place in the body frame than
+    clear is outside.  Writes both, and side, depth, offset and contact_force of these nodes.
+    Returns the work on the nodes over the last step, the stored energy, how many are inside and the
+    largest depth.
     """
     decay = np.exp(-dt / ABSORB_TIME)
-    flank = grid[7]
+    flank, pseudo_normals = grid[7], grid[8]
     work = 0.0
     stored = 0.0
     n_inside = 0
@@ -302,8 +281,14 @@ def _add_contact_forces(
     for i in range(near.shape[0]):
         n = near[i]
         p = to_body(load(x, n), rotation, translation)
+        if norm(sub(p, load(place, i))) < clear[i]:
+            continue
         found, inside, triangle, q = signed_distance(p, side[n], *grid)
         if not (found and inside):
+            # With a side kept, q is the closest point of that side only: look again next time.
+            if side[n] == 0:
+                clear[i] = (norm(sub(p, q)) if found else reach) - _ROUND_OFF
+                store(place, i, p)
             if (
                 contact_force[n, 0] != 0.0
                 or contact_force[n, 1] != 0.0
@@ -321,10 +306,7 @@ def _add_contact_forces(
                 x,
                 rotation,
                 translation,
-                start,
-                vector,
-                normal,
-                back,
+                segments,
                 quads,
                 quads_at,
                 n_quad_at,
@@ -335,7 +317,12 @@ def _add_contact_forces(
             side[n] = lies
             if lies * flank[triangle] < 0:
                 _, _, triangle, q = signed_distance(p, lies, *grid)
-        outward = load(triangle_normals, triangle)
+        clear[i] = 0.0
+        outward = (
+            pseudo_normals[triangle, 0, 0],
+            pseudo_normals[triangle, 0, 1],
+            pseudo_normals[triangle, 0, 2],
+        )
         g = dot(sub(q, p), outward)
         if g - depth[n] > JUMP:
             offset[n] += g - depth[n]

@@ -27,24 +27,19 @@ trace of the blade's mid-plane in the sheet.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from ._jit import Floats, Ints
 from .blade_cut import BladeCut
-from .fan import arriving, fans_of, origin_edge
 from .load import LoadSet
+from .parting import Parting, PartingTable, partings_of
 from .recovery import recover
 from .shell import MITC4Shell
-from .state import BROKEN, State
+from .state import State
 from .tool import Tool
-
-# Cosines of two turns that count as the same.
-_SAME_TURN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -129,18 +124,6 @@ class Split:
     blade: bool
 
 
-@dataclass(frozen=True)
-class _Option:
-    """One way to part the quads of a node; geometry of the reference and of the topology only."""
-
-    minus: tuple[int, ...]
-    plus: tuple[int, ...]
-    back: tuple[int, ...]
-    ahead: tuple[int, ...]
-    half_edges: tuple[tuple[int, float], ...]
-    length: float
-
-
 class SplitCriterion:
     """Find the nodes that must split.
 
@@ -174,12 +157,17 @@ class SplitCriterion:
         self._strength = strength
         self._shell = shell
         self._loads = loads
-        self._blade = BladeCut(tool) if tool is not None and fracture.blade_cut else None
+        self._blade = None
+        if tool is not None and fracture.blade_cut:
+            self._blade = BladeCut(tool, float(shell.area.max()))
         self._free_edges = free_edges
-        self._rim = rim
+        self._rim = np.zeros(int(rim.max(initial=-1)) + 1, np.bool_)
+        self._rim[rim] = True
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
-        self._options: dict[int, list[_Option]] = {}
-        self._options_revision = -1
+        self._partings: dict[int, list[Parting]] = {}
+        self._table: PartingTable | None = None
+        self._nodes: list[int] = []
+        self._revision = -1
         self.n_borrowed = 0
         """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
 
@@ -199,51 +187,78 @@ class SplitCriterion:
         dt : float
             Length of the step that led here [s].
         """
-        if self._options_revision != state.revision:
-            self._options.clear()
-            self._options_revision = state.revision
+        self._forget(state)
         tips = [n for n in tips if not state.node.supported[n]]
         found: list[Split] = []
         cut: dict[int, Floats] = {}
         if self._blade is not None:
             cut = self._blade.cut_nodes(state, tips, self._rim, rotation, translation)
-            for n, trace in cut.items():
-                split = self._along_blade(state, n, trace, dt)
-                if split is not None:
-                    found.append(split)
-        nodes = tips if self.fracture.candidates == "tips" else range(state.n_node)
-        rest = [n for n in nodes if n not in cut and not state.node.supported[n]]
-        if self.fracture.criterion == "force":
-            found += [s for n in rest if (s := self._by_force(state, n, dt)) and s.measure >= 1.0]
+            found += self._along_blade(state, cut, dt)
+        if self.fracture.candidates == "tips":
+            nodes = tips
         else:
-            found += self._by_stress(state, rest, tips, dt)
-        return _strongest_apart(found)
+            nodes = np.flatnonzero(~state.node.supported[: state.n_node]).tolist()
+        if cut:
+            nodes = [n for n in nodes if n not in cut]
+        by_measure = self._by_force if self.fracture.criterion == "force" else self._by_stress
+        return _strongest_apart(found + by_measure(state, nodes, tips, dt))
 
-    def _along_blade(self, state: State, node: int, trace: Floats, dt: float) -> Split | None:
-        options = self._admissible(state, node)
-        if not options:
-            return None
+    def _forget(self, state: State) -> None:
+        """Drop what splits since the last call have changed: all around the nodes they split."""
+        if self._revision == state.revision:
+            return
+        for record in state.split_log[max(self._revision, 0) :]:
+            for half in (record.node, record.twin):
+                around = state.node.quads[half, : state.node.n_quad_at[half]]
+                for n in np.unique(state.quads[around]).tolist():
+                    self._partings.pop(n, None)
+        self._table = None
+        self._revision = state.revision
 
-        def misfit(option: _Option) -> float:
+    def _weighed(self, state: State, nodes: list[int], dt: float) -> PartingTable:
+        """Return the partings of some nodes, weighed."""
+        if self._table is None or self._nodes != nodes:
+            mass, free = self._shell.mass, self._free_edges
+            for n in nodes:
+                if n not in self._partings:
+                    self._partings[n] = partings_of(state, n, mass, free)
+            self._table = PartingTable(self._shell, self._loads, [self._partings[n] for n in nodes])
+            self._nodes = nodes
+        self._table.weigh(state, dt)
+        return self._table
+
+    def _along_blade(self, state: State, cut: dict[int, Floats], dt: float) -> list[Split]:
+        if not cut:
+            return []
+        table = self._weighed(state, list(cut), dt)
+        measure = self._measure(table)
+        found = []
+        for i, trace in enumerate(cut.values()):
             # The crack through the node shall follow the trace, either way along it.
-            e = _direction(state, node, option)
-            return -abs(float(e @ trace))
+            ways = table.admissible(i, self._cos_limit)
+            if ways:
+                along = np.abs(table.direction[ways] @ trace)
+                best = ways[int(np.argmax(along))]
+                found.append(self._split(table, best, float(measure[best]), blade=True))
+        return found
 
-        option = min(options, key=misfit)
-        return self._weigh(state, node, option, dt, blade=True)
-
-    def _by_force(self, state: State, node: int, dt: float) -> Split | None:
-        options = self._admissible(state, node)
-        best, largest = None, -np.inf
-        for option in options:
-            split = self._weigh(state, node, option, dt, blade=False)
-            # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord
-            # from crack to crack: dividing by it compares normal tractions, dividing by the area
-            # (the measure) would favour short edges.
-            traction = float(split.force @ split.m) / _chord(state, node, option)
-            if traction > largest:
-                best, largest = split, traction
-        return best
+    def _by_force(self, state: State, nodes: list[int], _tips: list[int], dt: float) -> list[Split]:
+        table = self._weighed(state, nodes, dt)
+        measure = self._measure(table)
+        if not (measure >= 1.0).any():
+            return []
+        # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord from
+        # crack to crack: dividing by it compares normal tractions, dividing by the area (the
+        # measure) would favour short edges.
+        traction = table.pull / table.chord
+        found = []
+        for i in range(len(nodes)):
+            ways = table.admissible(i, self._cos_limit)
+            if ways:
+                best = ways[int(np.argmax(traction[ways]))]
+                if measure[best] >= 1.0:
+                    found.append(self._split(table, best, float(measure[best])))
+        return found
 
     def _by_stress(self, state: State, nodes: list[int], tips: list[int], dt: float) -> list[Split]:
         if not nodes:
@@ -256,186 +271,38 @@ class SplitCriterion:
             tips=tips,
         )
         self.n_borrowed += stress.n_borrowed
+        over = np.flatnonzero(stress.principal >= self._strength).tolist()
+        if not over:
+            return []
+        table = self._weighed(state, [nodes[i] for i in over], dt)
         found = []
-        for i in np.flatnonzero(stress.principal >= self._strength):
-            n, pull = nodes[i], stress.direction[i]
-            options = self._admissible(state, n)
-            if not options:
-                continue
-            option = min(options, key=lambda o: abs(float(_direction(state, n, o) @ pull)))
-            split = self._weigh(state, n, option, dt, blade=False)
-            found.append(
-                Split(
-                    split.node,
-                    split.minus,
-                    split.plus,
-                    split.half_edges,
-                    split.m,
-                    float(stress.principal[i] / self._strength),
-                    split.force,
-                    False,
-                )
-            )
+        for row, i in enumerate(over):
+            ways = table.admissible(row, self._cos_limit)
+            if ways:
+                across = np.abs(table.direction[ways] @ stress.direction[i])
+                measure = float(stress.principal[i] / self._strength)
+                found.append(self._split(table, ways[int(np.argmin(across))], measure))
         return found
 
-    def _admissible(self, state: State, node: int) -> list[_Option]:
-        if node not in self._options:
-            self._options[node] = self._enumerate(state, node)
-        options = self._options[node]
-        if not options:
-            return []
-        cosines = [self._turn_cosine(state, node, option) for option in options]
-        # Where every edge turns by more than the limit, as at a node of three quads, the least turn
-        # is taken: a crack must not stop for want of mesh lines.
-        least = min(self._cos_limit, max(cosines))
-        return [o for o, cos in zip(options, cosines, strict=True) if cos >= least - _SAME_TURN]
-
-    def _enumerate(self, state: State, node: int) -> list[_Option]:
-        fans = fans_of(state, node)
-        cracks = arriving(state, fans)
-        first = fans[0]
-        if len(fans) > 1:
-            rest = tuple(e for fan in fans[1:] for e in fan.quads)
-            mine = {first.far[0], first.far[-1]}
-            pairs = [p for p in cracks if mine & set(p)]
-            # The first fan lies to the right of the way from back to ahead.
-            ahead = next((p for p in pairs if p[0] == first.far[-1]), ())
-            behind = next((p for p in pairs if p[1] == first.far[0] and p != ahead), ())
-            return [self._option(state, node, first.quads, rest, behind, ahead, [])]
-        far = first.far
-        if first.closed:
-            return [
-                self._option(
-                    state,
-                    node,
-                    first.quads[i:j],
-                    first.quads[j:] + first.quads[:i],
-                    (far[i],),
-                    (far[j],),
-                    [far[i], far[j]],
-                )
-                for i, j in combinations(range(len(far)), 2)
-            ]
-        back: tuple[int, ...] = cracks[0] if cracks else ()
-        return [
-            self._option(state, node, first.quads[:j], first.quads[j:], back, (far[j],), [far[j]])
-            for j in range(1, len(first.quads))
-        ]
-
-    def _option(
-        self,
-        state: State,
-        node: int,
-        minus: tuple[int, ...],
-        plus: tuple[int, ...],
-        back: tuple[int, ...],
-        ahead: tuple[int, ...],
-        leaving: list[int],
-    ) -> _Option:
-        # Each arriving crack counts once; ``back`` and ``ahead`` name both its flank copies.
-        ends = {int(state.node.origin[n]): n for n in (*back, *ahead, *leaving)}
-        halves = []
-        for origin, n in ends.items():
-            if origin_edge(state, node, n) not in self._free_edges:
-                edge = state.node.X[n] - state.node.X[node]
-                halves.append((origin, 0.5 * float(np.linalg.norm(edge))))
-        length = sum(half for _, half in halves)
-        return _Option(minus, plus, back, ahead, tuple(halves), length)
-
-    def _turn_cosine(self, state: State, node: int, option: _Option) -> float:
-        """Return the cosine of the crack's turn at the node."""
-        if not (option.back and option.ahead) or len(option.ahead) > 1:
-            return 1.0  # nothing to turn from, or a bridge: nothing to choose
-        x = state.node.x
-        arrive = x[node] - _middle(x, option.back)
-        leave = x[option.ahead[0]] - x[node]
-        return float(arrive @ leave) / math.sqrt(float((arrive @ arrive) * (leave @ leave)))
-
-    def _weigh(self, state: State, node: int, option: _Option, dt: float, *, blade: bool) -> Split:
-        e = _direction(state, node, option)
-        t = state.node.t[node]
-        m = np.array(
-            [t[1] * e[2] - t[2] * e[1], t[2] * e[0] - t[0] * e[2], t[0] * e[1] - t[1] * e[0]]
-        )
-        m /= math.sqrt(m @ m)
-        f1, m1 = self._side(state, node, option.minus, dt)
-        f2, m2 = self._side(state, node, option.plus, dt)
-        force = (m1 * f2 - m2 * f1) / (m1 + m2)
-        area = self._shell.material.thickness * option.length
-        pull = float(force @ m)
+    def _measure(self, table: PartingTable) -> Floats:
+        """Return the force measure of all partings, shape (n_parting,)."""
+        carried = self._strength * self._shell.material.thickness * table.length
         # A split that opens free edges only has nothing to hold it: due as soon as it is pulled.
-        measure = pull / (self._strength * area) if area > 0 else (np.inf if pull > 0 else -np.inf)
-        return Split(node, option.minus, option.plus, option.half_edges, m, measure, force, blade)
+        measure = np.where(table.pull > 0.0, np.inf, -np.inf)
+        return np.divide(table.pull, carried, out=measure, where=carried > 0.0)
 
-    def _side(
-        self, state: State, node: int, quads: tuple[int, ...], dt: float
-    ) -> tuple[Floats, float]:
-        """Return the force on one side of a split node and the side's mass."""
-        fan = np.array(quads, np.int64)
-        force = self._shell.fan_force(state, node, fan, dt) + self._loads.fan_force(
-            state, node, fan
+    def _split(self, table: PartingTable, k: int, measure: float, *, blade: bool = False) -> Split:
+        way = table.ways[k]
+        return Split(
+            way.node,
+            way.minus,
+            way.plus,
+            way.half_edges,
+            table.m[k].copy(),
+            measure,
+            table.force[k].copy(),
+            blade,
         )
-        force += cable_share(state, node, quads)
-        corner = np.argmax(state.quads[fan] == node, axis=1)
-        return force, float(self._shell.mass[fan, corner].sum())
-
-
-def cable_share(state: State, node: int, quads: tuple[int, ...]) -> Floats:
-    """Return the cable forces on a node that go with some of its quads [N].
-
-    Each half-edge of a cable belongs to the quads that own its flank.
-    """
-    c, force = state.cable, np.zeros(3)
-    which, side = np.nonzero(c.ends[: c.count] == node)
-    for k, s in zip(which.tolist(), side.tolist(), strict=True):
-        if c.status[k] == BROKEN:
-            continue
-        mine = sum(
-            float(c.half_edge[k, i])
-            for i in range(2)
-            if c.half_edge[k, i] > 0 and owns_flank(state, node, quads, int(c.half_edge_far[k, i]))
-        )
-        force += c.force[k, s] * (mine / float(c.half_edge[k].sum()))
-    return force
-
-
-def owns_flank(state: State, node: int, quads: tuple[int, ...], far_origin: int) -> bool:
-    """Whether one of the quads at a node has the edge to a far end of the given origin."""
-    for e in quads:
-        ring = state.quads[e].tolist()
-        a = ring.index(node)
-        if far_origin in (
-            int(state.node.origin[ring[(a + 1) % 4]]),
-            int(state.node.origin[ring[a - 1]]),
-        ):
-            return True
-    return False
-
-
-def _direction(state: State, node: int, option: _Option) -> Floats:
-    """Return the unit direction in which a crack would run through the node."""
-    e = _way(state, node, option)
-    e -= (e @ state.node.t[node]) * state.node.t[node]
-    return np.asarray(e / math.sqrt(e @ e))
-
-
-def _chord(state: State, node: int, option: _Option) -> float:
-    """Return the distance from where a crack would come to where it would go [mm]."""
-    way = _way(state, node, option)
-    return math.sqrt(way @ way)
-
-
-def _way(state: State, node: int, option: _Option) -> Floats:
-    x = state.node.x
-    start = _middle(x, option.back) if option.back else x[node]
-    end = _middle(x, option.ahead) if option.ahead else x[node]
-    return np.asarray(end - start)
-
-
-def _middle(x: Floats, nodes: tuple[int, ...]) -> Floats:
-    """Return the place of one node, or the middle of a crack's two flank copies."""
-    one = x[nodes[0]]
-    return np.asarray(one if len(nodes) == 1 else 0.5 * (one + x[nodes[1]]))
 
 
 def _strongest_apart(found: list[Split]) -> list[Split]:

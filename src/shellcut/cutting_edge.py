@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._jit import Floats, Ints, Vec3, inline
-from ._vec3 import combine, dot, load, norm, sub
+from ._vec3 import combine, dot, norm, sub
 from .tool import Tool
 
 CUT_DEPTH = 1.5
@@ -28,19 +28,16 @@ CUT_DEPTH = 1.5
 # widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
 _STRIP_SLOPE = 0.2
 
+START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
+"""Rows of :attr:`CuttingEdges.segments`."""
+
 
 @dataclass(frozen=True, eq=False)
 class CuttingEdges:
-    """The cutting-edge segments of a tool as kernels take them, shape (n_edge, 3) each."""
+    """The cutting-edge segments of a tool as kernels take them."""
 
-    start: Floats
-    """a [mm]"""
-    vector: Floats
-    """L e [mm]"""
-    normal: Floats
-    """b"""
-    back: Floats
-    """k"""
+    segments: Floats
+    """a [mm], L e [mm], b and k of each segment, shape (n_edge, 4, 3)."""
     body: Ints
     """Tooth of each segment, shape (n_edge,)."""
 
@@ -48,35 +45,56 @@ class CuttingEdges:
     def of(cls, tool: Tool | None) -> CuttingEdges:
         """Collect the segments of a tool; none of no tool."""
         if tool is None:
-            none = np.zeros((0, 3))
-            return cls(none, none, none, none, np.zeros(0, np.int64))
-        start = np.ascontiguousarray(tool.vertices[tool.edges[:, 0]])
-        vector = tool.vertices[tool.edges[:, 1]] - start
-        return cls(start, vector, tool.edge_normal, tool.edge_back, tool.edge_body)
+            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64))
+        start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
+        rows = [start, end - start, tool.edge_normal, tool.edge_back]
+        return cls(np.stack(rows, axis=1), tool.edge_body)
+
+    def strip_boxes(self, beside: float) -> tuple[Floats, Floats]:
+        """Return boxes around the strips of each tooth, low and high corners : (n_body, 3) [mm].
+
+        Every point that a segment of the tooth owns, within ``beside`` [mm] of its mid-plane, lies
+        in the box of that tooth.
+        """
+        start, vector, normal, back = (self.segments[:, part] for part in range(4))
+        unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
+        widened = _STRIP_SLOPE * CUT_DEPTH * unit
+        deep = CUT_DEPTH * back
+        end = start + vector
+        corners = np.stack([start, end, start - widened + deep, end + widened + deep], axis=1)
+        aside = beside * np.abs(normal)[:, None]
+        mine = [self.body == b for b in range(int(self.body.max()) + 1)]
+        low = [(corners - aside)[m].min(axis=(0, 1)) for m in mine]
+        high = [(corners + aside)[m].max(axis=(0, 1)) for m in mine]
+        return np.array(low), np.array(high)
 
 
 @inline
-def strip_coordinates(
-    p: Vec3, k: int, start: Floats, vector: Floats, normal: Floats, back: Floats
-) -> tuple[float, float, float, bool]:
+def segment_part(segments: Floats, k: int, part: int) -> Vec3:
+    """Return a (``START``), L e (``VECTOR``), b (``NORMAL``) or k (``BACK``) of segment k."""
+    return segments[k, part, 0], segments[k, part, 1], segments[k, part, 2]
+
+
+@inline
+def strip_coordinates(p: Vec3, k: int, segments: Floats) -> tuple[float, float, float, bool]:
     """Return along, lateral, depth [mm] of a point, and whether segment k owns it."""
-    d = sub(p, load(start, k))
-    v = load(vector, k)
+    d = sub(p, segment_part(segments, k, START))
+    v = segment_part(segments, k, VECTOR)
     length = norm(v)
     along = dot(d, v) / length
-    lateral = dot(d, load(normal, k))
-    depth = dot(d, load(back, k))
+    lateral = dot(d, segment_part(segments, k, NORMAL))
+    depth = dot(d, segment_part(segments, k, BACK))
     slack = _STRIP_SLOPE * depth
     owns = 0.0 <= depth < CUT_DEPTH and -slack <= along <= length + slack
     return along, lateral, depth, owns
 
 
 @inline
-def edge_point(along: float, k: int, start: Floats, vector: Floats) -> Vec3:
+def edge_point(along: float, k: int, segments: Floats) -> Vec3:
     """Return the point of segment k at ``along``, clipped to the segment [mm]."""
-    v = load(vector, k)
+    v = segment_part(segments, k, VECTOR)
     s = min(max(along / norm(v), 0.0), 1.0)
-    return combine(1.0, load(start, k), s, v)
+    return combine(1.0, segment_part(segments, k, START), s, v)
 
 
 @inline

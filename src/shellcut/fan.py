@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ._jit import Ints
 from .state import State
 
 Edge = tuple[int, int]
@@ -99,10 +100,17 @@ def is_tip(state: State, node: int) -> bool:
     return bool(arriving(state, fans_of(state, node)))
 
 
-def boundary_edges(state: State) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+def boundary_edges(state: State) -> Ints:
     """Return the edges with one quad, shape (n, 2), each in the direction of its quad."""
-    pair = np.stack([state.quads, np.roll(state.quads, -1, axis=1)], axis=2).reshape(-1, 2)
-    key = np.sort(pair, axis=1) @ np.array([state.n_node, 1])
+    return _with_one_quad(_edges_of(state.quads), state.n_node)
+
+
+def _edges_of(quads: Ints) -> Ints:
+    return np.asarray(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2))
+
+
+def _with_one_quad(pair: Ints, n_node: int) -> Ints:
+    key = np.sort(pair, axis=1) @ np.array([n_node, 1])
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
     return np.asarray(pair[count[inverse] == 1])
 
@@ -113,17 +121,33 @@ def origin_edge(state: State, i: int, j: int) -> Edge:
     return (a, b) if a < b else (b, a)
 
 
-def open_edges(state: State) -> dict[Edge, list[tuple[int, int]]]:
-    """Return the crack and notch edges: reference edge -> its two flank copies (node pairs).
+def open_edge_copies(state: State) -> Ints:
+    """Return the crack and notch edges as their two flank copies, shape (n, 2, 2).
 
     The node order of both copies is that of the reference edge.
     """
-    flanks: dict[Edge, list[tuple[int, int]]] = {}
-    for i, j in boundary_edges(state).tolist():
-        edge = origin_edge(state, i, j)
-        copy = (i, j) if int(state.node.origin[i]) == edge[0] else (j, i)
-        flanks.setdefault(edge, []).append(copy)
-    return {edge: copies for edge, copies in flanks.items() if len(copies) == 2}
+    # One end of an open edge has been split: only there is anything to look at.
+    halved, origin = state.node.halved, state.node.origin
+    edges = _edges_of(state.quads[halved[state.quads].any(axis=1)])
+    pair = _with_one_quad(edges[halved[edges].any(axis=1)], state.n_node)
+    backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
+    pair[backwards] = pair[backwards, ::-1]
+    key = origin[pair] @ np.array([state.n_node, 1])
+    order = np.argsort(key, kind="stable")
+    key, pair = key[order], pair[order]
+    _, first, count = np.unique(key, return_index=True, return_counts=True)
+    first = first[count == 2]
+    return np.asarray(np.stack([pair[first], pair[first + 1]], axis=1))
+
+
+def open_edges(state: State) -> dict[Edge, list[Edge]]:
+    """Return the crack and notch edges: reference edge -> its two flank copies (node pairs)."""
+    copies = open_edge_copies(state)
+    reference = state.node.origin[copies[:, 0]].tolist()
+    return {
+        (a, b): [(i, j), (k, m)]
+        for (a, b), ((i, j), (k, m)) in zip(reference, copies.tolist(), strict=True)
+    }
 
 
 def crack_tips(state: State) -> list[int]:

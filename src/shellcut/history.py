@@ -10,12 +10,12 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import BinaryIO, Literal
 
 import numpy as np
 
 from .frame import Floats
+from .growing_file import GrowingFile
 
 _FORBIDDEN = ',"[]\r\n'
 _SHOWN_BYTES = 120  # as much of a foreign file's first line as an error message quotes
@@ -38,22 +38,18 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
     return columns
 
 
-class HistoryWriter:
+class HistoryWriter(GrowingFile):
     """Write rows of named numbers to a CSV file, e.g. ``time [s],angle [deg],torque [N*mm]``.
 
     Parameters
     ----------
     path : str or Path
-        The file. Mode ``"w"`` replaces an existing file: a run owns its output folder and
-        overwrites what an earlier run left there.
+        The file.
     columns : sequence of (name, unit)
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
-    mode : {"w", "a"}
-        ``"a"`` goes on with the file of an interrupted run (its columns must be the same); an
-        unfinished last line is dropped. Without a file it begins one.
-    until : float, optional
-        Only with ``"a"``: rows whose first column exceeds this value, in its unit, are dropped
-        first. A run that restarts from a checkpoint thus writes no row twice.
+    mode, until
+        As :class:`GrowingFile`; an unfinished last line is dropped, and with ``until`` the rows
+        whose first column exceeds it, in its unit.
 
     Raises
     ------
@@ -70,15 +66,11 @@ class HistoryWriter:
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
     ) -> None:
-        self.path = Path(path)
+        super().__init__(path, mode=mode, until=until)
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self._names = tuple(name for name, _ in self.columns)
         self._check_columns()
-        if mode not in ("w", "a"):
-            raise ValueError(f"mode must be 'w' or 'a', got {mode!r}")
-        if mode == "w" and until is not None:
-            raise ValueError("until needs mode 'a'")
-        if mode == "a" and self.path.exists():
+        if self.goes_on:
             kept = self._kept_bytes(until)
             self._file: BinaryIO = self.path.open("r+b", buffering=0)
             self._file.truncate(kept)
@@ -106,17 +98,6 @@ class HistoryWriter:
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
-
-    def __enter__(self) -> HistoryWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _check_columns(self) -> None:
         if not self.columns:

@@ -107,7 +107,7 @@ class LoadSet:
     ) -> None:
         self._workers = workers or Workers(0)
         self._dead: list[_DeadLoad] = []
-        self._following: list[tuple[Ints, float, Factor]] = []
+        self._following: list[tuple[Bools, float, Factor]] = []
         self._nodal: list[tuple[Ints, Floats, Factor]] = []
         self._moment: list[tuple[Ints, Floats, Factor]] = []
         for one in loads:
@@ -125,10 +125,12 @@ class LoadSet:
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
-                    self._following.append((quads, float(one.value), one.factor))
+                    pressed = np.zeros(mesh.n_quad, np.bool_)
+                    pressed[quads] = True
+                    self._following.append((pressed, float(one.value), one.factor))
                 else:
-                    pressed = _Pressed(mesh, quads, float(one.value))
-                    self._dead.append(_DeadLoad(one.factor, pressed))
+                    rule = _Pressed(mesh, quads, float(one.value))
+                    self._dead.append(_DeadLoad(one.factor, rule))
             else:
                 self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
 
@@ -145,7 +147,8 @@ class LoadSet:
             work += dt * float((n.velocity_half[ids] @ mean).sum())
         if self._following:
             total = np.zeros((n.count, 3))
-            for quads, value, factor in self._following:
+            for pressed, value, factor in self._following:
+                quads = np.flatnonzero(pressed)
                 rows = np.empty((quads.size, 4, 3))
                 _pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
                 _scatter_rows(state.quads, quads, rows, total)
@@ -185,18 +188,28 @@ class LoadSet:
             np.add.at(total, ids, factor(state.time) * force)
         return float(np.abs(total).max(initial=0.0))
 
-    def fan_force(self, state: State, node: int, fan: Ints) -> Floats:
-        """Return the load on a node that comes through the quads ``fan`` [N], gravity left out."""
-        force = np.zeros(3)
+    def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
+        """Add the load on a node that comes through a single quad, gravity left out [N].
+
+        Parameters
+        ----------
+        state : State
+            At t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        force : ndarray, shape (n, 3)
+            Added to.
+        """
         for load in self._dead:
             if not isinstance(load.rule, _Weight):
-                force += load.factor(state.time) * load.rule.through(state, node, fan)
-        for quads, value, factor in self._following:
-            mine = np.intersect1d(quads, fan)
+                factor = load.factor(state.time)
+                force += factor * load.rule.through(state, quads, nodes)
+        for loaded, value, factor in self._following:
+            mine = np.flatnonzero(loaded[quads])
             rows = np.empty((mine.size, 4, 3))
-            _pressure_rows(state.node.x, state.quads, mine, value * factor(state.time), rows)
-            force += rows[state.quads[mine] == node].sum(axis=0)
-        return force
+            pressure = value * factor(state.time)
+            _pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
+            force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
 
 
 class _Weight:
@@ -233,11 +246,13 @@ class _Pressed:
         )
         return force
 
-    def through(self, state: State, node: int, fan: Ints) -> Floats:
-        mine = fan[self._pressed[fan]]
-        rows = np.empty((mine.size, 4, 3))
-        _pressure_rows(self._mesh.nodes, self._mesh.quads, mine, self._value, rows)
-        return np.asarray(rows[state.quads[mine] == node].sum(axis=0))
+    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
+        rows = np.zeros((quads.size, 4, 3))
+        mine = np.flatnonzero(self._pressed[quads])
+        some = np.empty((mine.size, 4, 3))
+        _pressure_rows(self._mesh.nodes, self._mesh.quads, quads[mine], self._value, some)
+        rows[mine] = some
+        return np.asarray(rows[state.quads[quads] == nodes[:, None]])
 
 
 class _Drawn:
@@ -251,10 +266,12 @@ class _Drawn:
         _scatter_rows(state.quads, self._quads, self._rows, total)
         return np.asarray(total[nodes])
 
-    def through(self, state: State, node: int, fan: Ints) -> Floats:
-        mine = np.flatnonzero(np.isin(self._quads, fan))
-        corner = state.quads[self._quads[mine]] == node
-        return np.asarray(self._rows[mine][corner].sum(axis=0))
+    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
+        force = np.zeros((quads.size, 3))
+        for i in np.flatnonzero(np.isin(quads, self._quads)).tolist():
+            corner = state.quads[quads[i]] == nodes[i]
+            force[i] = self._rows[self._quads == quads[i]][:, corner].sum(axis=(0, 1))
+        return force
 
 
 class _DeadLoad:

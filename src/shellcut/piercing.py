@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints
+from ._jit import Bools, Floats, Ints, Vec3, inline, kernel
+from ._vec3 import combine, cross, dot, load, norm, store, sub
+from .cutting_edge import to_body
 from .state import State
 from .tool import Tool
 
@@ -23,18 +25,30 @@ class ToolWires:
         sides = tool.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         wires, first = np.unique(np.sort(sides, axis=1), axis=0, return_index=True)
         body = tool.triangle_body[first // 3]
-        self._teeth = [
-            (tool.vertices[wires[body == b, 0]], tool.vertices[wires[body == b, 1]])
-            for b in range(tool.n_body)
-        ]
+        wires = wires[np.argsort(body, kind="stable")]
+        self._wires = tool.vertices[wires]
+        self._first = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
 
-    def crossed_quads(self, corners: Floats) -> tuple[Ints, Floats]:
+    def crossed_quads(
+        self,
+        x: Floats,
+        quads: Ints,
+        asked: Bools,
+        rotation: Floats,
+        translation: Floats,
+    ) -> tuple[Ints, Floats]:
         """Return the quads that the tool passes through, and how far.
 
         Parameters
         ----------
-        corners : ndarray, shape (n_quad, 4, 3)
-            Of the quads, in the body frame of the tool [mm].
+        x : ndarray, shape (n_node, 3)
+            Positions [mm].
+        quads : ndarray of int, shape (n_quad, 4)
+            Node ids.
+        asked : ndarray of bool, shape (n_quad,)
+            Which of them to look at.
+        rotation, translation : ndarray, shapes (3, 3) and (3,)
+            Pose of the tool.
 
         Returns
         -------
@@ -42,23 +56,19 @@ class ToolWires:
         depth : ndarray, shape (n,)
             Distance of the nearer end of the deepest wire from the quad's plane [mm].
         """
-        quads, depths = [], []
-        low, high = corners.min(axis=1), corners.max(axis=1)
-        for start, end in self._teeth:
-            wire_low, wire_high = np.minimum(start, end), np.maximum(start, end)
-            near = ((high >= wire_low.min(axis=0)) & (low <= wire_high.max(axis=0))).all(axis=1)
-            for e in np.flatnonzero(near).tolist():
-                i = np.flatnonzero(((wire_high >= low[e]) & (wire_low <= high[e])).all(axis=1))
-                if i.size == 0:
-                    continue
-                depth = max(
-                    _crossing_depth(start[i], end[i], *corners[e, [0, 1, 2]]),
-                    _crossing_depth(start[i], end[i], *corners[e, [0, 2, 3]]),
-                )
-                if depth > 0.0:
-                    quads.append(e)
-                    depths.append(depth)
-        return np.array(quads, np.int64), np.array(depths)
+        depth = np.zeros(quads.shape[0])
+        _deepest_crossings(
+            x=x,
+            quads=quads,
+            asked=asked,
+            rotation=rotation,
+            translation=translation,
+            wires=self._wires,
+            first=self._first,
+            depth=depth,
+        )
+        crossed = np.flatnonzero(depth > 0.0)
+        return crossed, depth[crossed]
 
 
 def unfelt_penetration(
@@ -71,19 +81,78 @@ def unfelt_penetration(
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
     whole = ~noticed[state.quads].any(axis=1)
-    corners = (n.x[state.quads[whole]] - translation) @ rotation
-    quads, depth = wires.crossed_quads(corners)
+    quads, depth = wires.crossed_quads(n.x, state.quads, whole, rotation, translation)
     return quads.size, float(depth.max(initial=0.0))
 
 
-def _crossing_depth(start: Floats, end: Floats, a: Floats, b: Floats, c: Floats) -> float:
-    """Return how far segments pass through the triangle (a, b, c), 0 if none does."""
-    normal = np.cross(b - a, c - a)
-    d0, d1 = (start - a) @ normal, (end - a) @ normal
-    through: Bools = d0 * d1 < 0
-    share = np.divide(d0, d0 - d1, out=np.zeros_like(d0), where=through)
-    p = start + share[:, None] * (end - start)
-    for u, v in ((a, b), (b, c), (c, a)):
-        through = through & (np.cross(v - u, p - u) @ normal > _BORDER * (normal @ normal))
-    depth = np.minimum(np.abs(d0), np.abs(d1))[through]
-    return float(depth.max(initial=0.0) / np.linalg.norm(normal))
+@kernel
+def _deepest_crossings(
+    x: Floats,
+    quads: Ints,
+    asked: Bools,
+    rotation: Floats,
+    translation: Floats,
+    wires: Floats,
+    first: Ints,
+    depth: Floats,
+) -> None:
+    """Write how deep any wire passes through each quad asked for to depth : (n_quad,), else leave.
+
+    wires : (n_wire, 2, 3), their ends, tooth after tooth; those of tooth b begin at first[b].
+    """
+    n_body = first.shape[0] - 1
+    tooth = np.empty((n_body, 2, 3))
+    for b in range(n_body):
+        for c in range(3):
+            ends = wires[first[b] : first[b + 1], :, c]
+            tooth[b, 0, c] = ends.min()
+            tooth[b, 1, c] = ends.max()
+    corner = np.empty((4, 3))
+    low, high = np.empty(3), np.empty(3)
+    for e in range(quads.shape[0]):
+        if not asked[e]:
+            continue
+        for a in range(4):
+            store(corner, a, to_body(load(x, quads[e, a]), rotation, translation))
+        for c in range(3):
+            low[c] = min(min(corner[0, c], corner[1, c]), min(corner[2, c], corner[3, c]))
+            high[c] = max(max(corner[0, c], corner[1, c]), max(corner[2, c], corner[3, c]))
+        halves = (load(corner, 0), load(corner, 1), load(corner, 2), load(corner, 3))
+        for b in range(n_body):
+            apart = False
+            for c in range(3):
+                apart = apart or high[c] < tooth[b, 0, c] or low[c] > tooth[b, 1, c]
+            if apart:
+                continue
+            for k in range(first[b], first[b + 1]):
+                apart = False
+                for c in range(3):
+                    one, two = wires[k, 0, c], wires[k, 1, c]
+                    apart = apart or max(one, two) < low[c] or min(one, two) > high[c]
+                if apart:
+                    continue
+                start = (wires[k, 0, 0], wires[k, 0, 1], wires[k, 0, 2])
+                end = (wires[k, 1, 0], wires[k, 1, 1], wires[k, 1, 2])
+                depth[e] = max(
+                    depth[e],
+                    _crossing_depth(start, end, halves[0], halves[1], halves[2]),
+                    _crossing_depth(start, end, halves[0], halves[2], halves[3]),
+                )
+
+
+@inline
+def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
+    """Return how far a segment passes through the triangle (a, b, c), 0 if it does not."""
+    normal = cross(sub(b, a), sub(c, a))
+    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
+    if d0 * d1 >= 0.0:
+        return 0.0
+    p = combine(1.0, start, d0 / (d0 - d1), sub(end, start))
+    border = _BORDER * dot(normal, normal)
+    if (
+        dot(cross(sub(b, a), sub(p, a)), normal) <= border
+        or dot(cross(sub(c, b), sub(p, b)), normal) <= border
+        or dot(cross(sub(a, c), sub(p, c)), normal) <= border
+    ):
+        return 0.0
+    return min(abs(d0), abs(d1)) / norm(normal)

@@ -404,13 +404,13 @@ add_full_point_quads = _make_point_kernel(flat=False)
 """Of quads that are curved, warped or unevenly layered."""
 
 
-# ---------------------------------------------------------------- a few quads at one node
+# ---------------------------------------------------------------- single quads
 
 
 @kernel
-def add_fan_force(
-    node: int,
+def write_corner_forces(
     slot: Ints,
+    nodes: Ints,
     x: Floats,
     t: Floats,
     corner: SmallIds,
@@ -422,7 +422,7 @@ def add_fan_force(
     history: Floats,
     force: Floats,
 ) -> None:
-    """Add minus the force of the quads at the places ``slot`` on ``node`` to force : (3,)."""
+    """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
     work = np.empty((2, N_STRAIN, WIDTH))
     trial = np.empty((1, history.shape[1], WIDTH))
     for i in range(slot.shape[0]):
@@ -439,6 +439,6 @@ def add_fan_force(
             r = plus_scaled(r, rho, stiffness_product(tables, flat, b, lane, step, work))
         forces = nodal_forces(xm, tm, r)
         for a in range(4):
-            if corner[b, a, lane] == node:
+            if corner[b, a, lane] == nodes[i]:
                 for c in range(3):
-                    force[c] += forces[a][c]
+                    force[i, c] = forces[a][c]

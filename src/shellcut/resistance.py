@@ -6,6 +6,8 @@ a screw of pitch p this is T dtheta + F p/(2 pi) dtheta.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ._jit import Floats
@@ -30,14 +32,12 @@ class Resistance:
         if isinstance(motion, ScrewMotion):
             self.columns = [("torque", "N*mm"), ("axial_force", "N")]
             axis = np.array(motion.axis, float)
-            self._axis = axis / np.linalg.norm(axis)
-            advance = -axis if motion.advance is None else np.array(motion.advance, float)
-            self._advance = advance / np.linalg.norm(advance)
-            self._point = np.array(motion.axis_point, float)
+            self._axis = _unit(axis)
+            self._advance = _unit(-axis if motion.advance is None else np.array(motion.advance))
+            self._point = [float(c) for c in motion.axis_point]
         elif isinstance(motion, StraightMotion):
             self.columns = [("force", "N")]
-            direction = np.array(motion.direction, float)
-            self._direction = direction / np.linalg.norm(direction)
+            self._direction = _unit(np.array(motion.direction, float))
         else:
             self.columns = [(f"force_{c}", "N") for c in "xyz"]
             self.columns += [(f"moment_{c}", "N*mm") for c in "xyz"]
@@ -59,10 +59,22 @@ class Resistance:
         origin : ndarray, shape (3,)
             Where the moment is taken: the present place of the body's origin [mm].
         """
-        force, moment = wrench[:3], wrench[3:]
+        # Plain numbers: six of them in NumPy cost ten times as much.
+        *force, mx, my, mz = wrench.tolist()
         if isinstance(self._motion, ScrewMotion):
-            about_axis = moment + np.cross(origin - self._point, force)
-            return [-float(self._axis @ about_axis), -float(self._advance @ force)]
+            x, y, z = (r - p for r, p in zip(origin.tolist(), self._point, strict=True))
+            fx, fy, fz = force
+            moment = (mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx)
+            return [-_along(self._axis, moment), -_along(self._advance, force)]
         if isinstance(self._motion, StraightMotion):
-            return [-float(self._direction @ force)]
-        return [-float(f) for f in wrench]
+            return [-_along(self._direction, force)]
+        return [-f for f in (*force, mx, my, mz)]
+
+
+def _unit(v: Floats) -> list[float]:
+    unit: list[float] = (v / np.linalg.norm(v)).tolist()
+    return unit
+
+
+def _along(unit: Sequence[float], v: Sequence[float]) -> float:
+    return unit[0] * v[0] + unit[1] * v[1] + unit[2] * v[2]

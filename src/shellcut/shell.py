@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import Floats, Ints
-from .centre_stress import CentreStressMap
+from .centre_stress import CentreStress
 from .lanes import WIDTH, aligned_zeros
 from .material import ShellMaterial
 from .mesh import Mesh
@@ -17,11 +17,11 @@ from .quad_blocks import QuadBlocks, build_blocks
 from .quad_forces import (
     LinearTables,
     PointTables,
-    add_fan_force,
     add_flat_point_quads,
     add_flat_quads,
     add_full_point_quads,
     add_full_quads,
+    write_corner_forces,
 )
 from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
@@ -89,7 +89,7 @@ class MITC4Shell:
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
         self.tables, self.points = _build_tables(mesh, material, self.blocks)
-        self._stress_map = CentreStressMap(mesh, material)
+        self._centre_stress = CentreStress(mesh, material)
         self.squared_frequency = np.zeros(mesh.n_quad)
         """Largest eigenvalue of each quad at its last evaluation [1/s²], shape (n_quad,)."""
 
@@ -189,12 +189,26 @@ class MITC4Shell:
             return Work(p0, 0.5 * rho * p1)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
 
-    def fan_force(self, state: State, node: int, fan: Ints, dt: float) -> Floats:
-        """Return minus the internal and damping force of the quads ``fan`` on a node [N]."""
-        force = np.zeros(3)
-        add_fan_force(
-            node=node,
-            slot=self.blocks.slot[fan],
+    def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
+        """Return minus the internal and damping force of single quads on one of their nodes [N].
+
+        Parameters
+        ----------
+        state : State
+            Positions at t_{n+1}, strains of t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        dt : float
+            Length of the step between [s].
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+        """
+        force = np.empty((quads.size, 3))
+        write_corner_forces(
+            slot=self.blocks.slot[quads],
+            nodes=nodes,
             x=state.node.x,
             t=state.node.t,
             corner=self.blocks.corner,
@@ -234,8 +248,7 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
-        x, t = state.node.x[state.quads[quads]], state.node.t[state.quads[quads]]
-        return self._stress_map.cauchy(x, t, quads, place)
+        return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
     def update_frequencies(self, state: State, quads: Ints) -> None:
         """Recompute the squared largest frequency of some quads at the present state.

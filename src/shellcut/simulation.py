@@ -11,7 +11,7 @@ from .cable import CableForces, CableSet
 from .cohesive_law import CohesiveLaw
 from .contact import Contact, ContactForces, PenaltyContact
 from .criterion import Fracture, SplitCriterion
-from .energy import Ledger
+from .energy import Ledger, tool_work
 from .fan import boundary_edges, crack_tips, is_tip, open_edges
 from .hooks import Hook, StopRun
 from .integrator import CentralDifference
@@ -338,13 +338,17 @@ class Simulation:
         s = self.state
         assert self.motion is not None
         spin, velocity = self.motion.twist(s.time - 0.5 * s.dt)
-        moved = np.concatenate([velocity, spin]) * s.dt
-        contact = self.contact_forces.wrench.sum(axis=0)
-        total = contact + self.cable_forces.wrench.sum(axis=0)
-        on_tool = 0.5 * float((self._contact_wrench + contact) @ moved)
-        self.ledger.contact_work -= self.contact_forces.node_work + on_tool
-        self.ledger.tool_work -= 0.5 * float((self._wrench + total) @ moved)
-        self._contact_wrench, self._wrench = contact, total
+        by_contact, by_all = tool_work(
+            contact_wrench=self.contact_forces.wrench,
+            cable_wrench=self.cable_forces.wrench,
+            spin=spin,
+            velocity=velocity,
+            dt=s.dt,
+            last_contact=self._contact_wrench,
+            last=self._wrench,
+        )
+        self.ledger.contact_work -= self.contact_forces.node_work + by_contact
+        self.ledger.tool_work -= by_all
 
     def _blown_up(self) -> None:
         s = self.state

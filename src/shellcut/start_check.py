@@ -19,7 +19,10 @@ def check_tool_outside(mesh: Mesh, tool: Tool, rotation: Floats, translation: Fl
     problems = []
     if inside.any():
         problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")
-    pierced, _ = ToolWires(tool).crossed_quads(body[mesh.quads])
+    everywhere = np.ones(mesh.n_quad, np.bool_)
+    pierced, _ = ToolWires(tool).crossed_quads(
+        mesh.nodes, mesh.quads, everywhere, rotation, translation
+    )
     if pierced.size:
         centres = mesh.nodes[mesh.quads].mean(axis=1)
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")

@@ -126,7 +126,7 @@ class StableStep:
         n = state.node
         stiffness = np.zeros(n.count)
         if self._contact is not None:
-            near = self._contact.near_nodes()
+            near = self._contact.near.ids
             stiffness[near] += STEEPEST * self._contact.parameters.penalty * n.contact_area[near]
         nodes, held = self._cables.stiffness(state)
         np.add.at(stiffness, nodes, held)

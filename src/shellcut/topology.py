@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from .cohesive_law import CohesiveLaw
-from .criterion import Split, owns_flank
+from .criterion import Split
+from .parting import owns_flank
 from .shell import MITC4Shell
 from .state import SplitRecord, State
 

@@ -21,7 +21,7 @@ array                               on      holds
 ==================================  ======  ===================================================
 
 Points are stored in single precision (1e-6 mm at 10 mm), the other arrays rounded to 12 bits
-(1.2e-4 of the value), which saves a quarter of the file; field arrays are exact. A "/" in a unit
+(1.2e-4 of the value), which makes them half as large; field arrays are exact. A "/" in a unit
 becomes "per", because HDF5 reads it as a path.
 
 How the file counts (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
@@ -31,20 +31,21 @@ The reader finds a frame in ``Offsets``, which has one entry more than there are
 of the frame's cell offset and its *part* offset. A frame with the cells of the one before re-uses
 both of them, and adds nothing to ``NumberOf*``; with only one of the two re-used, late frames
 cannot be read. Arrays that grow together have the same offsets: one dataset under several names
-(hard links), which saves most of the time that a frame would cost.
+(hard links), which saves most of the time that a frame would cost. How the columns grow and are
+packed is the matter of :mod:`shellcut.hdf_columns`.
 """
 
 from __future__ import annotations
 
 import os
-from pathlib import Path
-from types import TracebackType
 from typing import Any, Literal
 
 import h5py
 import numpy as np
 
 from .frame import Floats, Frame
+from .growing_file import GrowingFile
+from .hdf_columns import Columns
 
 MEMBRANE, CABLE, TOOL = 0, 1, 2
 """Values of the cell array ``part``."""
@@ -70,16 +71,8 @@ _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
 _KEPT_BITS = 12  # of the 23 in the mantissa of a single, for all arrays but the points
 
-# A chunk is the piece of a column that is packed as a whole. Every frame begins a new one in each
-# packed column: a flushed chunk is never touched again, so a run killed at any moment cannot spoil
-# an earlier frame (with shared chunks it did; now 138 kills at random left 138 sound files). A
-# frame of 2,604 quads costs 7 ms and, if its cells changed and its last digits are noise, 0.14 MB.
-_CHUNK = 1024  # rows
-_ID_CHUNK = 4096  # ids of the connectivity
-_PACKING = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
-
-class VtkHdfWriter:
+class VtkHdfWriter(GrowingFile):
     """Append frames to one VTKHDF file.
 
     Every frame is flushed, its entry in ``Steps`` last, so a killed run leaves a readable file.
@@ -87,14 +80,10 @@ class VtkHdfWriter:
     Parameters
     ----------
     path : str or Path
-        The file, by custom ``*.vtkhdf``. Mode ``"w"`` replaces an existing file: a run owns its
-        output folder and overwrites what an earlier run left there.
-    mode : {"w", "a"}
-        ``"a"`` goes on with the file of an interrupted run; what a killed run left of an
-        unfinished frame is dropped. Without a file it begins one.
-    until : float, optional
-        Only with ``"a"``: frames later than this time [s] are dropped first. A run that restarts
-        from a checkpoint thus writes no frame twice.
+        The file, by custom ``*.vtkhdf``.
+    mode, until
+        As :class:`GrowingFile`, ``until`` in s; what a killed run left of an unfinished frame is
+        dropped.
 
     Raises
     ------
@@ -109,18 +98,12 @@ class VtkHdfWriter:
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
     ) -> None:
-        self.path = Path(path)
-        if mode not in ("w", "a"):
-            raise ValueError(f"mode must be 'w' or 'a', got {mode!r}")
-        if mode == "w" and until is not None:
-            raise ValueError("until needs mode 'a'")
-        resume = mode == "a" and self.path.exists()
-        self._file = h5py.File(self.path, "r+" if resume else "w")
-        self._columns: dict[str, Any] = {}  # open datasets: finding one by name costs 0.1 ms
+        super().__init__(path, mode=mode, until=until)
+        self._file = h5py.File(self.path, "r+" if self.goes_on else "w")
         self._series_names: tuple[str, ...] = ()
         self._cells: tuple[Any, Any, int] | None = None  # those of the last frame
         self._n_frame = 0
-        if resume:
+        if self.goes_on:
             self._open_old()
             self._drop_after(np.inf if until is None else until)
         else:
@@ -155,22 +138,22 @@ class VtkHdfWriter:
             )
 
         entry = self._append_cells(frame)
-        point = self._end("Points")
+        point = self._columns.end("Points")
         entry["PointOffsets"] = point
-        self._write("Points", point, _points(frame))
+        self._columns.write("Points", point, _points(frame), noise=True)
         for name, rows in _point_arrays(frame).items():
-            self._write(f"PointData/{name}", point, rows)
-        cell = self._end("CellData/part")
+            self._columns.write(f"PointData/{name}", point, rows)
+        cell = self._columns.end("CellData/part")
         entry[_CELL_DATA_OFFSETS] = cell
         for name, rows in _cell_arrays(frame).items():
-            self._write(f"CellData/{name}", cell, rows)
+            self._columns.write(f"CellData/{name}", cell, rows)
         entry[_SERIES_OFFSETS] = self._n_frame
         entry[_SERIES_SIZES] = (1, 1)  # components, tuples
         for name, value in series.items():
-            self._write(f"FieldData/{name}", self._n_frame, np.array([value]))
+            self._columns.write(f"FieldData/{name}", self._n_frame, np.array([value]))
         entry["Values"] = frame.time
         for name, value in entry.items():
-            self._write(f"Steps/{name}", self._n_frame, np.array([value]))
+            self._columns.write(f"Steps/{name}", self._n_frame, np.array([value]))
         # The frame counts only once all of it is in the file.
         self._file.flush()
         self._count(self._n_frame + 1)
@@ -178,17 +161,6 @@ class VtkHdfWriter:
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
-
-    def __enter__(self) -> VtkHdfWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _append_cells(self, frame: Frame) -> dict[str, Any]:
         connectivity, types, sizes = _cells(frame)
@@ -203,31 +175,21 @@ class VtkHdfWriter:
                 names = ("PartOffsets", "NumberOfParts", "CellOffsets", "ConnectivityIdOffsets")
                 return {name: self._columns[f"Steps/{name}"][-1] for name in names}
         self._cells = connectivity, types, n_point
-        part = self._end("NumberOfPoints")
-        cell = self._end("Types")
-        first_id = self._end("Connectivity")
-        self._write("NumberOfPoints", part, np.array([n_point]))
-        self._write("NumberOfCells", part, np.array([len(types)]))
-        self._write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
-        self._write("Types", cell, types)
-        self._write("Offsets", cell + part, np.concatenate(([0], np.cumsum(sizes))))
-        self._write("Connectivity", first_id, connectivity)
+        part = self._columns.end("NumberOfPoints")
+        cell = self._columns.end("Types")
+        first_id = self._columns.end("Connectivity")
+        self._columns.write("NumberOfPoints", part, np.array([n_point]))
+        self._columns.write("NumberOfCells", part, np.array([len(types)]))
+        self._columns.write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
+        self._columns.write("Types", cell, types)
+        self._columns.write("Offsets", cell + part, np.concatenate(([0], np.cumsum(sizes))))
+        self._columns.write("Connectivity", first_id, connectivity)
         return {
             "PartOffsets": part,
             "NumberOfParts": 1,
             "CellOffsets": (cell,),
             "ConnectivityIdOffsets": (first_id,),
         }
-
-    def _end(self, name: str) -> int:
-        """Return where the next rows of a column begin: a chunk of their own if it is packed."""
-        column = self._columns[name]
-        return _aligned(int(column.shape[0]), column)
-
-    def _write(self, name: str, begin: int, rows: Any) -> None:
-        column = self._columns[name]
-        column.resize(begin + len(rows), axis=0)
-        column[begin:] = rows
 
     def _count(self, n_frame: int) -> None:
         self._n_frame = n_frame
@@ -240,56 +202,38 @@ class VtkHdfWriter:
         # VTK wants ASCII of fixed length here, which h5py does not write by default.
         kind = b"UnstructuredGrid"
         self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+        self._columns = Columns(self._root)
+        create = self._columns.create
         for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
-            self._create(name, np.int64)
+            create(name, np.int64)
         # Not packed: this one cannot begin on a chunk of its own, see above.
-        self._create("Offsets", np.int64)
-        self._create("Connectivity", np.int64, chunk=_ID_CHUNK, packing=_PACKING)
-        self._create("Types", np.uint8, packing=_PACKING)
-        self._create("Points", np.float32, (3,), packing=_PACKING)
-        self._create("Steps/Values", np.float64)
+        create("Offsets", np.int64, blocks=True)
+        create("Connectivity", np.int64, packed=True)
+        create("Types", np.uint8, packed=True)
+        create("Points", np.float32, (3,), packed=True)
+        create("Steps/Values", np.float64)
         for name in ("PartOffsets", "NumberOfParts", "PointOffsets", _CELL_DATA_OFFSETS):
-            self._create(f"Steps/{name}", np.int64)
+            create(f"Steps/{name}", np.int64)
         for name in ("CellOffsets", "ConnectivityIdOffsets"):
-            self._create(f"Steps/{name}", np.int64, (1,))
+            create(f"Steps/{name}", np.int64, (1,))
         for name in _POINT_ARRAYS:
-            self._create(f"PointData/{name}", np.float32, (3,), packing=_PACKING)
-            self._link(f"Steps/PointDataOffsets/{name}", "Steps/PointOffsets")
+            create(f"PointData/{name}", np.float32, (3,), packed=True)
+            self._columns.link(f"Steps/PointDataOffsets/{name}", "Steps/PointOffsets")
         for name, (dtype, shape) in _CELL_ARRAYS.items():
-            self._create(f"CellData/{name}", dtype, shape, packing=_PACKING)
-            self._link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
+            create(f"CellData/{name}", dtype, shape, packed=True)
+            offsets = f"Steps/{_CELL_DATA_OFFSETS}"
+            self._columns.link(f"Steps/CellDataOffsets/{name}", offsets)
         self._count(0)
 
     def _create_series(self, names: tuple[str, ...]) -> None:
-        self._create(f"Steps/{_SERIES_OFFSETS}", np.int64)
-        self._create(f"Steps/{_SERIES_SIZES}", np.int64, (2,))
+        create, link = self._columns.create, self._columns.link
+        create(f"Steps/{_SERIES_OFFSETS}", np.int64)
+        create(f"Steps/{_SERIES_SIZES}", np.int64, (2,))
         for name in names:
-            self._create(f"FieldData/{name}", np.float64)
-            self._link(f"Steps/FieldDataOffsets/{name}", f"Steps/{_SERIES_OFFSETS}")
-            self._link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
+            create(f"FieldData/{name}", np.float64)
+            link(f"Steps/FieldDataOffsets/{name}", f"Steps/{_SERIES_OFFSETS}")
+            link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
         self._series_names = names
-
-    def _create(
-        self,
-        name: str,
-        dtype: Any,
-        shape: tuple[int, ...] = (),
-        *,
-        chunk: int = _CHUNK,
-        packing: dict[str, Any] | None = None,
-    ) -> None:
-        self._columns[name] = self._root.create_dataset(
-            name,
-            (0, *shape),
-            dtype,
-            maxshape=(None, *shape),
-            chunks=(chunk, *shape),
-            **(packing or {}),
-        )
-
-    def _link(self, alias: str, name: str) -> None:
-        if alias != name:
-            self._root[alias] = self._root[name]
 
     def _open_old(self) -> None:
         root = self._file.get("VTKHDF", {})
@@ -300,15 +244,8 @@ class VtkHdfWriter:
                 f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
             )
         self._root = root
-        self._register("", root)
+        self._columns = Columns(root)
         self._series_names = tuple(root.get("FieldData", ()))
-
-    def _register(self, prefix: str, group: Any) -> None:
-        for name, node in group.items():
-            if isinstance(node, h5py.Dataset):
-                self._columns[prefix + name] = node
-            else:
-                self._register(f"{prefix}{name}/", node)
 
     def _drop_after(self, until: float) -> None:
         columns = self._columns
@@ -340,16 +277,9 @@ class VtkHdfWriter:
             "FieldData": n_frame,
             "Steps": n_frame,
         }
-        for name, column in columns.items():
-            # To the end of a chunk: cutting inside one would rewrite it.
-            end = _aligned(int(ends[name.partition("/")[0]]), column)
-            column.resize(min(end, column.shape[0]), axis=0)
+        for name in columns:
+            columns.cut(name, int(ends[name.partition("/")[0]]))
         self._count(n_frame)
-
-
-def _aligned(row: int, column: Any) -> int:
-    chunk = int(column.chunks[0]) if column.compression else 1
-    return -(-row // chunk) * chunk
 
 
 def _cells(frame: Frame) -> tuple[Any, Any, Any]:

@@ -296,8 +296,8 @@ def test_the_list_of_near_nodes_never_misses_one():
         state.node.x[: mesh.n_node] += state.dt * state.node.velocity_half[: mesh.n_node]
         pose = np.eye(3), np.array([0.03 * step, 0.0, 0.02 * step])
         _, result = evaluate(contact, state, pose)
-        searched += listed is not contact.near_nodes()
-        listed = contact.near_nodes()
+        searched += listed is not contact.near.ids
+        listed = contact.near.ids
         body = state.node.x[: mesh.n_node] - pose[1]
         found = [naive_inside(p) for p in body]
         assert result.n_inside == sum(found), step
@@ -315,10 +315,10 @@ def test_a_split_renews_the_list():
     evaluate(contact, state)
     new = state.node.append_copy(0)
     evaluate(contact, state)
-    assert new not in contact.near_nodes()
+    assert new not in contact.near.ids
     state.revision += 1
     evaluate(contact, state)
-    assert new in contact.near_nodes()
+    assert new in contact.near.ids
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from naive import cases
-from naive import topology as naive
 from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture, SplitCriterion, cable_share, owns_flank
+from shellcut.criterion import Fracture, SplitCriterion
 from shellcut.fan import crack_tips, open_edges
 from shellcut.load import LoadSet, Pressure
 from shellcut.meshing import rectangle
@@ -110,29 +109,17 @@ def test_common_acceleration_pulls_nothing_apart():
     # two sides' forces and masses differ. Without the masses it would be half their difference.
     mesh = cases.skewed_flat(6, 4, seed=5, amount=0.2)
     shell, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), [Pressure(0.1)], candidates="all")
-    for node in (16, 17, 24):
-        for option in criterion._admissible(state, node):
-            split = criterion._weigh(state, node, option, 0.0, blade=False)
-            one = LoadSet(mesh, [Pressure(0.1)]).fan_force(state, node, np.array(split.minus))
-            assert np.abs(one).max() > 0.01
-            assert np.abs(split.force).max() < 1e-13 * np.abs(one).max() * 10
-            assert not np.isnan(split.measure)
+    table = criterion._weighed(state, [16, 17, 24], 0.0)
+    for way, force in zip(table.ways, table.force, strict=True):
+        minus = np.array(way.minus)
+        one = np.zeros((minus.size, 3))
+        at = np.full(minus.size, way.node)
+        LoadSet(mesh, [Pressure(0.1)]).add_corner_forces(state, minus, at, one)
+        total = np.abs(one.sum(axis=0)).max()
+        assert total > 0.01
+        assert np.abs(force).max() < 1e-13 * total * 10
+    assert not np.isnan(criterion._measure(table)).any()
     assert shell.damping_beta == 0.0
-
-
-def test_options_are_all_ways_to_part_the_quads():
-    state_mesh = sheet().cut(ROW)
-    _, state, criterion, _ = pulled(state_mesh, np.zeros((2, 2)), turn_limit_deg=179.0)
-    # Interior: any two of four edges; tip: any of the three inner edges; boundary: one edge.
-    assert len(criterion._admissible(state, 24)) == 6
-    assert len(criterion._admissible(state, 17)) == 3
-    assert len(criterion._admissible(state, 3)) == 1
-    assert len(criterion._admissible(state, 0)) == 0  # a corner has nothing to part
-    for node in (24, 17, 3):
-        for option in criterion._admissible(state, node):
-            groups = naive.parted(state, node, [*option.back, *option.ahead])
-            assert sorted([tuple(sorted(option.minus)), tuple(sorted(option.plus))]) == groups
-            assert option.length == pytest.approx(sum(half for _, half in option.half_edges))
 
 
 @pytest.mark.parametrize(("limit", "node"), [(57.0, None), (80.0, None), (100.0, 17)])
@@ -150,9 +137,10 @@ def test_turn_is_measured_from_the_arriving_crack():
     mesh = sheet().cut(ROW)
     for limit, count in ((57.0, 1), (91.0, 3)):
         _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), turn_limit_deg=limit)
-        options = criterion._admissible(state, 17)
-        assert len(options) == count
-        assert (18,) in [option.ahead for option in options]
+        table = criterion._weighed(state, [17], 0.0)
+        ways = [table.ways[k] for k in table.admissible(0, criterion._cos_limit)]
+        assert len(ways) == count
+        assert (18,) in [way.ahead for way in ways]
 
 
 @pytest.mark.parametrize("criterion_name", ["force", "stress"])
@@ -171,11 +159,13 @@ def test_strongest_first_and_no_two_share_a_quad(criterion_name):
     assert min(measures) >= 1.0
     used = [e for s in found for e in (*s.minus, *s.plus)]
     assert len(used) == len(set(used))
-    # Any node that was left out shares a quad with a stronger one.
-    alone = [criterion._by_force(state, n, 0.0) for n in range(mesh.n_node)]
     if criterion_name == "force":
-        best = max((s for s in alone if s is not None), key=lambda s: s.measure)
-        assert found[0].measure == best.measure
+        everything = criterion._by_force(state, list(range(mesh.n_node)), [], 0.0)
+        assert found[0].measure == max(s.measure for s in everything)
+        # Any node that was left out shares a quad with a stronger one.
+        for split in everything:
+            rivals = [s for s in found if {*s.minus, *s.plus} & {*split.minus, *split.plus}]
+            assert max(s.measure for s in rivals) >= split.measure
 
 
 def test_stress_criterion_reads_the_recovered_stress():
@@ -218,28 +208,6 @@ def test_options_are_forgotten_when_the_topology_changes():
     (split,) = due(criterion, state)
     assert split.node == 18
     assert [far for far, _ in split.half_edges] == [17, 19]  # arriving and leaving
-
-
-def test_cables_count_with_the_half_that_owns_their_flank():
-    mesh = sheet()
-    shell, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), candidates="all")
-    options = criterion._admissible(state, 17)
-    straight = next(o for o in options if {*o.back, *o.ahead} == {16, 18})
-    split = criterion._weigh(state, 17, straight, 0.0, blade=False)
-    split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
-    c = state.cable
-    c.half_edge[0] = [0.5, 0.2]  # as if the edges were of different length
-    c.force[0] = [[7.0, 14.0, 21.0], [-7.0, -14.0, -21.0]]
-    minus = split.minus
-    far = c.half_edge_far[0].tolist()
-    for e in minus:
-        mine = [i for i in range(2) if owns_flank(state, 17, (e,), far[i])]
-        assert len(mine) == 1
-        share = c.half_edge[0, mine[0]] / 0.7
-        np.testing.assert_allclose(cable_share(state, 17, (e,)), share * c.force[0, 0], rtol=1e-14)
-    np.testing.assert_allclose(cable_share(state, 17, minus), c.force[0, 0], rtol=1e-14)
-    c.status[0] = 2  # broken: nothing left
-    assert not cable_share(state, 17, minus).any()
 
 
 # --- the blade-cut rule ------------------------------------------------------------------------

@@ -103,7 +103,7 @@ def test_work_is_the_trapezoid_of_force_and_step():
 
 
 @pytest.mark.parametrize("following", [False, True])
-def test_fan_forces_add_up_to_the_load_on_the_node(following):
+def test_corner_forces_add_up_to_the_load_on_the_node(following):
     mesh = cases.warped()
     loads = LoadSet(
         mesh,
@@ -118,17 +118,35 @@ def test_fan_forces_add_up_to_the_load_on_the_node(following):
     loads.add_forces(state)
     for node in (5, 1):  # inside, and on the loaded side
         around = state.node.quads[node, : state.node.n_quad_at[node]]
-        parts = [loads.fan_force(state, node, around[k : k + 1]) for k in range(around.size)]
-        np.testing.assert_allclose(np.sum(parts, axis=0), state.node.force[node], atol=1e-15)
-        np.testing.assert_allclose(loads.fan_force(state, node, around), state.node.force[node])
+        parts = corner_forces(loads, state, node, around)
+        np.testing.assert_allclose(parts.sum(axis=0), state.node.force[node], atol=1e-15)
+        back = corner_forces(loads, state, node, around[::-1])
+        np.testing.assert_array_equal(back, parts[::-1])
 
 
-def test_gravity_is_left_out_of_the_fan_force():
+def corner_forces(loads, state, node, quads):
+    force = np.zeros((quads.size, 3))
+    loads.add_corner_forces(state, quads, np.full(quads.size, node), force)
+    return force
+
+
+def test_gravity_is_left_out_of_the_corner_forces():
     # It accelerates both halves alike: F_c would not see it, m1 f2 - m2 f1 = 0.
     mesh = cases.warped()
     loads = LoadSet(mesh, [Gravity((0, 0, -1e4))])
     state = initial_state(mesh)
-    assert not loads.fan_force(state, 5, np.arange(4)).any()
+    assert not corner_forces(loads, state, 5, np.arange(4)).any()
+
+
+def test_corner_forces_of_a_set_of_quads_come_from_that_set_alone():
+    mesh = cases.skewed_flat(4, 3).with_sets(quad_sets={"some": [9, 7, 1]})
+    loads = LoadSet(mesh, [Pressure(0.2, quads="some"), Pressure(0.1, True, quads="some")])
+    state = initial_state(mesh)
+    quads = np.array([7, 2, 5, 1])
+    nodes = state.quads[quads, 1]
+    force = np.zeros((4, 3))
+    loads.add_corner_forces(state, quads, nodes, force)
+    assert force.any(axis=1).tolist() == [True, False, False, True]
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,7 @@ def test_contact_stiffness_of_near_nodes_counts():
     node = 5
     pose = np.eye(3), mesh.nodes[node].copy()
     contact.add_forces(state, *pose)
-    near = contact.near_nodes()
+    near = contact.near.ids
     assert node in near
     added = np.zeros(mesh.n_node)
     added[near] = STEEPEST * 1e6 * state.node.contact_area[near] / state.node.mass[near]

@@ -1,0 +1,140 @@
+"""Ways to part the quads of a node: complete, and weighed as the parts add up."""
+
+import numpy as np
+import pytest
+
+from naive import cases
+from naive import topology as naive
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.criterion import Split
+from shellcut.load import EdgeTraction, LoadSet, Pressure
+from shellcut.meshing import rectangle
+from shellcut.parting import PartingTable, cable_shares, owns_flank, partings_of
+from shellcut.topology import split_node
+
+ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
+NONE = frozenset()
+
+
+def sheet():
+    return rectangle(6.0, 4.0, n_x=6, n_y=4)
+
+
+def split_of(way, table, k):
+    return Split(
+        way.node, way.minus, way.plus, way.half_edges, table.m[k], 1.0, table.force[k], False
+    )
+
+
+def test_partings_are_all_ways_to_part_the_quads():
+    shell, state = cases.set_up(sheet().cut(ROW))
+    mass = shell.mass
+    # Interior: any two of four edges; tip: any of the three inner edges; boundary: one edge; a
+    # corner has nothing to part.
+    for node, count in ((24, 6), (17, 3), (3, 1), (0, 0)):
+        ways = partings_of(state, node, mass, NONE)
+        assert len(ways) == count
+        for way in ways:
+            groups = naive.parted(state, node, [*way.back, *way.ahead])
+            assert sorted([tuple(sorted(way.minus)), tuple(sorted(way.plus))]) == groups
+            assert way.length == pytest.approx(sum(half for _, half in way.half_edges))
+            assert sum(way.mass) == pytest.approx(state.node.mass[node], rel=1e-14)
+            assert way.cables == ()
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_force_is_that_of_the_two_sides(loaded):
+    # On a warped film in any state: F_c, m, direction and chord from their definitions in NumPy.
+    mesh = cases.warped(5, 4)
+    shell, state = cases.set_up(mesh, damping_beta=2e-6)
+    cases.forces_of(shell, state)
+    cases.deform(state)
+    dt = 1e-5
+    loads = LoadSet(
+        mesh, [Pressure(0.2), EdgeTraction("bottom", (0.1, 0.2, 0.3))] if loaded else []
+    )
+    nodes = [1, 8, 14, 15]
+    table = PartingTable(
+        shell, loads, [partings_of(state, n, shell.mass, NONE) for n in nodes]
+    )
+    table.weigh(state, dt)
+    assert table.start == [0, 1, 7, 13, 19]
+    for k, way in enumerate(table.ways):
+        sides = []
+        for quads in (way.minus, way.plus):
+            e, at = np.array(quads), np.full(len(quads), way.node)
+            force = shell.corner_forces(state, e, at, dt)
+            loads.add_corner_forces(state, e, at, force)
+            sides.append(force.sum(axis=0))
+        m1, m2 = way.mass
+        wanted = (m1 * sides[1] - m2 * sides[0]) / (m1 + m2)
+        # Round-off of sums of a few forces.
+        np.testing.assert_allclose(table.force[k], wanted, atol=1e-14 * np.abs(sides).max())
+        x, t = state.node.x, state.node.t[way.node]
+        start = x[way.back[0]] if way.back else x[way.node]
+        chord = x[way.ahead[0]] - start
+        assert table.chord[k] == pytest.approx(np.linalg.norm(chord), rel=1e-13)
+        e = chord - (chord @ t) * t
+        e /= np.linalg.norm(e)
+        np.testing.assert_allclose(table.direction[k], e, atol=1e-13)
+        m = np.cross(t, e)
+        np.testing.assert_allclose(table.m[k], m / np.linalg.norm(m), atol=1e-13)
+        assert table.pull[k] == pytest.approx(table.force[k] @ table.m[k], rel=1e-13)
+
+
+def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
+    shell, state = cases.set_up(sheet().cut(ROW))
+    table = PartingTable(
+        shell, LoadSet(sheet(), []), [partings_of(state, 17, shell.mass, NONE)]
+    )
+    table.weigh(state, 0.0)
+    ahead = [way.ahead[0] for way in table.ways]
+    straight = [ahead.index(18)]
+    assert table.admissible(0, np.cos(np.radians(57.0))) == straight
+    assert len(table.admissible(0, np.cos(np.radians(91.0)))) == 3
+    state.node.x[18] = state.node.x[17] + [0.3, 0.8, 0.0]  # now it turns by 69 degrees
+    table.weigh(state, 0.0)
+    assert table.admissible(0, np.cos(np.radians(57.0))) == straight
+    assert table.admissible(0, np.cos(np.radians(80.0))) == straight
+
+
+def split_sheet():
+    """A sheet whose node 17 has been split along its row, the edges as if of different length."""
+    shell, state = cases.set_up(sheet())
+    ways = partings_of(state, 17, shell.mass, NONE)
+    table = PartingTable(shell, LoadSet(sheet(), []), [ways])
+    table.weigh(state, 0.0)
+    k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
+    split_node(state, split_of(ways[k], table, k), shell, CohesiveLaw(), equilibrium_start=False)
+    state.cable.half_edge[0] = [0.5, 0.2]
+    state.cable.force[0] = [[7.0, 14.0, 21.0], [-7.0, -14.0, -21.0]]
+    return shell, state, ways[k]
+
+
+def test_cables_count_with_the_half_that_owns_their_flank():
+    _, state, way = split_sheet()
+    c = state.cable
+    far = c.half_edge_far[0].tolist()
+    for e in way.minus:
+        mine = [i for i in range(2) if owns_flank(state, 17, (e,), far[i])]
+        assert len(mine) == 1
+        assert cable_shares(state, 17, (e,)) == [(0, 0, c.half_edge[0, mine[0]] / 0.7)]
+    assert cable_shares(state, 17, way.minus) == [(0, 0, pytest.approx(1.0))]
+
+
+def test_cables_pull_on_their_side_until_they_break():
+    shell, state, _ = split_sheet()
+    ways = partings_of(state, 17, shell.mass, NONE)
+    table = PartingTable(shell, LoadSet(sheet(), []), [ways])
+    (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
+    table.weigh(state, 0.0)
+    shares = {side: share for side, _, _, share in way.cables}
+    assert sum(shares.values()) == pytest.approx(1.0)
+    pull = [shares[side] * state.cable.force[0, 0] for side in range(2)]
+    m1, m2 = way.mass
+    np.testing.assert_allclose(
+        table.force[0], (m1 * pull[1] - m2 * pull[0]) / (m1 + m2), rtol=1e-14
+    )
+    state.cable.status[0] = 2  # broken: nothing left
+    table.weigh(state, 0.0)
+    assert not table.force.any()
