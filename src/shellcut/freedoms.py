@@ -133,7 +133,9 @@ class Freedoms:
         node, quads = self._state.node, self._state.quads
         bent = np.zeros((quads.shape[0], N_STRAIN))
         turn = np.cross(spin, node.t[: self.n_node])
-        _take_linear_products(x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent)
+        _take_linear_products(
+            x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent
+        )
         node.x[: self.n_node] += displacement
         turn_directors(t=node.t, spin=spin)
         _add_products(x=node.x, t=node.t, quads=quads, change=bent)

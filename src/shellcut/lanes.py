@@ -28,6 +28,9 @@ one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NU
 the same functions run on NumPy arrays of eight numbers.
 """
 
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+
 from __future__ import annotations
 
 import operator
@@ -201,9 +204,7 @@ _ZERO = ir.Constant(_I64, 0)
 @intrinsic
 def _load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(
-            context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES
-        )
+        where = _vector_address(context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES)
         return builder.load(where, align=8)
 
     return lanes_type(table, types.intp, types.intp), generate
@@ -212,9 +213,7 @@ def _load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
 @intrinsic
 def _store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(
-            context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES
-        )
+        where = _vector_address(context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES)
         builder.store(args[3], where, align=8)
         return context.get_dummy_value()
 

@@ -102,9 +102,7 @@ class LoadSet:
         If a set is unknown, a vector has not three components, or no edge is loaded.
     """
 
-    def __init__(
-        self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None
-    ) -> None:
+    def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
         self._dead: list[_DeadLoad] = []
         self._following: list[tuple[Bools, float, Factor]] = []
@@ -139,8 +137,8 @@ class LoadSet:
         n, dt = state.node, state.dt
         now, before = state.time, state.time - dt
         work = 0.0
-        for load in self._dead:
-            work += self._add_dead(state, load, load.factor(now), load.factor(before))
+        for dead in self._dead:
+            work += self._add_dead(state, dead, dead.factor(now), dead.factor(before))
         for ids, force, factor in self._nodal:
             np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
@@ -164,14 +162,14 @@ class LoadSet:
             work += dt * float((n.spin_half[ids] @ mean).sum())
         return work
 
-    def _add_dead(self, state: State, load: _DeadLoad, now: float, before: float) -> float:
+    def _add_dead(self, state: State, dead: _DeadLoad, now: float, before: float) -> float:
         n, stride = state.node, self._workers.count
-        load.follow(state)
+        dead.follow(state)
         sums = np.zeros(-(-n.count // _CHUNK))
 
         def part(thread: int) -> None:
             _add_dead_force(
-                thread, stride, n.count, load.force, now, n.velocity_half, n.force_rows, sums
+                thread, stride, n.count, dead.force, now, n.velocity_half, n.force_rows, sums
             )
 
         self._workers.run(part)
@@ -181,9 +179,9 @@ class LoadSet:
         """Return the largest component of the nodal loads, moments left out [N]."""
         n = state.node.count
         total = state.node.load_force[:n].copy()
-        for load in self._dead:
-            load.follow(state)
-            total += load.factor(state.time) * load.force[:n]
+        for dead in self._dead:
+            dead.follow(state)
+            total += dead.factor(state.time) * dead.force[:n]
         for ids, force, factor in self._nodal:
             np.add.at(total, ids, factor(state.time) * force)
         return float(np.abs(total).max(initial=0.0))
@@ -200,10 +198,9 @@ class LoadSet:
         force : ndarray, shape (n, 3)
             Added to.
         """
-        for load in self._dead:
-            if not isinstance(load.rule, _Weight):
-                factor = load.factor(state.time)
-                force += factor * load.rule.through(state, quads, nodes)
+        for dead in self._dead:
+            if not isinstance(dead.rule, _Weight):
+                force += dead.factor(state.time) * dead.rule.through(state, quads, nodes)
         for loaded, value, factor in self._following:
             mine = np.flatnonzero(loaded[quads])
             rows = np.empty((mine.size, 4, 3))

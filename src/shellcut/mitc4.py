@@ -167,7 +167,7 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
 
 
 @always_inline
-def pick6(table: Floats, b: int, first: int, lane: int | None) -> Six:
+def pick6(table: Numbers, b: int, first: int, lane: int | None) -> Six:
     """Return six numbers of a block from the number ``first`` on."""
     return (
         pick(table, b, first, lane),
@@ -180,7 +180,7 @@ def pick6(table: Floats, b: int, first: int, lane: int | None) -> Six:
 
 
 @always_inline
-def pick4(table: Floats, b: int, first: int, lane: int | None) -> Four:
+def pick4(table: Numbers, b: int, first: int, lane: int | None) -> Four:
     """Return four numbers of a block from the number ``first`` on."""
     return (
         pick(table, b, first, lane),
@@ -191,7 +191,7 @@ def pick4(table: Floats, b: int, first: int, lane: int | None) -> Four:
 
 
 @always_inline
-def pick16(table: Floats, b: int, lane: int | None) -> Sixteen:
+def pick16(table: Numbers, b: int, lane: int | None) -> Sixteen:
     """Return the first sixteen numbers of a block."""
     return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
 

@@ -74,14 +74,15 @@ def flat_strain(tables: LinearTables, b: int, lane: int | None, x: Modes, t: Mod
     """Return the strains of flat quads."""
     m = products(x, t)
     ref = tables.flat_reference
-    return (
+    membrane = (
         m[0] - pick(ref, b, 0, lane),
         m[1] - pick(ref, b, 1, lane),
         m[2] - pick(ref, b, 2, lane),
         m[3] - pick(ref, b, 3, lane),
         m[4] - pick(ref, b, 4, lane),
         m[5] - pick(ref, b, 5, lane),
-    ) + m[6:16]
+    )
+    return membrane + m[6:16]
 
 
 @always_inline
@@ -158,7 +159,7 @@ def _dot(a: Sixteen, b: Sixteen) -> Number:
 
 
 @always_inline
-def store_strain(table: Floats, b: int, lane: int | None, s: Sixteen) -> None:
+def store_strain(table: Numbers, b: int, lane: int | None, s: Sixteen) -> None:
     """Write sixteen numbers of a block."""
     put(table, b, 0, lane, s[0])
     put(table, b, 1, lane, s[1])
@@ -216,9 +217,7 @@ def _linear_block(
         _scatter(rows, corner, b, lane, xm, tm, r)
         return _dot(s, r), zero(lane), zero(lane)
     s_last, s_before = pick16(last, b, lane), pick16(before, b, lane)
-    r = stiffness_product(
-        tables, flat, b, lane, plus_scaled(s, rho, _minus(s, s_last)), work
-    )
+    r = stiffness_product(tables, flat, b, lane, plus_scaled(s, rho, _minus(s, s_last)), work)
     store_strain(before, b, lane, s)
     _scatter(rows, corner, b, lane, xm, tm, r)
     return _dot(s, r), _dot(s_last, r), _dot(s_before, r)

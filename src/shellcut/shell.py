@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -147,7 +147,7 @@ class MITC4Shell:
         damped = self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         sums = np.zeros((blocks.n_strip, 3))
-        fixed = (node.x, node.t, blocks.corner, self.tables)
+        fixed: tuple[Any, ...] = (node.x, node.t, blocks.corner, self.tables)
         if self.has_points:
             kernels = (add_flat_point_quads, add_full_point_quads)
             fixed = (*fixed, self.points)

@@ -16,6 +16,7 @@ from ._jit import Bools, Floats, Ints, SmallInts
 from .lanes import aligned_zeros
 from .mesh import MAX_VALENCE, Mesh
 
+
 def columns(rows: int, count: int) -> Floats:
     """Return zeros of shape (rows, count), one column after the other.
 
@@ -98,7 +99,7 @@ class NodeTable(_Table):
     inertia: Floats
     """Scaled rotary inertia [t·mm²], shape (n,)."""
     push: Floats
-    """1 / mass and 1 / inertia, both zero at supported nodes, which move otherwise, shape (n, 2)."""
+    """1 / mass and 1 / inertia, zero at supported nodes, which move otherwise, shape (n, 2)."""
     contact_area: Floats
     """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
     origin: Ints

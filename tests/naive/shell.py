@@ -125,7 +125,7 @@ def products(x, t):
 
 def generalised(x, t, xi, eta):
     """½ a_1·a_1, ½ a_2·a_2, a_1·a_2, a_alpha·t_,beta alike, and the tied a_alpha·t, shape (8,)."""
-    value, *by = shape(xi, eta)
+    _, *by = shape(xi, eta)
     (a1, a2), (b1, b2) = ([d @ v for d in by] for v in (x, t))
     return np.array(
         [

@@ -8,8 +8,8 @@ import numpy as np
 
 from shellcut._jit import kernel
 from shellcut.lanes import (
-    along,
     aligned_zeros,
+    along,
     at,
     clear_rows,
     corner_node,
@@ -161,5 +161,3 @@ def test_the_same_functions_run_without_the_compiler():
         cwd=here,
         env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
     )
-
-

@@ -54,9 +54,7 @@ def test_force_is_that_of_the_two_sides(loaded):
         mesh, [Pressure(0.2), EdgeTraction("bottom", (0.1, 0.2, 0.3))] if loaded else []
     )
     nodes = [1, 8, 14, 15]
-    table = PartingTable(
-        shell, loads, [partings_of(state, n, shell.mass, NONE) for n in nodes]
-    )
+    table = PartingTable(shell, loads, [partings_of(state, n, shell.mass, NONE) for n in nodes])
     table.weigh(state, dt)
     assert table.start == [0, 1, 7, 13, 19]
     for k, way in enumerate(table.ways):
@@ -84,9 +82,7 @@ def test_force_is_that_of_the_two_sides(loaded):
 
 def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     shell, state = cases.set_up(sheet().cut(ROW))
-    table = PartingTable(
-        shell, LoadSet(sheet(), []), [partings_of(state, 17, shell.mass, NONE)]
-    )
+    table = PartingTable(shell, LoadSet(sheet(), []), [partings_of(state, 17, shell.mass, NONE)])
     table.weigh(state, 0.0)
     ahead = [way.ahead[0] for way in table.ways]
     straight = [ahead.index(18)]

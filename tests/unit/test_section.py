@@ -10,7 +10,6 @@ from shellcut.meshing import cylinder
 from shellcut.section import (
     cartesian_map,
     flat_quads,
-    flat_stiffness,
     full_stiffness,
     lumped_mass,
     point_stiffness,
