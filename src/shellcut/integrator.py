@@ -189,15 +189,17 @@ def _kick_supported(
     """Write velocity and spin of a supported node after the kick into moved : (6,)."""
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     each = dt / (1.0 + 0.5 * alpha * dt)
+    rate = 1.0 / dt
+    by_mass, by_inertia = each / mass[n], each / inertia[n]
     moment = cross(load(t, n), (rows[n, 3], rows[n, 4], rows[n, 5]))
     for c in range(6):
-        m = mass[n] if c < 3 else inertia[n]
+        m, push = (mass[n], by_mass) if c < 3 else (inertia[n], by_inertia)
         force = rows[n, c] if c < 3 else moment[c - 3]
         before = velocity[n, c] if c < 3 else spin[n, c - 3]
-        after = keep * before + each * force / m
+        after = keep * before + push * force
         if support[n, c]:
             after = support_rate[n, c]
-            r = m * (after - before) / dt + alpha * m * 0.5 * (after + before) - force
+            r = m * (rate * (after - before) + 0.5 * alpha * (after + before)) - force
             sums[3] += 0.5 * (reaction[n, c] + r) * before * dt_last
             reaction[n, c] = r
         sums[2] += m * (before + after) ** 2

@@ -1,0 +1,187 @@
+"""Lanes against plain floats, threads against one, other processors, no compiler."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from naive import cases
+from shellcut.load import Pressure
+from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.meshing import disc, rectangle
+from shellcut.shell import MITC4Shell
+from shellcut.simulation import Simulation
+from shellcut.state import initial_state
+from shellcut.support import Support
+
+LAYERED = [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]
+MATERIALS = {
+    "film": cases.FILM,
+    "film by points": ShellMaterial.homogeneous(points_per_layer=2),
+    "layers": ShellMaterial(LAYERED),
+    "layers by points": ShellMaterial(LAYERED, points_per_layer=3),
+}
+
+
+def moved_twice(mesh, material, *, by_lanes=True):
+    """Forces and work after two damped steps from rest to a far state."""
+    shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes)
+    state = initial_state(mesh)
+    shell.initialise(state)
+    n = mesh.n_node
+    far = cases.deform(initial_state(mesh)).node
+    result = []
+    for part, dt in ((0.0, 0.0), (0.4, 1e-7), (1.0, 3e-7)):
+        state.dt = dt
+        state.node.x[:n] = (1 - part) * mesh.nodes + part * far.x[:n]
+        t = (1 - part) * mesh.directors + part * far.t[:n]
+        state.node.t[:n] = t / np.linalg.norm(t, axis=1)[:, None]
+        state.node.force_rows[:] = 0.0
+        result.append((shell.add_forces(state), state.node.force_rows[:n, :6].copy()))
+    return result
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("case", cases.ALL)
+def test_lanes_and_plain_floats_agree_to_round_off(case, material):
+    mesh = cases.ALL[case](5, 3)
+    by_lanes = moved_twice(mesh, MATERIALS[material])
+    one_by_one = moved_twice(mesh, MATERIALS[material], by_lanes=False)
+    for (work, force), (wanted_work, wanted) in zip(by_lanes, one_by_one, strict=True):
+        # The same products in the same order; fused in other places.
+        np.testing.assert_allclose(force, wanted, rtol=0, atol=1e-14 * np.abs(wanted).max() + 1e-18)
+        scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
+        np.testing.assert_allclose(work, wanted_work, rtol=0, atol=1e-13 * scale + 1e-24)
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+@pytest.mark.parametrize("layers", ["film", "layers"])
+def test_points_and_the_integrated_section_agree(case, layers):
+    # Two ways to the same integral; on a curved quad the section takes more points than two.
+    mesh = cases.ALL[case](5, 3)
+    section = moved_twice(mesh, MATERIALS[layers])
+    points = moved_twice(mesh, MATERIALS[f"{layers} by points"])
+    limit = 1e-12 if case == "flat" else 1e-3
+    for (work, force), (wanted_work, wanted) in zip(points, section, strict=True):
+        np.testing.assert_allclose(
+            force, wanted, rtol=0, atol=limit * np.abs(wanted).max() + 1e-18
+        )
+        scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
+        np.testing.assert_allclose(work, wanted_work, rtol=0, atol=limit * scale + 1e-24)
+
+
+def test_damping_work_from_three_products_is_the_sum_over_strain_steps():
+    # The linear path books the work of damping from products with the resultants and last step's
+    # forms; the general path forms H a_n and its product. The same numbers over a thousand steps.
+    def run(points):
+        sim = Simulation(
+            disc(2.0, n_side=6, n_layer=2),
+            ShellMaterial.homogeneous(points_per_layer=points),
+            supports=[Support.clamped("rim")],
+            loads=[Pressure(0.2)],
+            damping_beta=2e-7,
+        )
+        for _ in range(1000):
+            sim.step()
+        return sim
+
+    linear, general = run(None), run(2)
+    a, b = linear.ledger, general.ledger
+    assert a.damping_stiffness > 0.05 * a.load_work
+    # Round-off: each step's work is a difference of forms a thousand times as large.
+    assert a.damping_stiffness == pytest.approx(b.damping_stiffness, rel=1e-10)
+    assert a.strain == pytest.approx(b.strain, rel=1e-10)
+    assert a.imbalance == pytest.approx(b.imbalance, abs=1e-10 * a.load_work)
+    n = linear.mesh.n_node
+    # Round-off grows with the steps: it began at 1e-16 and oscillates with the film.
+    np.testing.assert_allclose(
+        linear.state.node.x[:n], general.state.node.x[:n], rtol=0, atol=1e-12
+    )
+
+
+def run_sheet(threads):
+    mesh = rectangle(60.0, 35.0, n_x=210, n_y=120)
+    sim = Simulation(
+        mesh,
+        cases.FILM,
+        supports=[Support.clamped("left")],
+        loads=[Pressure(0.05), Pressure(0.02, following=True)],
+        threads=threads,
+    )
+    for _ in range(12):
+        sim.step()
+    n = sim.state.node
+    books = sim.close_ledger()
+    rows = (n.x, n.t, n.velocity_half, n.spin_half, n.reaction)
+    return [r[: mesh.n_node].copy() for r in rows], [vars(books)[k] for k in sorted(vars(books))]
+
+
+def test_results_do_not_depend_on_the_number_of_threads():
+    rows, books = run_sheet(1)
+    for threads in (2, 3):
+        other_rows, other_books = run_sheet(threads)
+        assert all((a == b).all() for a, b in zip(rows, other_rows, strict=True))
+        assert books == other_books
+
+
+def test_number_of_threads_is_checked():
+    for wrong in (0, -1, 1.5):
+        with pytest.raises(ValueError, match="threads must be a whole number from 1 on"):
+            Simulation(rectangle(1.0, 1.0, n_x=1, n_y=1), cases.FILM, threads=wrong)
+
+
+_ELSEWHERE = """
+import sys
+import numpy as np
+from naive import cases
+from test_quad_forces import MATERIALS, moved_twice
+out = []
+for case in ("flat", "curved"):
+    for material in ("film", "layers by points"):
+        for work, force in moved_twice(cases.ALL[case](5, 3), MATERIALS[material]):
+            out += [np.array(work), force.ravel()]
+np.save(sys.argv[1], np.concatenate(out))
+"""
+
+
+def forces_in_another_process(tmp_path, **environment):
+    """Forces of flat and curved quads, by sections and by points, with other settings of Numba."""
+    here = os.path.dirname(__file__)
+    path = [here, os.path.dirname(here), *sys.path]
+    subprocess.run(
+        [sys.executable, "-c", _ELSEWHERE, str(tmp_path / "forces.npy")],
+        check=True,
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(p for p in path if p),
+            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+            **environment,
+        },
+    )
+    return np.load(tmp_path / "forces.npy")
+
+
+def forces_here():
+    out = []
+    for case in ("flat", "curved"):
+        for material in ("film", "layers by points"):
+            for work, force in moved_twice(cases.ALL[case](5, 3), MATERIALS[material]):
+                out += [np.array(work), force.ravel()]
+    return np.concatenate(out)
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
+        {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+        {"NUMBA_DISABLE_JIT": "1"},
+    ],
+    ids=["AVX2", "SSE2", "no compiler"],
+)
+def test_the_same_forces_on_other_processors_and_without_the_compiler(tmp_path, environment):
+    there, here = forces_in_another_process(tmp_path, **environment), forces_here()
+    # Without fused instructions every product is rounded: round-off of the largest force.
+    np.testing.assert_allclose(there, here, rtol=0, atol=1e-13 * np.abs(here).max())
