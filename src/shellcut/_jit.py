@@ -30,7 +30,7 @@ R = TypeVar("R")
 Floats: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[Any]
 """Real, or complex where the element is differentiated by a complex step."""
-Ints: TypeAlias = npt.NDArray[np.int64]
+Ints: TypeAlias = npt.NDArray[np.integer[Any]]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 SmallIds: TypeAlias = npt.NDArray[np.int32]

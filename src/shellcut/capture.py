@@ -40,7 +40,7 @@ def capture(
     tool_points, tool_triangles, edges = np.zeros((0, 3)), np.zeros((0, 3), np.int64), None
     if sim.tool is not None:
         tool_points = sim.tool.vertices @ sim.rotation.T + sim.translation
-        tool_triangles = sim.tool.triangles
+        tool_triangles = sim.tool.triangles.astype(np.int64)
         edges = tool_points[sim.tool.edges]
     return Frame(
         time=s.time,
@@ -51,10 +51,10 @@ def capture(
         reference=s.node.X[:n],
         director=s.node.t[:n],
         velocity=s.node.velocity_half[:n],
-        quads=s.quads,
+        quads=s.quads.astype(np.int64),
         quad_stress=components,
         quad_principal=principal,
-        crack_edges=open_edge_copies(s),
+        crack_edges=open_edge_copies(s).astype(np.int64),
         cable_segments=segments,
         cable_state=jointed,
         cable_traction=traction,

@@ -151,7 +151,7 @@ class _Pattern:
         key, slot = np.unique(column.ravel() * n + row.ravel(), return_inverse=True)
         self._n, self._slot, self._row = n, slot, key % n
         self._start = np.searchsorted(key // n, np.arange(n + 1))
-        self._free = np.empty(0, np.int64)
+        self._free: Ints = np.empty(0, np.int64)
         self._part: sparse.csc_array = sparse.csc_array((0, 0))
 
     def assemble(self, tangent: Floats) -> sparse.csc_array:
@@ -195,6 +195,7 @@ def _dissection(nodes: Floats, quads: Ints) -> Ints:
 
 def _ids(quads: Ints) -> Ints:
     """Return the freedoms of every quad in the order of its stiffness, shape (n_quad, 20)."""
+    quads = quads.astype(np.int64)
     translations = 5 * quads[:, :, None] + np.arange(3)
     turns = 5 * quads[:, :, None] + np.arange(3, 5)
     n = quads.shape[0]

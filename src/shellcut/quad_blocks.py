@@ -39,7 +39,7 @@ class QuadBlocks:
         Quad at each place.
     filled : ndarray of bool, shape (n_block, 8)
         False at places that repeat a quad.
-    slot : ndarray of int, shape (n_quad,)
+    slot : ndarray of int32, shape (n_quad,)
         Place of each quad, 8 block + lane.
     corner : ndarray of int32, shape (n_block, 4, 8)
         Node ids; :meth:`rewire` keeps them up to date.
@@ -49,7 +49,7 @@ class QuadBlocks:
 
     quad: SmallIds
     filled: Bools
-    slot: Ints
+    slot: SmallIds
     corner: SmallIds
     flat_start: Ints
     full_start: Ints
@@ -108,7 +108,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
     quad = np.zeros(filled.size, np.int32)
     quad[place] = order
     quad = quad[last]
-    slot = np.empty(order.size, np.int64)
+    slot = np.empty(order.size, np.int32)
     slot[order] = place
     corner: SmallIds = aligned_zeros((int(start[-1]), 4, WIDTH), np.int32)
     corner[:] = quads[quad.reshape(-1, WIDTH)].transpose(0, 2, 1)

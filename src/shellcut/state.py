@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallInts
+from ._jit import Bools, Floats, Ints, SmallIds, SmallInts
 from .lanes import aligned_zeros
 from .mesh import MAX_VALENCE, Mesh
 
@@ -81,8 +81,6 @@ class NodeTable(_Table):
 
     X: Floats
     """Reference position [mm], shape (n, 3)."""
-    T: Floats
-    """Reference director, shape (n, 3)."""
     x: Floats
     """Position [mm], shape (n, 3)."""
     t: Floats
@@ -106,9 +104,9 @@ class NodeTable(_Table):
     """Reference node this one was split from, itself if never split, shape (n,)."""
     halved: Bools
     """Whether the node is one half of a split or pre-cut node, shape (n,)."""
-    quads: Ints
+    quads: SmallIds
     """Quads at the node, ascending, the first ``n_quad_at`` in use, shape (n, MAX_VALENCE)."""
-    n_quad_at: Ints
+    n_quad_at: SmallIds
     """Number of quads at the node, shape (n,)."""
     supported: Bools
     """Whether any component is prescribed, shape (n,)."""
@@ -219,7 +217,7 @@ class State:
 
     node: NodeTable
     cable: CableTable
-    quads: Ints
+    quads: SmallIds
     """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
     strain: Floats
     """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, 8)."""
@@ -259,8 +257,8 @@ def initial_state(mesh: Mesh) -> State:
     def rows(*shape: int) -> Floats:
         return np.zeros((cap, *shape))
 
-    X, T, x, t = columns(cap, 3), columns(cap, 3), columns(cap, 3), columns(cap, 3)
-    X[:n], T[:n] = mesh.nodes, mesh.directors
+    X, x, t = columns(cap, 3), columns(cap, 3), columns(cap, 3)
+    X[:n] = mesh.nodes
     x[:n], t[:n] = mesh.nodes, mesh.directors
     origin = np.zeros(cap, np.int64)
     origin[:n] = mesh.origin
@@ -270,7 +268,6 @@ def initial_state(mesh: Mesh) -> State:
     node = NodeTable(
         count=n,
         X=X,
-        T=T,
         x=x,
         t=t,
         velocity_half=columns(cap, 3),
@@ -306,7 +303,7 @@ def initial_state(mesh: Mesh) -> State:
     return State(
         node=node,
         cable=cable,
-        quads=mesh.quads.copy(),
+        quads=mesh.quads.astype(np.int32),
         strain=np.zeros((0, 0, 0)),
         strain_before=np.zeros((0, 0, 0)),
         history=np.zeros((0, 0, 0)),
@@ -339,10 +336,10 @@ _CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
 ]
 
 
-def quads_of_nodes(quads: Ints, capacity: int) -> tuple[Ints, Ints]:
+def quads_of_nodes(quads: Ints, capacity: int) -> tuple[SmallIds, SmallIds]:
     """Return the quads at every node, ascending, shape (capacity, MAX_VALENCE), and their count."""
-    n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int64)
-    table = np.zeros((capacity, MAX_VALENCE), np.int64)
+    n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int32)
+    table = np.zeros((capacity, MAX_VALENCE), np.int32)
     order = np.argsort(quads.ravel(), kind="stable")
     start = np.concatenate([[0], np.cumsum(n_quad_at)[:-1]])
     rank = np.arange(order.size) - np.repeat(start, n_quad_at)

@@ -158,8 +158,8 @@ class ClosestTriangleGrid:
         corners = tool.vertices[tool.triangles]
         pseudo_normals = _pseudo_normals(tool)
         # one cell with all triangles is the parent of the coarsest level
-        start = np.array([0, tool.n_triangle], dtype=np.int64)
-        entries = np.arange(tool.n_triangle, dtype=np.int64)
+        start: Ints = np.array([0, tool.n_triangle], dtype=np.int64)
+        entries: Ints = np.arange(tool.n_triangle, dtype=np.int64)
         distance = np.zeros(tool.n_triangle)
         parent_shape = (1, 1, 1)
         shift = 62  # i >> 62 is 0: every coarsest cell has the one parent

@@ -65,9 +65,7 @@ def test_points_and_the_integrated_section_agree(case, layers):
     points = moved_twice(mesh, MATERIALS[f"{layers} by points"])
     limit = 1e-12 if case == "flat" else 1e-3
     for (work, force), (wanted_work, wanted) in zip(points, section, strict=True):
-        np.testing.assert_allclose(
-            force, wanted, rtol=0, atol=limit * np.abs(wanted).max() + 1e-18
-        )
+        np.testing.assert_allclose(force, wanted, rtol=0, atol=limit * np.abs(wanted).max() + 1e-18)
         scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
         np.testing.assert_allclose(work, wanted_work, rtol=0, atol=limit * scale + 1e-24)
 

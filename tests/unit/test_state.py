@@ -32,7 +32,7 @@ def test_rows_are_appended_and_the_old_ones_survive_growth():
         if f.name != "count":
             array = getattr(node, f.name)
             assert array.flags.c_contiguous or array.flags.f_contiguous
-            assert array.dtype in (np.float64, np.int64, np.bool_, np.int8)
+            assert array.dtype in (np.float64, np.int64, np.int32, np.bool_, np.int8)
     # What the kernels read by lanes still stands one column after the other.
     for array in (node.x, node.t, node.velocity_half, node.spin_half, node.push):
         assert array.flags.f_contiguous
@@ -51,7 +51,13 @@ def test_arrays_have_the_shape_and_type_that_their_docs_say(table):
     state = initial_state(cases.curved())
     rows = state.node if table is NodeTable else state.cable
     source = inspect.getsource(table)
-    types = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_, "SmallInts": np.int8}
+    types = {
+        "Floats": np.float64,
+        "Ints": np.int64,
+        "Bools": np.bool_,
+        "SmallInts": np.int8,
+        "SmallIds": np.int32,
+    }
     documented = re.findall(r'(\w+): (\w+)\n    """[^"]*?shape \(n,([^)]*)\)', source)
     assert len(documented) == len(fields(table)) - 1
     for name, kind, rest in documented:

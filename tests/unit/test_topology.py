@@ -146,7 +146,7 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
         # Forces of the last evaluation are shared like the mass, lest the halves fly apart.
         kept = state.node.contact_force[half]
         np.testing.assert_allclose(kept, share / mass * pushed, rtol=1e-12)
-    for name in ("X", "T", "x", "t", "velocity_half", "spin_half", "origin"):
+    for name in ("X", "x", "t", "velocity_half", "spin_half", "origin"):
         rows = getattr(state.node, name)
         np.testing.assert_array_equal(rows[twin], rows[split.node])
     assert state.n_cable > n_cable
