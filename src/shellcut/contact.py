@@ -38,7 +38,7 @@ import numpy as np
 from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
-from .near_nodes import NearNodes
+from .near_nodes import MARGIN, NearNodes
 from .state import State
 from .tool import Tool
 from .tool_grid import ClosestTriangleGrid, signed_distance
@@ -131,12 +131,14 @@ class PenaltyContact:
         )
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
+        self._pose = np.eye(3), np.zeros(3)
         # Of each listed node: where it was found outside (body frame) and how far from the surface.
         self._place, self._clear = np.zeros((0, 3)), np.zeros(0)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
         n = state.node
+        self._pose = rotation, translation
         if self.near.renew(state, rotation, translation):
             self._take_list(state)
         wrench = np.zeros((self.tool.n_body, 6))
@@ -167,6 +169,13 @@ class PenaltyContact:
             wrench=wrench,
         )
         return ContactForces(wrench, node_work, stored, n_inside, deepest)
+
+    def near_nodes(self, state: State) -> Ints:
+        """Return the nodes that may come into contact soon.
+
+        It depends on the places of the last evaluation alone, not on when the list was made.
+        """
+        return self.near.within(state, *self._pose, 0.5 * MARGIN)
 
     def _take_list(self, state: State) -> None:
         """Go over to the new list; what has left it is outside."""

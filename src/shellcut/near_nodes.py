@@ -16,7 +16,7 @@ from ._vec3 import load
 from .cutting_edge import to_body
 from .state import State
 
-MARGIN = 0.5
+MARGIN = 0.75
 """Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth."""
 
 

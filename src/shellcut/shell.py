@@ -15,9 +15,10 @@ from .centre_stress import CentreStress
 from .material import ShellMaterial
 from .mesh import Mesh
 from .mitc4 import N_STRAIN, covariant_metric, nodal_forces, resultants
+from .quad_frequency import QuadFrequencies
 from .section import build_sections
 from .state import State
-from .tangent import N_FREEDOM, largest_eigenvalues, quad_tangents
+from .tangent import N_FREEDOM, quad_tangents
 from .thickness_points import build_points, point_resultants
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
@@ -53,8 +54,10 @@ class MITC4Shell:
         """Scalar products of the reference surface, subtracted from the current ones."""
         _reference_metric(X=mesh.nodes, T=mesh.directors, quads=mesh.quads, metric=self.metric)
         self._centre_stress = CentreStress(mesh, material)
-        self.squared_frequency = np.zeros(mesh.n_quad)
-        """Largest eigenvalue of each quad at its last evaluation [1/s²], shape (n_quad,)."""
+        self.frequencies = QuadFrequencies(
+            mesh, self.section.mass, self.quad_inertia, self._tangents
+        )
+        """Bounds of the largest frequency of each quad."""
 
     def node_inertia(self, state: State, node: int) -> tuple[float, float, float]:
         """Return mass [t], rotary inertia [t·mm²] and contact area [mm²] of a node from its quads.
@@ -176,33 +179,21 @@ class MITC4Shell:
         """
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
-    def update_frequencies(self, state: State, quads: Ints) -> None:
-        """Recompute the squared largest frequency of some quads at the present state.
-
-        The largest eigenvalue of a quad's stiffness (pre-stress counted) on its own share of mass
-        and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
-        """
-        squared = np.empty(quads.size)
-        largest_eigenvalues(
-            self.tangents(state, quads),
-            self.section.mass[quads],
-            self.quad_inertia[quads],
-            squared,
-        )
-        self.squared_frequency[quads] = squared
-
     def tangents(self, state: State, quads: Ints) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
         Freedoms as in :mod:`shellcut.tangent`; of the pre-integrated section.
         """
-        s, n = self.section, state.node
-        tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
+        return self._tangents(state.node.x, state.node.t, state.quads, quads)
+
+    def _tangents(self, x: Floats, t: Floats, quads: Ints, which: Ints) -> Floats:
+        s = self.section
+        tangent = np.empty((which.size, N_FREEDOM, N_FREEDOM))
         quad_tangents(
-            which=quads,
-            x=n.x,
-            t=n.t,
-            quads=state.quads,
+            which=which,
+            x=x,
+            t=t,
+            quads=quads,
             metric=self.metric,
             flat=s.flat,
             row=s.row,

@@ -80,22 +80,3 @@ def quad_tangents(
                 along += ft[a, c].real * t[quads[e, a], c]
             for b in range(2):
                 tangent[i, 12 + 2 * a + b, 12 + 2 * a + b] -= along
-
-
-@kernel
-def largest_eigenvalues(tangent: Floats, mass: Floats, inertia: Floats, squared: Floats) -> None:
-    """Write the largest eigenvalue of M⁻¹ K of single quads [1/s²] into squared : (n,).
-
-    tangent : (n, 20, 20).  mass, inertia : (n, 4), each quad's own share at its nodes.
-    """
-    scale = np.empty(N_FREEDOM)
-    for i in range(tangent.shape[0]):
-        for a in range(4):
-            for c in range(3):
-                scale[3 * a + c] = 1.0 / np.sqrt(mass[i, a])
-            for b in range(2):
-                scale[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[i, a])
-        for k in range(N_FREEDOM):
-            for j in range(N_FREEDOM):
-                tangent[i, k, j] *= scale[k] * scale[j]
-        squared[i] = np.linalg.eigvalsh(tangent[i])[-1]

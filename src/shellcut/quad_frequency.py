@@ -1,0 +1,340 @@
+"""The largest frequency of every quad, by bounds that are never too low.
+
+The largest eigenvalue omega² of a quad's tangent stiffness K (pre-stress counted) on its own share
+of mass and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
+
+*One quad.* A power iteration approaches omega² from below. That sigma is not below it is proved by
+the factorisation of sigma M - K, which meets a pivot that is not positive if it were. Congruent
+quads of the reference mesh are evaluated once.
+
+*In between.* A quad need not be evaluated again while it hardly changes shape. Let p be positions
+and directors at its last evaluation, p + d those of now, each turned back as a whole, and V a
+motion. The strain rates B(p, V) are linear in p, so with |.| the norm of the section's energy
+
+    |B(p + d, V)| <= |B(p, V)| + |B(d, V)|,     |B(p, V)| <= omega |V|.
+
+If the base vectors, directors and their gradients have changed by no more than the part Delta of
+the base vectors, then pointwise |B(d, V)|² <= Delta² C_max |grad V|², C_max = E/(1 - nu) being the
+largest modulus of plane stress. A motion psi(xi, eta) e along one direction e has at least the
+energy G |grad psi|², hence |B(d, V)| <= Delta sqrt(C_max / G) omega |V|, and C_max / G is
+2 (1 + nu)/(1 - nu) = 3.7. The stress changes by C_max Delta at most, which adds Delta C_max / G to
+omega² in the same way. Together
+
+    omega² <= omega_0² [(1 + 1.93 Delta)² + 3.7 Delta]
+
+and less than omega_0² (1 + c Delta)² with c = 4: the transverse shear, whose modulus is G, adds
+less than the difference. Delta is the sum of the in-plane strain, the angle by which the quad has
+bent or twisted from corner to corner, and the transverse shear, all as changes since the
+evaluation. A test holds the bound against exact eigenvalues.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from ._jit import Floats, Ints, Vec3, inline, kernel
+from ._vec3 import add, combine, cross, dot, load, norm, sub
+from .mesh import Mesh
+from .mitc4 import ETA_SIDE, FAR, N_STRAIN, NEAR, XI_SIDE, covariant_metric
+from .tangent import N_FREEDOM
+
+STRETCH_GROWTH = 1.74
+"""Growth of omega for a unit of stretch in one direction."""
+TURN_GROWTH = 1.39
+"""Growth of omega for a unit of turn of one part of a quad against another."""
+
+# How much above the power iteration's value the bound is tried, and the turns of one try. Two
+# eigenvalues of a ratio of 0.8 are told apart to 1e-5 in twelve turns; nearer ones need not be.
+_ABOVE = 1.002
+_TURNS = 12
+_TRIES = 4
+
+# Scalar products that agree to this part of the largest belong to congruent quads; what this
+# changes in a frequency is far below ``_ABOVE``.
+_CONGRUENT = 1e-9
+
+Tangents = Callable[[Floats, Floats, Ints, Ints], Floats]
+
+
+class QuadFrequencies:
+    """Bounds of the largest frequency of all quads.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The reference.
+    mass, inertia : ndarray, shape (n_quad, 4)
+        Each quad's own share at its nodes [t, t·mm²].
+    tangents : callable
+        Takes x, t, quads and which quads; returns their stiffness, shape (n, 20, 20).
+    """
+
+    def __init__(self, mesh: Mesh, mass: Floats, inertia: Floats, tangents: Tangents) -> None:
+        self._mesh, self._mass, self._inertia, self._tangents = mesh, mass, inertia, tangents
+        # The quads evaluated in a deformed state have a row of the strains they had; row 0 is the
+        # reference, where all are evaluated first.
+        self._row: Ints = np.zeros(mesh.n_quad, np.int64)
+        self._strain = np.zeros((1, N_STRAIN))
+        self._evaluated = self._at_rest()
+        self.squared = self._evaluated.copy()
+        """Bound of omega² of each quad at the last :meth:`follow` [1/s²], shape (n_quad,)."""
+
+    def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
+        """Bring the bounds up to the present positions and directors, without an evaluation."""
+        _follow(
+            X=self._mesh.nodes,
+            T=self._mesh.directors,
+            reference_quads=self._mesh.quads,
+            x=x,
+            t=t,
+            quads=quads,
+            row=self._row,
+            strain=self._strain,
+            evaluated=self._evaluated,
+            squared=self.squared,
+        )
+
+    def evaluate(self, x: Floats, t: Floats, quads: Ints, which: Ints) -> None:
+        """Evaluate some quads at the present positions and directors."""
+        new = which[self._row[which] == 0]
+        self._row[new] = len(self._strain) + np.arange(new.size)
+        self._strain = np.concatenate([self._strain, np.zeros((new.size, N_STRAIN))])
+        _store_strains(
+            X=self._mesh.nodes,
+            T=self._mesh.directors,
+            reference_quads=self._mesh.quads,
+            x=x,
+            t=t,
+            quads=quads,
+            which=which,
+            row=self._row,
+            strain=self._strain,
+        )
+        self._evaluated[which] = self._bounds(x, t, quads, which)
+        self.squared[which] = self._evaluated[which]
+
+    def _at_rest(self) -> Floats:
+        mesh = self._mesh
+        metric = np.empty((mesh.n_quad, N_STRAIN))
+        _metrics(X=mesh.nodes, T=mesh.directors, quads=mesh.quads, metric=metric)
+        first, same = _classes(metric)
+        return self._bounds(mesh.nodes, mesh.directors, mesh.quads, first)[same]
+
+    def _bounds(self, x: Floats, t: Floats, quads: Ints, which: Ints) -> Floats:
+        squared = np.empty(which.size)
+        # In pieces: a stiffness takes 3.2 kB.
+        for begin in range(0, which.size, _PIECE):
+            piece = which[begin : begin + _PIECE]
+            bound_largest_eigenvalues(
+                tangent=self._tangents(x, t, quads, piece),
+                mass=self._mass[piece],
+                inertia=self._inertia[piece],
+                squared=squared[begin : begin + _PIECE],
+            )
+        return squared
+
+
+_PIECE = 4096
+
+
+def _classes(metric: Floats) -> tuple[Ints, Ints]:
+    """Return the first quad of each class of congruent ones, and the class of every quad."""
+    # Congruent quads have the same scalar products: a hash of their digits tells the classes.
+    digits = np.rint(metric / (_CONGRUENT * np.abs(metric).max())).astype(np.int64)
+    factors = np.random.default_rng(0).integers(1, 2**62, N_STRAIN) | 1
+    key = (digits * factors).sum(axis=1)
+    _, first, same = np.unique(key, return_index=True, return_inverse=True)
+    return first, same
+
+
+@inline
+def _metric_of(x: Floats, t: Floats, quads: Ints, e: int, m: Floats) -> None:
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    for a in range(4):
+        for c in range(3):
+            xe[a, c], te[a, c] = x[quads[e, a], c], t[quads[e, a], c]
+    covariant_metric(xe, te, m)
+
+
+@kernel
+def _metrics(X: Floats, T: Floats, quads: Ints, metric: Floats) -> None:
+    """Write the scalar products of all quads to metric : (n_quad, 20)."""
+    for e in range(quads.shape[0]):
+        _metric_of(X, T, quads, e, metric[e])
+
+
+@kernel
+def _store_strains(
+    X: Floats,
+    T: Floats,
+    reference_quads: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    which: Ints,
+    row: Ints,
+    strain: Floats,
+) -> None:
+    """Write the strains of the quads ``which`` to their rows of strain : (n_row, 20)."""
+    m = np.empty(N_STRAIN)
+    for i in range(which.shape[0]):
+        e = which[i]
+        _metric_of(x, t, quads, e, strain[row[e]])
+        _metric_of(X, T, reference_quads, e, m)
+        for k in range(N_STRAIN):
+            strain[row[e], k] -= m[k]
+
+
+@kernel
+def _follow(
+    X: Floats,
+    T: Floats,
+    reference_quads: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    row: Ints,
+    strain: Floats,
+    evaluated: Floats,
+    squared: Floats,
+) -> None:
+    """Write squared, evaluated times the square of the growth since, both : (n_quad,)."""
+    m, s = np.empty(N_STRAIN), np.empty(N_STRAIN)
+    for e in range(quads.shape[0]):
+        _metric_of(X, T, reference_quads, e, m)
+        _metric_of(x, t, quads, e, s)
+        for k in range(N_STRAIN):
+            s[k] -= m[k] + strain[row[e], k]
+        squared[e] = evaluated[e] * frequency_growth(X, reference_quads, e, s) ** 2
+
+
+@inline
+def frequency_growth(X: Floats, quads: Ints, e: int, s: Floats) -> float:
+    """Return the factor by which omega has grown at most with the strain changes s : (20,)."""
+    x0, x1 = load(X, quads[e, 0]), load(X, quads[e, 1])
+    x2, x3 = load(X, quads[e, 2]), load(X, quads[e, 3])
+    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+    stretch = 0.0
+    bend = 0.0
+    least = (np.inf, np.inf, np.inf)
+    most = (-np.inf, -np.inf, -np.inf)
+    for q in range(4):
+        i, j = ETA_SIDE[q], XI_SIDE[q]
+        a1 = combine(NEAR, x01, FAR, x32) if i == 0 else combine(FAR, x01, NEAR, x32)
+        a2 = combine(NEAR, x03, FAR, x12) if j == 0 else combine(FAR, x03, NEAR, x12)
+        # In the plane of a_1 and a_2: a_1 = (a, 0), a_2 = (p, h).
+        a = norm(a1)
+        p = dot(a1, a2) / a
+        h = norm(cross(a1, a2)) / a
+        E = _in_plane(s[i], s[2 + j], 0.5 * s[4 + q], a, p, h)
+        K = _in_plane(s[8 + i], s[10 + j], 0.5 * s[12 + q], a, p, h)
+        stretch = max(stretch, 0.5 * (E[0] + E[1]) + _radius(E))
+        bend = max(bend, 0.5 * abs(K[0] + K[1]) + _radius(K))
+        least = (min(least[0], E[0]), min(least[1], E[1]), min(least[2], E[2]))
+        most = (max(most[0], E[0]), max(most[1], E[1]), max(most[2], E[2]))
+    reach = 0.5 * max(norm(sub(x2, x0)), norm(sub(x3, x1)))
+    g1 = max(abs(s[16]) / norm(x01), abs(s[17]) / norm(x32))
+    g2 = max(abs(s[18]) / norm(x03), abs(s[19]) / norm(x12))
+    area = norm(cross(sub(x2, x0), sub(x3, x1)))
+    slant = norm(add(x01, x32)) * norm(add(x03, x12)) / (2.0 * area)
+    shear = 2.0 * slant * (g1 + g2)
+    spread = sub(most, least)
+    turned = reach * bend + shear + spread[0] + spread[1] + spread[2]
+    return 1.0 + STRETCH_GROWTH * stretch + TURN_GROWTH * turned
+
+
+@inline
+def _in_plane(c11: float, c22: float, c12: float, a: float, p: float, h: float) -> Vec3:
+    """Return xx, yy, xy of covariant components, with a_1 = (a, 0) and a_2 = (p, h)."""
+    xx = c11 / (a * a)
+    xy = (c12 / a - xx * p) / h
+    yy = (c22 - 2.0 * c12 * p / a + xx * p * p) / (h * h)
+    return xx, yy, xy
+
+
+@inline
+def _radius(c: Vec3) -> float:
+    """Return half the difference of the principal values."""
+    return sqrt(0.25 * (c[0] - c[1]) ** 2 + c[2] ** 2)
+
+
+@kernel
+def bound_largest_eigenvalues(
+    tangent: Floats, mass: Floats, inertia: Floats, squared: Floats
+) -> None:
+    """Write a bound of the largest eigenvalue of M⁻¹ K of single quads [1/s²] to squared : (n,).
+
+    tangent : (n, 20, 20), scaled by the mass on return.  mass, inertia : (n, 4), each quad's own
+    share at its nodes.
+    """
+    n = N_FREEDOM
+    scale = np.empty(n)
+    v, w = np.empty(n), np.empty(n)
+    left = np.empty((n, n))
+    for i in range(tangent.shape[0]):
+        K = tangent[i]
+        for a in range(4):
+            for c in range(3):
+                scale[3 * a + c] = 1.0 / np.sqrt(mass[i, a])
+            for b in range(2):
+                scale[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[i, a])
+        for k in range(n):
+            for j in range(n):
+                K[k, j] *= scale[k] * scale[j]
+            v[k] = 1.0 + 0.37 * ((7 * k) % 11)  # along no symmetry of any quad
+        proved = False
+        value = 0.0
+        for _ in range(_TRIES):
+            for _ in range(_TURNS):
+                value = _turn(K, v, w)
+            value *= _ABOVE
+            if _is_above(value, K, left):
+                proved = True
+                break
+        if not proved:  # by rows, always true
+            value = 0.0
+            for k in range(n):
+                value = max(value, np.abs(K[k]).sum())
+        squared[i] = value
+
+
+@inline
+def _turn(K: Floats, v: Floats, w: Floats) -> float:
+    """Replace v by K v of unit length; return the Rayleigh quotient of the old v."""
+    n = v.shape[0]
+    for k in range(n):
+        w[k] = 0.0
+    for j in range(n):
+        for k in range(n):
+            w[k] += K[j, k] * v[j]
+    vv = vw = ww = 0.0
+    for k in range(n):
+        vv += v[k] * v[k]
+        vw += v[k] * w[k]
+        ww += w[k] * w[k]
+    size = 1.0 / np.sqrt(ww)
+    for k in range(n):
+        v[k] = size * w[k]
+    return float(vw / vv)
+
+
+@inline
+def _is_above(value: float, K: Floats, left: Floats) -> bool:
+    """Whether value exceeds all eigenvalues of K : (n, n): whether value - K has positive pivots."""
+    n = K.shape[0]
+    for k in range(n):
+        for j in range(n):
+            left[k, j] = -K[k, j]
+        left[k, k] += value
+    for k in range(n):
+        pivot = left[k, k]
+        if not pivot > 0.0:
+            return False
+        for i in range(k + 1, n):
+            f = left[i, k] / pivot
+            for j in range(k + 1, n):
+                left[i, j] -= f * left[k, j]
+    return True
