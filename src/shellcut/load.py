@@ -116,8 +116,9 @@ class LoadSet:
             elif isinstance(one, Pressure):
                 if not np.isfinite(one.value):
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
-                everywhere = one.quads is None
-                quads = np.arange(mesh.n_quad) if everywhere else np.sort(mesh.quad_set(one.quads))
+                quads = np.arange(mesh.n_quad)
+                if one.quads is not None:
+                    quads = np.sort(mesh.quad_set(one.quads))
                 if one.following:
                     self._following.append((quads, float(one.value), one.factor))
                 else:
@@ -180,8 +181,8 @@ class LoadSet:
             last = np.searchsorted(loaded, quads, side="right")
             for i in np.flatnonzero(first < last).tolist():
                 corner = state.quads[quads[i]] == nodes[i]
-                mine = rows[first[i] : last[i], corner]
-                force[i] += factor(state.time) * mine.sum(axis=(0, 1))
+                on_node = rows[first[i] : last[i], corner]
+                force[i] += factor(state.time) * on_node.sum(axis=(0, 1))
         for loaded, value, factor in self._following:
             first = np.searchsorted(loaded, quads)
             mine = np.flatnonzero(loaded[np.minimum(first, loaded.size - 1)] == quads)

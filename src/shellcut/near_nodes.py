@@ -89,7 +89,7 @@ class NearNodes:
 @inline
 def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
     """Return whether a point lies inside box b of low, high : (n_box, 3)."""
-    return (
+    return bool(
         low[b, 0] < p[0] < high[b, 0]
         and low[b, 1] < p[1] < high[b, 1]
         and low[b, 2] < p[2] < high[b, 2]

@@ -80,7 +80,7 @@ def unfelt_penetration(
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
-    whole = ~noticed[state.quads].any(axis=1)
+    whole = np.asarray(~noticed[state.quads].any(axis=1))
     quads, depth = wires.crossed_quads(n.x, state.quads, whole, rotation, translation)
     return quads.size, float(depth.max(initial=0.0))
 

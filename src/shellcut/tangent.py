@@ -1,8 +1,12 @@
-"""Tangent stiffness of a quad: the element kernel itself, differentiated.
+"""Tangent stiffness of a quad: the element's own functions, differentiated exactly.
 
-The nodal forces are polynomials in positions and directors, so the kernel runs on complex numbers
-as it stands, and f(x + i s) has the imaginary part s df/dx exact to round-off for any tiny s: no
-difference is formed. The tangent thus cannot drift from the forces.
+The strains are quadratic and the nodal forces f(u, r) bilinear in u = (positions, directors) and
+the resultants r. For any motion d, of any size,
+
+    ds = ½ [s(u + d) - s(u - d)],       df = f(u, H ds) + f(d, r),
+
+exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
+forces. With d of the size of the quad round-off is that of the forces.
 
 Each node has five freedoms: its translation and the turn of its director t along two unit tangents
 b_1, b_2, t -> t cos + b sin. On that path the energy has the second derivative b·W_tt·b - t·W_t:
@@ -16,9 +20,6 @@ import numpy as np
 from ._jit import Bools, Floats, Ints, kernel
 from ._vec3 import tangent_basis
 from .mitc4 import covariant_metric, nodal_forces, resultants
-
-# Complex step relative to nothing: its square, 1e-60, is far below any real part.
-_STEP = 1e-30
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns a node."""
@@ -42,41 +43,62 @@ def quad_tangents(
     Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four nodes.
     The other arguments as the force kernel's.
     """
-    xe, te = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
-    fx, ft = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
-    s, r = np.empty(20, np.complex128), np.empty(20, np.complex128)
+    xe, te = np.empty((4, 3)), np.empty((4, 3))
+    xd, td = np.empty((4, 3)), np.empty((4, 3))
+    fx, ft = np.empty((4, 3)), np.empty((4, 3))
+    gx, gt = np.empty((4, 3)), np.empty((4, 3))
+    s, r = np.empty(20), np.empty(20)
+    ds, dr, back = np.empty(20), np.empty(20), np.empty(20)
     basis = np.empty((4, 2, 3))
     for i in range(which.shape[0]):
         e = which[i]
         for a in range(4):
             tangent_basis(t, quads[e, a], basis[a])
-        for column in range(N_FREEDOM):
-            for a in range(4):
-                for c in range(3):
-                    xe[a, c] = x[quads[e, a], c]
-                    te[a, c] = t[quads[e, a], c]
-            if column < 12:
-                xe[column // 3, column % 3] += _STEP * 1j
-            else:
-                a, b = (column - 12) // 2, (column - 12) % 2
-                for c in range(3):
-                    te[a, c] += _STEP * 1j * basis[a, b, c]
-            covariant_metric(xe, te, s)
-            for k in range(20):
-                s[k] -= metric[e, k]
-            resultants(s, flat[e], h_flat, h_full, row[e], r)
-            nodal_forces(xe, te, r, fx, ft)
-            for a in range(4):
-                for c in range(3):
-                    tangent[i, 3 * a + c, column] = fx[a, c].imag / _STEP
-                for b in range(2):
-                    turned = 0.0
-                    for c in range(3):
-                        turned += ft[a, c].imag * basis[a, b, c]
-                    tangent[i, 12 + 2 * a + b, column] = turned / _STEP
+            for c in range(3):
+                # Seen from the first node: round-off is that of the quad's size.
+                xe[a, c] = x[quads[e, a], c] - x[quads[e, 0], c]
+                te[a, c] = t[quads[e, a], c]
+        size = np.sqrt(xe[2, 0] ** 2 + xe[2, 1] ** 2 + xe[2, 2] ** 2)
+        covariant_metric(xe, te, s)
+        for k in range(20):
+            s[k] -= metric[e, k]
+        resultants(s, flat[e], h_flat, h_full, row[e], r)
+        nodal_forces(xe, te, r, fx, ft)
         for a in range(4):
             along = 0.0
             for c in range(3):
-                along += ft[a, c].real * t[quads[e, a], c]
+                along += ft[a, c] * te[a, c]
             for b in range(2):
-                tangent[i, 12 + 2 * a + b, 12 + 2 * a + b] -= along
+                for column in range(N_FREEDOM):
+                    tangent[i, 12 + 2 * a + b, column] = 0.0
+                tangent[i, 12 + 2 * a + b, 12 + 2 * a + b] = -along
+        for column in range(N_FREEDOM):
+            step = size if column < 12 else 1.0
+            for a in range(4):
+                for c in range(3):
+                    xd[a, c] = td[a, c] = 0.0
+            if column < 12:
+                xd[column // 3, column % 3] = step
+            else:
+                a, b = (column - 12) // 2, (column - 12) % 2
+                for c in range(3):
+                    td[a, c] = step * basis[a, b, c]
+            for sign in (-1.0, 1.0):
+                for a in range(4):
+                    for c in range(3):
+                        gx[a, c] = xe[a, c] + sign * xd[a, c]
+                        gt[a, c] = te[a, c] + sign * td[a, c]
+                covariant_metric(gx, gt, back if sign < 0.0 else ds)
+            for k in range(20):
+                ds[k] = 0.5 * (ds[k] - back[k])
+            resultants(ds, flat[e], h_flat, h_full, row[e], dr)
+            nodal_forces(xe, te, dr, fx, ft)
+            nodal_forces(xd, td, r, gx, gt)
+            for a in range(4):
+                for c in range(3):
+                    tangent[i, 3 * a + c, column] = (fx[a, c] + gx[a, c]) / step
+                for b in range(2):
+                    turned = 0.0
+                    for c in range(3):
+                        turned += (ft[a, c] + gt[a, c]) * basis[a, b, c]
+                    tangent[i, 12 + 2 * a + b, column] += turned / step
