@@ -13,23 +13,21 @@ The strain rates B(p, V) are linear in p, so with |.| the norm of the section's 
 
     |B(p + d, V)| <= |B(p, V)| + |B(d, V)|,     |B(p, V)| <= omega |V|.
 
-A motion psi e along one direction e has the strain sym(e grad psi), whose energy is between
-G |grad psi|² and E/(1 - nu²) |grad psi|², and the mean of the two for one of any two directions e
-at right angles; hence omega² |V|² >= a |grad V|² with a = ½ [E/(1 - nu²) + G] = 0.742 E.
+A motion psi e along one direction e has the strain sym(e grad psi); summed over two directions at
+right angles, its energy is at least 2 a |grad psi|², where 2 a is the least trace of the acoustic
+tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |grad V|².
 
 * A stretch by epsilon takes B to at most 1 + epsilon times itself. The stress grows by at most
-  E/(1 - nu²) epsilon = 1.10 E epsilon, which adds 1.10/0.742 epsilon omega² to omega²: together
-  omega grows by at most (1 + 0.74) epsilon to first order.
+  C_max epsilon, C_max being the largest modulus (E/(1 - nu) = 1.43 E), which adds C_max/a epsilon
+  omega² to omega². Together omega grows by at most (1 + ½ C_max/a) epsilon to first order.
 * Where one part of the quad turns by theta against the whole, by bending, twisting or shear, the
-  change of the base vectors there has any direction: |B(d, V)|² <= theta² C_max |grad V|², C_max =
-  E/(1 - nu) being the largest modulus of plane stress: omega grows by at most sqrt(1.43/0.742)
-  theta = 1.39 theta.
+  change of the base vectors there has any direction: |B(d, V)|² <= theta² C_max |grad V|², and
+  omega grows by at most sqrt(C_max/a) theta.
 
 Bending strains are carried by the same moduli times h²/12, which the rotary inertia m h²/12 or more
 outweighs, and shear strains by G or less. Epsilon is the largest principal strain and theta the sum
 of the angle bent from the centre to a corner, the shear, and the spread of the strains over the
-quad, all as changes since the evaluation. The figures are for nu = 0.3; they rise to 2.0 and 1.6
-at nu = 0.5, less than what the inequalities give away: 0.6 of the bound is the most a test finds.
+quad, all as changes since the evaluation. A test finds no more than 0.6 of this growth.
 """
 
 from __future__ import annotations
@@ -41,14 +39,10 @@ import numpy as np
 
 from ._jit import Floats, Ints, Vec3, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, sub
+from .material import ShellMaterial
 from .mesh import Mesh
 from .mitc4 import ETA_SIDE, FAR, N_STRAIN, NEAR, XI_SIDE, covariant_metric
 from .tangent import N_FREEDOM
-
-STRETCH_GROWTH = 1.74
-"""Growth of omega for a unit of stretch in one direction."""
-TURN_GROWTH = 1.39
-"""Growth of omega for a unit of turn of one part of a quad against another."""
 
 # How much above the power iteration's value the bound is tried, and the turns of one try. Two
 # eigenvalues of a ratio of 0.8 are told apart to 1e-5 in twelve turns; nearer ones need not be.
@@ -70,14 +64,24 @@ class QuadFrequencies:
     ----------
     mesh : Mesh
         The reference.
+    material : ShellMaterial
+        Its moduli say how fast a frequency may grow.
     mass, inertia : ndarray, shape (n_quad, 4)
         Each quad's own share at its nodes [t, t·mm²].
     tangents : callable
         Takes x, t, quads and which quads; returns their stiffness, shape (n, 20, 20).
     """
 
-    def __init__(self, mesh: Mesh, mass: Floats, inertia: Floats, tangents: Tangents) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        mass: Floats,
+        inertia: Floats,
+        tangents: Tangents,
+    ) -> None:
         self._mesh, self._mass, self._inertia, self._tangents = mesh, mass, inertia, tangents
+        self._by_stretch, self._by_turn = growth_rates(material)
         # The quads evaluated in a deformed state have a row of the strains they had; row 0 is the
         # reference, where all are evaluated first.
         self._row: Ints = np.zeros(mesh.n_quad, np.int64)
@@ -98,6 +102,8 @@ class QuadFrequencies:
             row=self._row,
             strain=self._strain,
             evaluated=self._evaluated,
+            by_stretch=self._by_stretch,
+            by_turn=self._by_turn,
             squared=self.squared,
         )
 
@@ -142,6 +148,27 @@ class QuadFrequencies:
 
 
 _PIECE = 4096
+
+
+def growth_rates(material: ShellMaterial) -> tuple[float, float]:
+    """Return by what part omega grows at most for a unit of stretch and for one of turn."""
+    h = material.thickness
+    membrane, bending = np.zeros((3, 3)), np.zeros((3, 3))
+    for z, weight, layer in zip(*material.thickness_points(), strict=True):
+        membrane += weight / h * layer.plane_stress()
+        bending += 12.0 * weight * z * z / h**3 * layer.plane_stress()
+    # The largest modulus as a quadratic form of tensors: shear counts twice in them.
+    unit = np.diag([1.0, 1.0, np.sqrt(2.0)])
+    largest = max(np.linalg.eigvalsh(unit @ C @ unit)[-1] for C in (membrane, bending))
+    if not material.is_symmetric:
+        largest *= 2.0  # stretching and bending may do their most together
+    # Trace of the acoustic tensor along (c, s): C_11 c² + C_22 s² + C_33 + 2 (C_13 + C_23) c s.
+    angle = np.linspace(0.0, np.pi, 181)
+    c, s = np.cos(angle), np.sin(angle)
+    C = membrane
+    trace = C[0, 0] * c * c + C[1, 1] * s * s + C[2, 2] + 2.0 * (C[0, 2] + C[1, 2]) * c * s
+    ratio = float(largest / (0.5 * trace.min()))
+    return 1.0 + 0.5 * ratio, sqrt(ratio)
 
 
 def _classes(metric: Floats) -> tuple[Ints, Ints]:
@@ -203,6 +230,8 @@ def _follow(
     row: Ints,
     strain: Floats,
     evaluated: Floats,
+    by_stretch: float,
+    by_turn: float,
     squared: Floats,
 ) -> None:
     """Write squared, evaluated times the square of the growth since, both : (n_quad,)."""
@@ -212,12 +241,13 @@ def _follow(
         _metric_of(x, t, quads, e, s)
         for k in range(N_STRAIN):
             s[k] -= m[k] + strain[row[e], k]
-        squared[e] = evaluated[e] * frequency_growth(X, reference_quads, e, s) ** 2
+        stretch, turned = change_of_shape(X, reference_quads, e, s)
+        squared[e] = evaluated[e] * (1.0 + by_stretch * stretch + by_turn * turned) ** 2
 
 
 @inline
-def frequency_growth(X: Floats, quads: Ints, e: int, s: Floats) -> float:
-    """Return the factor by which omega has grown at most with the strain changes s : (20,)."""
+def change_of_shape(X: Floats, quads: Ints, e: int, s: Floats) -> tuple[float, float]:
+    """Return epsilon and theta of the strain changes s : (20,)."""
     x0, x1 = load(X, quads[e, 0]), load(X, quads[e, 1])
     x2, x3 = load(X, quads[e, 2]), load(X, quads[e, 3])
     x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
@@ -247,7 +277,7 @@ def frequency_growth(X: Floats, quads: Ints, e: int, s: Floats) -> float:
     shear = 2.0 * slant * (g1 + g2)
     spread = sub(most, least)
     turned = reach * bend + shear + spread[0] + spread[1] + spread[2]
-    return float(1.0 + STRETCH_GROWTH * stretch + TURN_GROWTH * turned)
+    return stretch, turned
 
 
 @inline
@@ -327,7 +357,7 @@ def _turn(K: Floats, v: Floats, w: Floats) -> float:
 
 @inline
 def _is_above(value: float, K: Floats, left: Floats) -> bool:
-    """Whether value exceeds all eigenvalues of K : (n, n), that is value - K has positive pivots."""
+    """Whether value exceeds all eigenvalues of K : (n, n): all pivots of value - K are positive."""
     n = K.shape[0]
     for k in range(n):
         for j in range(n):

@@ -55,7 +55,7 @@ class MITC4Shell:
         _reference_metric(X=mesh.nodes, T=mesh.directors, quads=mesh.quads, metric=self.metric)
         self._centre_stress = CentreStress(mesh, material)
         self.frequencies = QuadFrequencies(
-            mesh, self.section.mass, self.quad_inertia, self._tangents
+            mesh, material, self.section.mass, self.quad_inertia, self._tangents
         )
         """Bounds of the largest frequency of each quad."""
 

@@ -5,9 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from naive import cases
+from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.mesh import Mesh
 from shellcut.meshing import opening_disc, rectangle
-from shellcut.quad_frequency import bound_largest_eigenvalues
+from shellcut.quad_frequency import bound_largest_eigenvalues, growth_rates
 from shellcut.shell import MITC4Shell
 from shellcut.state import initial_state
 
@@ -94,6 +95,27 @@ def test_bounds_hold_in_between(case, kind, amount):
             assert growth.min() >= 1.0 - 1e-12
             if amount <= 1e-3:  # and it is no idle bound
                 assert growth.max() < 1.04
+
+
+def test_bounds_hold_for_an_unsymmetric_laminate():
+    foil = Layer(Elastic(70e3, 0.35, 2.7e-9), 0.009)
+    film = Layer(Elastic(300.0, 0.45, 0.92e-9), 0.065)
+    rng = np.random.default_rng(6)
+    for amount in (1e-3, 0.02, 0.1):
+        mesh = cases.curved()
+        shell = MITC4Shell(mesh, ShellMaterial([foil, film]), damping_beta=0.0)
+        n = mesh.n_node
+        x = mesh.nodes + amount * rng.uniform(-1, 1, (n, 3))
+        turn = Rotation.from_rotvec(amount * rng.uniform(-1, 1, (n, 3)))
+        t = turn.apply(mesh.directors.copy())
+        shell.frequencies.follow(x, t, mesh.quads)
+        assert (shell.frequencies.squared >= exact(shell, x, t, mesh.quads)).all()
+
+
+def test_growth_rates_of_an_isotropic_film():
+    E, nu = 1678.0, 0.3
+    ratio = (E / (1 - nu)) / (0.5 * (E / (1 - nu**2) + E / (2 * (1 + nu))))
+    assert growth_rates(cases.FILM) == pytest.approx((1 + 0.5 * ratio, np.sqrt(ratio)), rel=1e-12)
 
 
 def test_a_rigid_motion_changes_nothing():
