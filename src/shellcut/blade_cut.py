@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, kernel
+from ._jit import Bools, Floats, Ints, inline, kernel
 from ._vec3 import load
 from .cutting_edge import NORMAL, CuttingEdges, strip_coordinates, to_body
 from .near_nodes import NearNodes, in_box
@@ -85,6 +85,14 @@ class BladeCut:
         return traces
 
 
+@inline
+def _holds(ids: Ints, n: int) -> bool:
+    for k in range(ids.shape[0]):
+        if ids[k] == n:
+            return True
+    return False
+
+
 @kernel
 def _cut_nodes(
     near: Ints,
@@ -110,21 +118,17 @@ def _cut_nodes(
     for i in range(near.shape[0]):
         n = near[i]
         edge_of[i] = -1
-        if supported[n]:
-            continue
-        tip = False
-        for k in range(tips.shape[0]):
-            tip = tip or tips[k] == n
         # A flank that the blade slides along is within reach of its edge, but has been cut.
-        if halved[n] and not tip:
+        if supported[n] or (halved[n] and not _holds(tips, n)):
             continue
         p = to_body(load(x, n), rotation, translation)
-        nearest_row = tip or (n < rim.shape[0] and rim[n])
-        reach = np.sqrt(4.0 * contact_area[n]) * (_PASSED_REACH if nearest_row else _PIERCED_REACH)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
+            nearest_row = _holds(tips, n) or (n < rim.shape[0] and rim[n])
+            reach = _PASSED_REACH if nearest_row else _PIERCED_REACH
+            reach *= np.sqrt(4.0 * contact_area[n])
             for k in range(segments.shape[0]):
                 if body[k] != b:
                     continue

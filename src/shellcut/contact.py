@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -120,6 +120,7 @@ class PenaltyContact:
         self.tool = tool
         self.parameters = contact
         self.smoothing_depth = contact.smoothing * thickness
+        self._n_body = tool.n_body
         self._grid = ClosestTriangleGrid.build(tool)
         self._edges = CuttingEdges.of(tool)
         corners = [
@@ -132,8 +133,7 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
         self._pose = np.eye(3), np.zeros(3)
-        # Of each listed node: where it was found outside (body frame) and how far from the surface.
-        self._place, self._clear = np.zeros((0, 3)), np.zeros(0)
+        self._arguments: tuple[Any, ...] = ()
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -141,34 +141,11 @@ class PenaltyContact:
         self._pose = rotation, translation
         if self.near.renew(state, rotation, translation):
             self._take_list(state)
-        wrench = np.zeros((self.tool.n_body, 6))
-        node_work, stored, n_inside, deepest = _add_contact_forces(
-            near=self._listed,
-            x=n.x,
-            velocity=n.velocity_half,
-            dt=state.dt,
-            rotation=rotation,
-            translation=translation,
-            grid=self._grid.arrays,
-            reach=self._grid.reach,
-            triangle_body=self.tool.triangle_body,
-            segments=self._edges.segments,
-            quads=state.quads,
-            quads_at=n.quads,
-            n_quad_at=n.n_quad_at,
-            contact_area=n.contact_area,
-            penalty=self.parameters.penalty,
-            g_m=self.smoothing_depth,
-            place=self._place,
-            clear=self._clear,
-            side=n.contact_side,
-            depth=n.contact_depth,
-            offset=n.contact_offset,
-            contact_force=n.contact_force,
-            force=n.force,
-            wrench=wrench,
+        wrench = np.zeros((self._n_body, 6))
+        return ContactForces(
+            wrench,
+            *_add_contact_forces(rotation, translation, state.dt, wrench, *self._arguments),
         )
-        return ContactForces(wrench, node_work, stored, n_inside, deepest)
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon.
@@ -184,8 +161,32 @@ class PenaltyContact:
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
-        self._listed = self.near.ids
-        self._place, self._clear = np.zeros((self._listed.size, 3)), np.zeros(self._listed.size)
+        near = self._listed = self.near.ids
+        # Of each listed node: where it was found outside (body frame) and how far from the surface.
+        place, clear = np.zeros((near.size, 3)), np.zeros(near.size)
+        # In the order of the kernel; good until the next split, which renews the list.
+        self._arguments = (
+            near,
+            n.x,
+            n.velocity_half,
+            self._grid.arrays,
+            self._grid.reach,
+            self.tool.triangle_body,
+            self._edges.segments,
+            state.quads,
+            n.quads,
+            n.n_quad_at,
+            n.contact_area,
+            self.parameters.penalty,
+            self.smoothing_depth,
+            place,
+            clear,
+            n.contact_side,
+            n.contact_depth,
+            n.contact_offset,
+            n.contact_force,
+            n.force,
+        )
 
 
 @inline
@@ -249,12 +250,13 @@ def _side_of_quads(
 
 @kernel
 def _add_contact_forces(
+    rotation: Floats,
+    translation: Floats,
+    dt: float,
+    wrench: Floats,
     near: Ints,
     x: Floats,
     velocity: Floats,
-    dt: float,
-    rotation: Floats,
-    translation: Floats,
     grid: tuple,  # type: ignore[type-arg]
     reach: float,
     triangle_body: Ints,
@@ -272,7 +274,6 @@ def _add_contact_forces(
     offset: Floats,
     contact_force: Floats,
     force: Floats,
-    wrench: Floats,
 ) -> tuple[float, float, int, float]:
     """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
 

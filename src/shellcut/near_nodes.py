@@ -19,6 +19,9 @@ from .state import State
 MARGIN = 0.75
 """Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth."""
 
+# Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
+_LOOK_EVERY = 10
+
 
 class NearNodes:
     """The nodes near a tool.
@@ -35,6 +38,7 @@ class NearNodes:
         self._radius = float(np.linalg.norm(corner, axis=1).max())
         self._pose = np.eye(3), np.zeros(3)
         self._time = 0.0
+        self._state: State | None = None
         self._revision = -1
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
@@ -43,7 +47,9 @@ class NearNodes:
     def renew(self, state: State, rotation: Floats, translation: Floats) -> bool:
         """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
         n = state.node
-        if self._revision == state.revision:
+        if self._state is state and self._revision == state.revision:
+            if state.step % _LOOK_EVERY:
+                return False
             tool, fastest = _moved(
                 ids=self.ids,
                 velocity=n.velocity_half,
@@ -69,7 +75,8 @@ class NearNodes:
         )
         self.ids = found[:count].copy()
         self._pose = rotation, translation
-        self._time, self._revision, self._walked = state.time, state.revision, 0.0
+        self._state, self._revision = state, state.revision
+        self._time, self._walked = state.time, 0.0
         return True
 
     def within(self, state: State, rotation: Floats, translation: Floats, margin: float) -> Ints:
