@@ -25,6 +25,9 @@ from .tool import Tool
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
 
+# Of the list of near nodes [mm]: it is looked through once in ten steps or so, hence short.
+_MARGIN = 0.25
+
 
 class BladeCut:
     """The cutting edges seen from the nodes: who has been pierced, who has been passed.
@@ -40,7 +43,7 @@ class BladeCut:
     def __init__(self, tool: Tool, largest_area: float) -> None:
         self._edges = CuttingEdges.of(tool)
         self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
-        self._near = NearNodes(self._low, self._high)
+        self._near = NearNodes(self._low, self._high, _MARGIN)
 
     def cut_nodes(
         self,
@@ -87,10 +90,10 @@ class BladeCut:
 
 @inline
 def _holds(ids: Ints, n: int) -> bool:
+    found = False
     for k in range(ids.shape[0]):
-        if ids[k] == n:
-            return True
-    return False
+        found = found or ids[k] == n
+    return found
 
 
 @kernel

@@ -38,7 +38,7 @@ import numpy as np
 from ._jit import Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
-from .near_nodes import MARGIN, NearNodes
+from .near_nodes import NearNodes
 from .state import State
 from .tool import Tool
 from .tool_grid import ClosestTriangleGrid, signed_distance
@@ -51,6 +51,10 @@ JUMP = 0.01
 
 ABSORB_TIME = 2e-5
 """Decay time of an absorbed jump [s]."""
+
+# Of the list of near nodes [mm]: half of it is also how near a node must be for its contact
+# stiffness to count in the time step until that is looked at again.
+_MARGIN = 0.75
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
@@ -129,6 +133,7 @@ class PenaltyContact:
         self.near = NearNodes(
             np.array([c.min(axis=(0, 1)) for c in corners]),
             np.array([c.max(axis=(0, 1)) for c in corners]),
+            _MARGIN,
         )
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
@@ -137,7 +142,6 @@ class PenaltyContact:
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
-        n = state.node
         self._pose = rotation, translation
         if self.near.renew(state, rotation, translation):
             self._take_list(state)
@@ -152,7 +156,7 @@ class PenaltyContact:
 
         It depends on the places of the last evaluation alone, not on when the list was made.
         """
-        return self.near.within(state, *self._pose, 0.5 * MARGIN)
+        return self.near.within(state, *self._pose)
 
     def _take_list(self, state: State) -> None:
         """Go over to the new list; what has left it is outside."""

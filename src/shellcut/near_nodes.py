@@ -16,9 +16,6 @@ from ._vec3 import load
 from .cutting_edge import to_body
 from .state import State
 
-MARGIN = 0.75
-"""Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth."""
-
 # Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
 _LOOK_EVERY = 10
 
@@ -30,10 +27,13 @@ class NearNodes:
     ----------
     low, high : ndarray, shape (n_box, 3)
         Corners of the boxes in the body frame [mm]; every node inside one of them is in the list.
+    margin : float
+        Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth.
     """
 
-    def __init__(self, low: Floats, high: Floats) -> None:
-        self._low, self._high = low - MARGIN, high + MARGIN
+    def __init__(self, low: Floats, high: Floats, margin: float) -> None:
+        self._margin = margin
+        self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
         self._radius = float(np.linalg.norm(corner, axis=1).max())
         self._pose = np.eye(3), np.zeros(3)
@@ -61,7 +61,7 @@ class NearNodes:
             )
             self._walked += (state.time - self._time) * fastest
             self._time = state.time
-            if tool + self._walked < 0.5 * MARGIN:
+            if tool + self._walked < 0.5 * self._margin:
                 return False
         found = np.empty(n.count, np.int64)
         count = _inside(
@@ -79,13 +79,12 @@ class NearNodes:
         self._time, self._walked = state.time, 0.0
         return True
 
-    def within(self, state: State, rotation: Floats, translation: Floats, margin: float) -> Ints:
-        """Return the nodes within a margin [mm] of the boxes, up to half of ``MARGIN``.
+    def within(self, state: State, rotation: Floats, translation: Floats) -> Ints:
+        """Return the nodes within half the margin of the boxes.
 
-        It depends on the present places only, not on when the list was made.
+        They depend on the present places only, not on when the list was made.
         """
-        assert margin <= 0.5 * MARGIN
-        inner = MARGIN - margin
+        inner = 0.5 * self._margin
         body = (state.node.x[self.ids] - translation) @ rotation
         inside = np.zeros(self.ids.size, np.bool_)
         for low, high in zip(self._low + inner, self._high - inner, strict=True):

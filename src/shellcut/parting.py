@@ -305,10 +305,9 @@ def _weigh(
 ) -> float:
     """Write cosine, pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
 
-    node : (n,).  back, ahead : (n, 2).  side_start : (2 n + 1,), rows of ``member``, which names
-    rows of corner_force : (n_corner, 3).  mass : (n, 2).  carried : (n,).  share_of : (n_share, 4), parting, side,
-    cable and its end, of which ``share`` : (n_share,) goes with that side. Returns the largest
-    measure.
+    node, carried : (n,).  back, ahead, mass : (n, 2).  side_start : (2 n + 1,), rows of ``member``,
+    which names rows of corner_force : (n_corner, 3).  share_of : (n_share, 4), parting, side, cable
+    and its end, of which ``share`` : (n_share,) goes with that side. Returns the largest measure.
     """
     side_force = np.zeros((node.shape[0], 2, 3))
     for k in range(node.shape[0]):
