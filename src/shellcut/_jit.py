@@ -29,13 +29,13 @@ R = TypeVar("R")
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[Any]
-"""Real, or complex where the element is differentiated by a complex step."""
+"""Of any kind of number."""
 Ints: TypeAlias = npt.NDArray[np.integer[Any]]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 SmallIds: TypeAlias = npt.NDArray[np.int32]
 Number: TypeAlias = Any
-"""What the mechanics are written in: a float, a complex number, or eight floats at once
+"""What the mechanics are written in: a float, or eight of them at once
 (:mod:`shellcut.lanes`)."""
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]

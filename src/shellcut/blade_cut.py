@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, kernel
+from ._jit import Bools, Floats, Ints, inline, kernel
 from ._vec3 import load
 from .cutting_edge import NORMAL, CuttingEdges, strip_coordinates, to_body
 from .near_nodes import NearNodes, in_box
@@ -24,6 +24,9 @@ from .tool import Tool
 # tip, or a node of a free edge where the blade comes in, belongs to the nearest row.
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
+
+# Of the list of near nodes [mm]: it is looked through once in ten steps or so, hence short.
+_MARGIN = 0.25
 
 
 class BladeCut:
@@ -40,7 +43,7 @@ class BladeCut:
     def __init__(self, tool: Tool, largest_area: float) -> None:
         self._edges = CuttingEdges.of(tool)
         self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
-        self._near = NearNodes(self._low, self._high)
+        self._near = NearNodes(self._low, self._high, _MARGIN)
 
     def cut_nodes(
         self,
@@ -85,6 +88,14 @@ class BladeCut:
         return traces
 
 
+@inline
+def _holds(ids: Ints, n: int) -> bool:
+    found = False
+    for k in range(ids.shape[0]):
+        found = found or ids[k] == n
+    return found
+
+
 @kernel
 def _cut_nodes(
     near: Ints,
@@ -110,21 +121,17 @@ def _cut_nodes(
     for i in range(near.shape[0]):
         n = near[i]
         edge_of[i] = -1
-        if supported[n]:
-            continue
-        tip = False
-        for k in range(tips.shape[0]):
-            tip = tip or tips[k] == n
         # A flank that the blade slides along is within reach of its edge, but has been cut.
-        if halved[n] and not tip:
+        if supported[n] or (halved[n] and not _holds(tips, n)):
             continue
         p = to_body(load(x, n), rotation, translation)
-        nearest_row = tip or (n < rim.shape[0] and rim[n])
-        reach = np.sqrt(4.0 * contact_area[n]) * (_PASSED_REACH if nearest_row else _PIERCED_REACH)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
+            nearest_row = _holds(tips, n) or (n < rim.shape[0] and rim[n])
+            reach = _PASSED_REACH if nearest_row else _PIERCED_REACH
+            reach *= np.sqrt(4.0 * contact_area[n])
             for k in range(segments.shape[0]):
                 if body[k] != b:
                     continue

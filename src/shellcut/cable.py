@@ -39,7 +39,7 @@ A branch shorter than ``SHORT_BRANCH`` keeps its last direction.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -108,6 +108,9 @@ class CableSet:
         self._parameters = law.parameters()
         self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
+        self._state: State | None = None
+        self._revision = -1
+        self._arguments: tuple[Any, ...] = ()
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> CableForces:
         """Find joints, add the cable forces at t_n to the nodal forces.
@@ -119,47 +122,50 @@ class CableSet:
         rotation, translation : ndarray, shapes (3, 3) and (3,)
             Pose of the tool at t_n, x = R X + r [mm].
         """
-        c, n = state.cable, state.node
         wrench = np.zeros((self._n_body, 6))
         couple = np.zeros(3)
-        if c.count == 0:
+        if state.n_cable == 0:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
-        work, start_work, made, broken = _add_cable_forces(
-            n_cable=c.count,
-            directional=self.directional,
-            x=n.x,
-            velocity=n.velocity_half,
-            dt=state.dt,
-            time=state.time,
-            ends=c.ends,
-            area=c.area,
-            m=c.m,
-            start_force=c.start_force,
-            law=self._parameters,
-            rotation=rotation,
-            translation=translation,
-            segments=self._edges.segments,
-            edge_body=self._edges.body,
-            contact_area=n.contact_area,
-            edge=c.edge,
-            joint_body=c.joint_body,
-            joint_slack=c.joint_slack,
-            overshoot=c.overshoot,
-            status=c.status,
-            opening=c.opening,
-            opening_max=c.opening_max,
-            stress=c.traction,
-            joint=c.joint,
-            branch=c.branch,
-            cable_force=c.force,
-            cable_work=c.work,
-            cable_start_work=c.start_work,
-            end_time=c.end_time,
-            force=n.force,
-            wrench=wrench,
-            couple=couple,
+        if self._state is not state or self._revision != state.revision:
+            self._bind(state)
+        work = _add_cable_forces(
+            rotation, translation, state.dt, state.time, wrench, couple, *self._arguments
         )
-        return CableForces(wrench, couple, work, start_work, made, broken)
+        return CableForces(wrench, couple, *work)
+
+    def _bind(self, state: State) -> None:
+        """Collect the kernel's arguments, in its order; good until the next split."""
+        c, n = state.cable, state.node
+        self._state, self._revision = state, state.revision
+        self._arguments = (
+            c.count,
+            self.directional,
+            self._parameters,
+            self._edges.segments,
+            self._edges.body,
+            n.x,
+            n.velocity_half,
+            n.contact_area,
+            c.ends,
+            c.area,
+            c.m,
+            c.start_force,
+            c.edge,
+            c.joint_body,
+            c.joint_slack,
+            c.overshoot,
+            c.status,
+            c.opening,
+            c.opening_max,
+            c.traction,
+            c.joint,
+            c.branch,
+            c.force,
+            c.work,
+            c.start_work,
+            c.end_time,
+            n.force,
+        )
 
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by the law [N·mm].
@@ -254,22 +260,24 @@ def _find_joint(
 
 @kernel
 def _add_cable_forces(
-    n_cable: int,
-    directional: bool,
-    x: Floats,
-    velocity: Floats,
+    rotation: Floats,
+    translation: Floats,
     dt: float,
     time: float,
+    wrench: Floats,
+    couple: Floats,
+    n_cable: int,
+    directional: bool,
+    law: Floats,
+    segments: Floats,
+    edge_body: Ints,
+    x: Floats,
+    velocity: Floats,
+    contact_area: Floats,
     ends: Ints,
     area: Floats,
     m: Floats,
     start_force: Floats,
-    law: Floats,
-    rotation: Floats,
-    translation: Floats,
-    segments: Floats,
-    edge_body: Ints,
-    contact_area: Floats,
     edge: Ints,
     joint_body: Floats,
     joint_slack: Floats,
@@ -285,8 +293,6 @@ def _add_cable_forces(
     cable_start_work: Floats,
     end_time: Floats,
     force: Floats,
-    wrench: Floats,
-    couple: Floats,
 ) -> tuple[float, float, int, int]:
     """Add the forces of all live cables to force : (n_node, 3) and wrench : (n_body, 6).
 

@@ -1,9 +1,8 @@
 """Cauchy stress at the centres of quads, from the deformation there.
 
-With the base vectors G_alpha of the reference and g_alpha of the present surface at the height
-xi³, taken at the quad's centre, the strain is E_alphabeta = ½ (g_alpha·g_beta - G_alpha·G_beta),
-referred to the Cartesian frame ê_3 = T/|T|, ê_1 ∝ G_2 x ê_3 of :mod:`shellcut.section`; there
-S = C E, and
+With the base vectors G_alpha of the reference and g_alpha of the present surface at the height xi³
+at the quad's centre, the strain is E_alphabeta = ½ (g_alpha·g_beta - G_alpha·G_beta). In the
+Cartesian frame ê_3 = T/|T|, ê_1 ∝ G_2 x ê_3 of :mod:`shellcut.section` the stress is S = C E, and
 
     sigma = S_ij f_i f_j / J,      f_i = F ê_i = (ê_i·G^alpha) g_alpha,
 

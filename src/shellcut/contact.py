@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,6 +51,10 @@ JUMP = 0.01
 
 ABSORB_TIME = 2e-5
 """Decay time of an absorbed jump [s]."""
+
+# Of the list of near nodes [mm]: half of it is also how near a node must be for its contact
+# stiffness to count in the time step until that is looked at again.
+_MARGIN = 0.75
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
@@ -120,6 +124,7 @@ class PenaltyContact:
         self.tool = tool
         self.parameters = contact
         self.smoothing_depth = contact.smoothing * thickness
+        self._n_body = tool.n_body
         self._grid = ClosestTriangleGrid.build(tool)
         self._edges = CuttingEdges.of(tool)
         corners = [
@@ -128,45 +133,30 @@ class PenaltyContact:
         self.near = NearNodes(
             np.array([c.min(axis=(0, 1)) for c in corners]),
             np.array([c.max(axis=(0, 1)) for c in corners]),
+            _MARGIN,
         )
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
-        # Of each listed node: where it was found outside (body frame) and how far from the surface.
-        self._place, self._clear = np.zeros((0, 3)), np.zeros(0)
+        self._pose = np.eye(3), np.zeros(3)
+        self._arguments: tuple[Any, ...] = ()
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
-        n = state.node
+        self._pose = rotation, translation
         if self.near.renew(state, rotation, translation):
             self._take_list(state)
-        wrench = np.zeros((self.tool.n_body, 6))
-        node_work, stored, n_inside, deepest = _add_contact_forces(
-            near=self._listed,
-            x=n.x,
-            velocity=n.velocity_half,
-            dt=state.dt,
-            rotation=rotation,
-            translation=translation,
-            grid=self._grid.arrays,
-            reach=self._grid.reach,
-            triangle_body=self.tool.triangle_body,
-            segments=self._edges.segments,
-            quads=state.quads,
-            quads_at=n.quads,
-            n_quad_at=n.n_quad_at,
-            contact_area=n.contact_area,
-            penalty=self.parameters.penalty,
-            g_m=self.smoothing_depth,
-            place=self._place,
-            clear=self._clear,
-            side=n.contact_side,
-            depth=n.contact_depth,
-            offset=n.contact_offset,
-            contact_force=n.contact_force,
-            force=n.force,
-            wrench=wrench,
+        wrench = np.zeros((self._n_body, 6))
+        return ContactForces(
+            wrench,
+            *_add_contact_forces(rotation, translation, state.dt, wrench, *self._arguments),
         )
-        return ContactForces(wrench, node_work, stored, n_inside, deepest)
+
+    def near_nodes(self, state: State) -> Ints:
+        """Return the nodes that may come into contact soon.
+
+        It depends on the places of the last evaluation alone, not on when the list was made.
+        """
+        return self.near.within(state, *self._pose)
 
     def _take_list(self, state: State) -> None:
         """Go over to the new list; what has left it is outside."""
@@ -175,8 +165,32 @@ class PenaltyContact:
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
-        self._listed = self.near.ids
-        self._place, self._clear = np.zeros((self._listed.size, 3)), np.zeros(self._listed.size)
+        near = self._listed = self.near.ids
+        # Of each listed node: where it was found outside (body frame) and how far from the surface.
+        place, clear = np.zeros((near.size, 3)), np.zeros(near.size)
+        # In the order of the kernel; good until the next split, which renews the list.
+        self._arguments = (
+            near,
+            n.x,
+            n.velocity_half,
+            self._grid.arrays,
+            self._grid.reach,
+            self.tool.triangle_body,
+            self._edges.segments,
+            state.quads,
+            n.quads,
+            n.n_quad_at,
+            n.contact_area,
+            self.parameters.penalty,
+            self.smoothing_depth,
+            place,
+            clear,
+            n.contact_side,
+            n.contact_depth,
+            n.contact_offset,
+            n.contact_force,
+            n.force,
+        )
 
 
 @inline
@@ -240,12 +254,13 @@ def _side_of_quads(
 
 @kernel
 def _add_contact_forces(
+    rotation: Floats,
+    translation: Floats,
+    dt: float,
+    wrench: Floats,
     near: Ints,
     x: Floats,
     velocity: Floats,
-    dt: float,
-    rotation: Floats,
-    translation: Floats,
     grid: tuple,  # type: ignore[type-arg]
     reach: float,
     triangle_body: Ints,
@@ -263,7 +278,6 @@ def _add_contact_forces(
     offset: Floats,
     contact_force: Floats,
     force: Floats,
-    wrench: Floats,
 ) -> tuple[float, float, int, float]:
     """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
 

@@ -215,23 +215,22 @@ class SplitCriterion:
         self._table = None
         self._revision = state.revision
 
-    def _weighed(self, state: State, nodes: list[int], dt: float) -> PartingTable:
-        """Return the partings of some nodes, weighed."""
+    def _weighed(self, state: State, nodes: list[int], dt: float) -> tuple[PartingTable, float]:
+        """Return the partings of some nodes, weighed, and the largest measure of them."""
         if self._table is None or self._nodes != nodes:
             mass, free = self._shell.mass, self._free_edges
             for n in nodes:
                 if n not in self._partings:
                     self._partings[n] = partings_of(state, n, mass, free)
-            self._table = PartingTable(self._shell, self._loads, [self._partings[n] for n in nodes])
+            partings = [self._partings[n] for n in nodes]
+            self._table = PartingTable(self._shell, self._loads, self._strength, partings)
             self._nodes = nodes
-        self._table.weigh(state, dt)
-        return self._table
+        return self._table, self._table.weigh(state, dt)
 
     def _along_blade(self, state: State, cut: dict[int, Floats], dt: float) -> list[Split]:
         if not cut:
             return []
-        table = self._weighed(state, list(cut), dt)
-        measure = self._measure(table)
+        table, _ = self._weighed(state, list(cut), dt)
         found = []
         for i, trace in enumerate(cut.values()):
             # The crack through the node shall follow the trace, either way along it.
@@ -239,13 +238,12 @@ class SplitCriterion:
             if ways:
                 along = np.abs(table.direction[ways] @ trace)
                 best = ways[int(np.argmax(along))]
-                found.append(self._split(table, best, float(measure[best]), blade=True))
+                found.append(self._split(table, best, blade=True))
         return found
 
     def _by_force(self, state: State, nodes: list[int], _tips: list[int], dt: float) -> list[Split]:
-        table = self._weighed(state, nodes, dt)
-        measure = self._measure(table)
-        if not (measure >= 1.0).any():
+        table, largest = self._weighed(state, nodes, dt)
+        if largest < 1.0:
             return []
         # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord from
         # crack to crack: dividing by it compares normal tractions, dividing by the area (the
@@ -256,8 +254,8 @@ class SplitCriterion:
             ways = table.admissible(i, self._cos_limit)
             if ways:
                 best = ways[int(np.argmax(traction[ways]))]
-                if measure[best] >= 1.0:
-                    found.append(self._split(table, best, float(measure[best])))
+                if table.measure[best] >= 1.0:
+                    found.append(self._split(table, best))
         return found
 
     def _by_stress(self, state: State, nodes: list[int], tips: list[int], dt: float) -> list[Split]:
@@ -274,7 +272,7 @@ class SplitCriterion:
         over = np.flatnonzero(stress.principal >= self._strength).tolist()
         if not over:
             return []
-        table = self._weighed(state, [nodes[i] for i in over], dt)
+        table, _ = self._weighed(state, [nodes[i] for i in over], dt)
         found = []
         for row, i in enumerate(over):
             ways = table.admissible(row, self._cos_limit)
@@ -284,14 +282,9 @@ class SplitCriterion:
                 found.append(self._split(table, ways[int(np.argmin(across))], measure))
         return found
 
-    def _measure(self, table: PartingTable) -> Floats:
-        """Return the force measure of all partings, shape (n_parting,)."""
-        carried = self._strength * self._shell.material.thickness * table.length
-        # A split that opens free edges only has nothing to hold it: due as soon as it is pulled.
-        measure = np.where(table.pull > 0.0, np.inf, -np.inf)
-        return np.divide(table.pull, carried, out=measure, where=carried > 0.0)
-
-    def _split(self, table: PartingTable, k: int, measure: float, *, blade: bool = False) -> Split:
+    def _split(
+        self, table: PartingTable, k: int, measure: float | None = None, *, blade: bool = False
+    ) -> Split:
         way = table.ways[k]
         return Split(
             way.node,
@@ -299,7 +292,7 @@ class SplitCriterion:
             way.plus,
             way.half_edges,
             table.m[k].copy(),
-            measure,
+            float(table.measure[k]) if measure is None else measure,
             table.force[k].copy(),
             blade,
         )

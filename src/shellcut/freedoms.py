@@ -22,7 +22,7 @@ from scipy import sparse
 
 from ._jit import Floats, Ints, Numbers, kernel
 from ._vec3 import load, rotate_director, store, tangent_basis
-from .mitc4 import N_STRAIN, modes, products
+from .mitc4 import N_STRAIN, modes, moved_modes, products
 from .shell import MITC4Shell
 from .state import State
 from .tangent import N_FREEDOM
@@ -33,9 +33,6 @@ _HELD = 1e-9
 
 # Nodes of a part that is not dissected further; between 8 and 32 it makes no difference.
 _SMALL_PART = 16
-
-# Complex step: its square is far below any real part.
-_STEP = 1e-30
 
 
 class Freedoms:
@@ -251,16 +248,15 @@ def _take_linear_products(
     x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
 ) -> None:
     """Take the products, and their linear change by dx, dt, off change : (n_quad, 16)."""
-    xe, te = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
     for e in range(quads.shape[0]):
-        for a in range(4):
-            n = quads[e, a]
-            for c in range(3):
-                xe[a, c] = x[n, c] + 1j * _STEP * dx[n, c]
-                te[a, c] = t[n, c] + 1j * _STEP * dt[n, c]
-        m = products(
-            modes(load(xe, 0), load(xe, 1), load(xe, 2), load(xe, 3)),
-            modes(load(te, 0), load(te, 1), load(te, 2), load(te, 3)),
-        )
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        xm = modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3))
+        tm = modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3))
+        xd = modes(load(dx, n0), load(dx, n1), load(dx, n2), load(dx, n3))
+        td = modes(load(dt, n0), load(dt, n1), load(dt, n2), load(dt, n3))
+        m = products(xm, tm)
+        # Products are of second degree: half the difference of a step on and one back is linear.
+        ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+        behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
         for k in range(N_STRAIN):
-            change[e, k] -= m[k].real + m[k].imag / _STEP
+            change[e, k] -= m[k] + 0.5 * (ahead[k] - behind[k])

@@ -3,7 +3,7 @@
 A loop over quads written with plain floats is not turned into vector instructions by the compiler:
 the gathers at its start and the scatters at its end stand in the way. Lanes say it outright. The
 mechanics are functions of *numbers* (:data:`shellcut._jit.Number`); given floats they treat one
-quad, given lanes eight at a time, and given complex numbers they differentiate themselves.
+quad, given lanes eight at a time.
 
 Where a number comes from is the only difference, and the functions here hide it. Their argument
 ``lane`` says which of the eight is meant: an integer takes one, as a float; ``None`` takes all

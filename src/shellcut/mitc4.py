@@ -76,6 +76,17 @@ def modes(v0: Vector, v1: Vector, v2: Vector, v3: Vector) -> Modes:
 
 
 @always_inline
+def moved_modes(v: Modes, step: float, d: Modes) -> Modes:
+    """Return v + step d."""
+    return (
+        add_scaled(v[0], step, d[0]),
+        add_scaled(v[1], step, d[1]),
+        add_scaled(v[2], step, d[2]),
+        add_scaled(v[3], step, d[3]),
+    )
+
+
+@always_inline
 def quad_modes(
     x: Floats, t: Floats, corner: SmallIds, b: int, lane: int | None
 ) -> tuple[Modes, Modes]:

@@ -162,11 +162,13 @@ class ScrewMotion:
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        angle = self.coordinate(time)
         rate = _ramped_speed(time, self.angular_speed, self.ramp)
         a0, a1, a2 = self._axis
-        q0, q1, q2 = _apply(_turn(self._axis, angle), self._point)
         h0, h1, h2 = self._lead
+        if self._point == (0.0, 0.0, 0.0):  # spared the turn: this is called every step
+            velocity = np.array((rate * h0, rate * h1, rate * h2))
+            return np.array((rate * a0, rate * a1, rate * a2)), velocity
+        q0, q1, q2 = _apply(_turn(self._axis, self.coordinate(time)), self._point)
         # r = p - R p + h angle, hence dr/dt = rate (h - a x R p)
         origin_velocity = (
             rate * (h0 - a1 * q2 + a2 * q1),

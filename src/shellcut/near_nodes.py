@@ -16,8 +16,8 @@ from ._vec3 import load
 from .cutting_edge import to_body
 from .state import State
 
-MARGIN = 0.5
-"""Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth."""
+# Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
+_LOOK_EVERY = 10
 
 
 class NearNodes:
@@ -27,14 +27,18 @@ class NearNodes:
     ----------
     low, high : ndarray, shape (n_box, 3)
         Corners of the boxes in the body frame [mm]; every node inside one of them is in the list.
+    margin : float
+        Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth.
     """
 
-    def __init__(self, low: Floats, high: Floats) -> None:
-        self._low, self._high = low - MARGIN, high + MARGIN
+    def __init__(self, low: Floats, high: Floats, margin: float) -> None:
+        self._margin = margin
+        self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
         self._radius = float(np.linalg.norm(corner, axis=1).max())
         self._pose = np.eye(3), np.zeros(3)
         self._time = 0.0
+        self._state: State | None = None
         self._revision = -1
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
@@ -43,7 +47,9 @@ class NearNodes:
     def renew(self, state: State, rotation: Floats, translation: Floats) -> bool:
         """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
         n = state.node
-        if self._revision == state.revision:
+        if self._state is state and self._revision == state.revision:
+            if state.step % _LOOK_EVERY:
+                return False
             tool, fastest = _moved(
                 ids=self.ids,
                 velocity=n.velocity_half,
@@ -55,7 +61,7 @@ class NearNodes:
             )
             self._walked += (state.time - self._time) * fastest
             self._time = state.time
-            if tool + self._walked < 0.5 * MARGIN:
+            if tool + self._walked < 0.5 * self._margin:
                 return False
         found = np.empty(n.count, np.int64)
         count = _inside(
@@ -69,16 +75,16 @@ class NearNodes:
         )
         self.ids = found[:count].copy()
         self._pose = rotation, translation
-        self._time, self._revision, self._walked = state.time, state.revision, 0.0
+        self._state, self._revision = state, state.revision
+        self._time, self._walked = state.time, 0.0
         return True
 
-    def within(self, state: State, rotation: Floats, translation: Floats, margin: float) -> Ints:
-        """Return the nodes within a margin [mm] of the boxes, up to half of ``MARGIN``.
+    def within(self, state: State, rotation: Floats, translation: Floats) -> Ints:
+        """Return the nodes within half the margin of the boxes.
 
-        It depends on the present places only, not on when the list was made.
+        They depend on the present places only, not on when the list was made.
         """
-        assert margin <= 0.5 * MARGIN
-        inner = MARGIN - margin
+        inner = 0.5 * self._margin
         body = (state.node.x[self.ids] - translation) @ rotation
         inside = np.zeros(self.ids.size, np.bool_)
         for low, high in zip(self._low + inner, self._high - inner, strict=True):

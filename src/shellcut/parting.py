@@ -171,12 +171,18 @@ class PartingTable:
     ----------
     shell, loads : MITC4Shell, LoadSet
         Give the forces of the two sides.
+    strength : float
+        sigma_F [MPa].
     partings : sequence of sequence of Parting
         Of each candidate node, all of one topology, which the table does not outlive.
     """
 
     def __init__(
-        self, shell: MITC4Shell, loads: LoadSet, partings: Sequence[Sequence[Parting]]
+        self,
+        shell: MITC4Shell,
+        loads: LoadSet,
+        strength: float,
+        partings: Sequence[Sequence[Parting]],
     ) -> None:
         self._shell, self._loads = shell, loads
         self.ways = [way for ways in partings for way in ways]
@@ -203,8 +209,8 @@ class PartingTable:
         # Without an edge to turn from, or at a bridge, there is nothing to choose.
         self._turns = np.array([bool(w.back) and len(w.ahead) == 1 for w in self.ways], np.bool_)
         self._cosine = np.ones(n)
-        self.length = np.array([way.length for way in self.ways])
-        """Length that a cable would hold [mm], shape (n_parting,)."""
+        length = np.array([way.length for way in self.ways])
+        self._carried = strength * shell.material.thickness * length
         self.force = np.zeros((n, 3))
         """F_c, what the plus side pulls the minus side with [N], shape (n_parting, 3)."""
         self.direction = np.zeros((n, 3))
@@ -213,16 +219,24 @@ class PartingTable:
         """Unit normal in the sheet, from the minus to the plus side."""
         self.pull = np.zeros(n)
         """F_c · m [N]."""
+        self.measure = np.zeros(n)
+        """F_c · m over what a cable would carry, sigma_F A_i; the split is due at 1."""
         self.chord = np.zeros(n)
         """Distance from where the crack would come to where it would go [mm]."""
 
-    def weigh(self, state: State, dt: float) -> None:
-        """Write what the partings hold, for a step of length dt that has led to the positions."""
+    def weigh(self, state: State, dt: float) -> float:
+        """Write what the partings hold, for a step of length dt that has led to the positions.
+
+        Returns
+        -------
+        float
+            The largest measure of all.
+        """
         n, c = state.node, state.cable
         quads, nodes = self._corner[:, 0], self._corner[:, 1]
         corner_force = self._shell.corner_forces(state, quads, nodes, dt)
         self._loads.add_corner_forces(state, quads, nodes, corner_force)
-        _weigh(
+        return _weigh(
             x=n.x,
             t=n.t,
             node=self._node,
@@ -233,6 +247,7 @@ class PartingTable:
             member=self._member,
             corner_force=corner_force,
             mass=self._mass,
+            carried=self._carried,
             share_of=self._share_of,
             share=self._share,
             status=c.status,
@@ -242,6 +257,7 @@ class PartingTable:
             direction=self.direction,
             m=self.m,
             pull=self.pull,
+            measure=self.measure,
             chord=self.chord,
         )
 
@@ -274,6 +290,7 @@ def _weigh(
     member: Ints,
     corner_force: Floats,
     mass: Floats,
+    carried: Floats,
     share_of: Ints,
     share: Floats,
     status: SmallInts,
@@ -283,13 +300,14 @@ def _weigh(
     direction: Floats,
     m: Floats,
     pull: Floats,
+    measure: Floats,
     chord: Floats,
-) -> None:
-    """Write cosine, pull, chord : (n,) and force, direction, m : (n, 3) of n partings.
+) -> float:
+    """Write cosine, pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
 
-    node : (n,).  back, ahead : (n, 2).  side_start : (2 n + 1,), rows of ``member``, which names
-    rows of corner_force : (n_corner, 3).  mass : (n, 2).  share_of : (n_share, 4), parting, side,
-    cable and its end, of which ``share`` : (n_share,) goes with that side.
+    node, carried : (n,).  back, ahead, mass : (n, 2).  side_start : (2 n + 1,), rows of ``member``,
+    which names rows of corner_force : (n_corner, 3).  share_of : (n_share, 4), parting, side, cable
+    and its end, of which ``share`` : (n_share,) goes with that side. Returns the largest measure.
     """
     side_force = np.zeros((node.shape[0], 2, 3))
     for k in range(node.shape[0]):
@@ -302,6 +320,7 @@ def _weigh(
         if status[cable] != BROKEN:
             for c in range(3):
                 side_force[k, side, c] += cable_force[cable, end, c] * share[i]
+    largest = -np.inf
     for k in range(node.shape[0]):
         here, director = load(x, node[k]), load(t, node[k])
         start = combine(0.5, load(x, back[k, 0]), 0.5, load(x, back[k, 1]))
@@ -320,3 +339,9 @@ def _weigh(
         for c in range(3):
             force[k, c] = (m1 * side_force[k, 1, c] - m2 * side_force[k, 0, c]) / (m1 + m2)
         pull[k] = dot(load(force, k), load(m, k))
+        if carried[k] > 0.0:
+            measure[k] = pull[k] / carried[k]
+        else:  # opens free edges only, with nothing to hold them: due as soon as they are pulled
+            measure[k] = np.inf if pull[k] > 0.0 else -np.inf
+        largest = max(largest, measure[k])
+    return largest

@@ -60,7 +60,7 @@ def find_rest(
         if residual <= tolerance:
             break
         if step % _EVALUATE_EVERY == 0:
-            shell.update_frequencies(state, everything)
+            shell.frequencies.evaluate(n.x, n.t, state.quads, everything)
             dt = _SAFETY * time_step.bound(state)
         kinetic = integrator.kick(state, 0.0, dt) if step == 0 else integrator.kick(state, dt, dt)
         energy = kinetic.kinetic_translation + kinetic.kinetic_rotation

@@ -23,9 +23,10 @@ from .quad_forces import (
     add_full_quads,
     write_corner_forces,
 )
+from .quad_frequency import QuadFrequencies
 from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
-from .tangent import N_FREEDOM, largest_eigenvalues, quad_tangents, reference_products
+from .tangent import N_FREEDOM, quad_tangents, reference_products
 from .thickness_points import PointRule, build_rule, flat_frames, full_frames
 from .threads import Workers
 
@@ -90,8 +91,8 @@ class MITC4Shell:
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
         self.tables, self.points = _build_tables(mesh, material, self.blocks)
         self._centre_stress = CentreStress(mesh, material)
-        self.squared_frequency = np.zeros(mesh.n_quad)
-        """Largest eigenvalue of each quad at its last evaluation [1/s²], shape (n_quad,)."""
+        self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
+        """Bounds of the largest frequency of each quad."""
 
     @property
     def has_points(self) -> bool:
@@ -107,6 +108,10 @@ class MITC4Shell:
     def quad_inertia(self, quads: Ints) -> Floats:
         """Return the share of each corner in the rotary inertia of quads [t·mm²], shape (n, 4)."""
         return np.asarray(self.mass[quads] * self._gyration(quads)[:, None])
+
+    def corner_shares(self, quads: Ints) -> tuple[Floats, Floats]:
+        """Return the corners' shares of mass [t] and inertia [t·mm²], shape (n, 4) each."""
+        return self.mass[quads], self.quad_inertia(quads)
 
     def _gyration(self, quads: Ints | slice) -> Floats:
         """Return the square of the radius of gyration of quads [mm²], scaled."""
@@ -250,18 +255,6 @@ class MITC4Shell:
         """
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
-    def update_frequencies(self, state: State, quads: Ints) -> None:
-        """Recompute the squared largest frequency of some quads at the present state.
-
-        The largest eigenvalue of a quad's stiffness (pre-stress counted) on its own share of mass
-        and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
-        """
-        squared = np.empty(quads.size)
-        largest_eigenvalues(
-            self.tangents(state, quads), self.mass[quads], self.quad_inertia(quads), squared
-        )
-        self.squared_frequency[quads] = squared
-
     def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
@@ -276,11 +269,15 @@ class MITC4Shell:
         bent : ndarray, shape (n, 16), optional
             Part of their strains that the stresses in the stiffness leave out.
         """
+        node = state.node
+        return self._tangents(node.x, node.t, quads, bent)
+
+    def _tangents(self, x: Floats, t: Floats, quads: Ints, bent: Floats | None = None) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
         quad_tangents(
             slot=self.blocks.slot[quads],
-            x=state.node.x,
-            t=state.node.t,
+            x=x,
+            t=t,
             corner=self.blocks.corner,
             tables=self.tables,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,

@@ -1,8 +1,12 @@
-"""Tangent stiffness of a quad: the element kernel itself, differentiated.
+"""Tangent stiffness of a quad: the element's own functions, differentiated exactly.
 
-The nodal forces are polynomials in positions and directors, so the kernel runs on complex numbers
-as it stands, and f(x + i s) has the imaginary part s df/dx exact to round-off for any tiny s: no
-difference is formed. The tangent thus cannot drift from the forces.
+The strains are quadratic and the nodal forces f(u, r) bilinear in u = (positions, directors) and
+the resultants r. For any motion d, of any size,
+
+    ds = ½ [s(u + d) - s(u - d)],       df = f(u, H ds) + f(d, r),
+
+exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
+forces. With d of the size of the quad round-off is that of the forces.
 
 Each node has five freedoms: its translation and the turn of its director t along two unit tangents
 b_1, b_2, t -> t cos + b sin. On that path the energy has the second derivative b·W_tt·b - t·W_t:
@@ -13,10 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallIds, kernel
-from ._vec3 import load, tangent_basis
+from ._jit import Floats, Ints, SmallIds, inline, kernel
+from ._vec3 import load, norm, sub, tangent_basis
 from .lanes import WIDTH
-from .mitc4 import N_STRAIN, modes, nodal_forces, pick16, products
+from .mitc4 import N_STRAIN, Modes, modes, moved_modes, nodal_forces, pick16, products, quad_modes
 from .quad_forces import (
     LinearTables,
     flat_strain,
@@ -24,9 +28,6 @@ from .quad_forces import (
     stiffness_product,
     store_strain,
 )
-
-# Complex step relative to nothing: its square, 1e-60, is far below any real part.
-_STEP = 1e-30
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns a node."""
@@ -65,70 +66,65 @@ def quad_tangents(
     bent : (n, 16), taken off the strains.  The other arguments as the force kernel's.
     """
     basis = np.empty((4, 2, 3))
-    strain = np.empty((1, N_STRAIN, WIDTH), np.complex128)
-    work = np.empty((2, N_STRAIN, WIDTH), np.complex128)
-    xe, te = np.empty((4, 3), np.complex128), np.empty((4, 3), np.complex128)
-    curvature = np.empty(4)
+    along = np.empty((4, 6))
+    row = np.empty((1, N_STRAIN, WIDTH))
+    work = np.empty((2, N_STRAIN, WIDTH))
     for i in range(slot.shape[0]):
         b, lane = slot[i] // WIDTH, slot[i] % WIDTH
+        flat = b < tables.n_flat
         for a in range(4):
             tangent_basis(t, corner[b, a, lane], basis[a])
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        store_strain(row, 0, 0, s)
+        for k in range(N_STRAIN):
+            row[0, k, 0] -= bent[i, k]
+        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+        forces = nodal_forces(xm, tm, r)
+        for a in range(4):
+            pull = 0.0
+            for c in range(3):
+                pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
+            for d in range(2):
+                for column in range(N_FREEDOM):
+                    tangent[i, 12 + 2 * a + d, column] = 0.0
+                tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
+        # A step of the quad's own size: round-off is that of the strains.
+        size = norm(sub(xm[0], xm[1]))
         for column in range(N_FREEDOM):
+            step = size if column < 12 else 1.0
             for a in range(4):
-                for c in range(3):
-                    xe[a, c] = x[corner[b, a, lane], c]
-                    te[a, c] = t[corner[b, a, lane], c]
+                for c in range(6):
+                    along[a, c] = 0.0
             if column < 12:
-                xe[column // 3, column % 3] += _STEP * 1j
+                along[column // 3, column % 3] = step
             else:
                 a, d = (column - 12) // 2, (column - 12) % 2
                 for c in range(3):
-                    te[a, c] += _STEP * 1j * basis[a, d, c]
-            xm = modes(load(xe, 0), load(xe, 1), load(xe, 2), load(xe, 3))
-            tm = modes(load(te, 0), load(te, 1), load(te, 2), load(te, 3))
-            if b < tables.n_flat:
-                s = flat_strain(tables, b, lane, xm, tm)
-            else:
-                s = full_strain(tables, b, lane, xm, tm)
-            store_strain(strain, 0, 0, s)
+                    along[a, 3 + c] = basis[a, d, c]
+            xd, td = _modes_along(along, 0), _modes_along(along, 3)
+            ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+            behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
+            store_strain(row, 0, 0, ahead)
             for k in range(N_STRAIN):
-                strain[0, k, 0] -= bent[i, k]
-            s = pick16(strain, 0, 0)
-            r = stiffness_product(tables, b < tables.n_flat, b, lane, s, work)
-            forces = nodal_forces(xm, tm, r)
+                row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
+            dr = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+            moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
             for a in range(4):
                 for c in range(3):
-                    tangent[i, 3 * a + c, column] = -forces[a][c].imag / _STEP
+                    tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
                 for d in range(2):
-                    turned = 0.0
                     for c in range(3):
-                        turned -= forces[a][3 + c].imag * basis[a, d, c]
-                    tangent[i, 12 + 2 * a + d, column] = turned / _STEP
-            if column == 0:
-                for a in range(4):
-                    along = 0.0
-                    for c in range(3):
-                        along -= forces[a][3 + c].real * te[a, c].real
-                    curvature[a] = along
-        for a in range(4):
-            for d in range(2):
-                tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] -= curvature[a]
+                        force = moved[a][3 + c] + turned[a][3 + c]
+                        tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
 
 
-@kernel
-def largest_eigenvalues(tangent: Floats, mass: Floats, inertia: Floats, squared: Floats) -> None:
-    """Write the largest eigenvalue of M⁻¹ K of single quads [1/s²] into squared : (n,).
-
-    tangent : (n, 20, 20).  mass, inertia : (n, 4), each quad's own share at its nodes.
-    """
-    scale = np.empty(N_FREEDOM)
-    for i in range(tangent.shape[0]):
-        for a in range(4):
-            for c in range(3):
-                scale[3 * a + c] = 1.0 / np.sqrt(mass[i, a])
-            for b in range(2):
-                scale[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[i, a])
-        for k in range(N_FREEDOM):
-            for j in range(N_FREEDOM):
-                tangent[i, k, j] *= scale[k] * scale[j]
-        squared[i] = np.linalg.eigvalsh(tangent[i])[-1]
+@inline
+def _modes_along(along: Floats, first: int) -> Modes:
+    """Return the modes of three columns of along : (4, 6)."""
+    return modes(
+        (along[0, first], along[0, first + 1], along[0, first + 2]),
+        (along[1, first], along[1, first + 1], along[1, first + 2]),
+        (along[2, first], along[2, first + 1], along[2, first + 2]),
+        (along[3, first], along[3, first + 1], along[3, first + 2]),
+    )

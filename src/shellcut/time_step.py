@@ -14,7 +14,10 @@ and omega_c² the largest K_c / m of its nodes, the sum over quads gives the suf
 for the worst quad; without contact it is the known 2/omega (sqrt(1 + xi²) - xi), xi = beta omega/2.
 On squares the bound omega_e is some 12 % above the exact frequency of the assembly.
 
-Between full evaluations the quads near the limit are followed at a shorter interval.
+omega_e is a bound that grows with the change of shape since a quad was last evaluated
+(:mod:`shellcut.quad_frequency`). At intervals the bounds of all quads are brought up to date, and
+the quads that limit the step are evaluated: worst first, until no other could shorten it by more
+than 1 %. At a split what contact and cables hold is looked at again in the same way.
 """
 
 from __future__ import annotations
@@ -30,11 +33,14 @@ from .contact import STEEPEST, PenaltyContact
 from .shell import MITC4Shell
 from .state import State
 
-# Quads whose bound is within this factor of the largest are followed between full evaluations.
-_LEADING = 0.8
+# Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
+_TIGHT = 0.99
 
 # A longer step is taken only when the bound has grown by this factor: dt changes seldom.
 _HYSTERESIS = 1.08
+
+# Quads evaluated at a time: after the worst few, few others are left to ask.
+_BATCH = 32
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,7 @@ class Stepping:
     safety : float
         Factor on the safe bound; what the state may change until the next evaluation.
     evaluate_every : int
-        Steps between evaluations of the leading quads; all quads every tenth time.
+        Steps between two looks at the quads; splits come on top.
     fixed : float, optional
         A step of the user's own [s]; the bound is then ignored.
     """
@@ -79,55 +85,87 @@ class StableStep:
     ) -> None:
         self.stepping = stepping
         self._shell, self._cables, self._contact = shell, cables, contact
-        self._evaluations = 0
         self._next = 0
         self._revision = -1
         self._dt = 0.0
+        self._free = math.inf
+        # Quads evaluated since the last look at all.
+        self._known = np.zeros(shell.frequencies.squared.size, np.bool_)
 
     def next(self, state: State) -> float:
         """Return dt of the step after t_n [s]."""
-        due = state.step >= self._next
-        if due and (self.stepping.fixed is None or self._evaluations == 0):
-            self._follow(state)
         if self.stepping.fixed is not None:
             return self.stepping.fixed
+        due = state.step >= self._next
         if due or state.revision != self._revision:
             self._revision = state.revision
-            safe = self.stepping.safety * self.bound(state)
+            safe = self.stepping.safety * (self._look_at_all if due else self._look_at_held)(state)
             if safe < self._dt or safe > _HYSTERESIS * self._dt:
                 self._dt = safe
         return self._dt
 
     def forget(self) -> None:
-        """Evaluate afresh at the next call: the state has been moved from outside."""
-        self._evaluations = self._next = 0
+        """Look afresh at the next call: the state has been moved from outside."""
+        self._next = 0
         self._dt = 0.0
 
     def bound(self, state: State) -> float:
-        """Return the safe bound on the step at the last evaluated frequencies [s]."""
-        omega_e2 = self._shell.squared_frequency
-        omega_c2 = self._node_stiffness(state)[state.quads].max(axis=1)
+        """Return the safe bound on the step at the last known frequencies [s]."""
+        omega_e2 = self._shell.frequencies.squared
+        held, omega_c2 = self._held_quads(state)
+        free = self._steps(omega_e2, np.zeros(omega_e2.size)).min()
+        return float(min(free, self._steps(omega_e2[held], omega_c2).min(initial=np.inf)))
+
+    def _look_at_all(self, state: State) -> float:
+        n, frequencies = state.node, self._shell.frequencies
+        self._next = state.step + self.stepping.evaluate_every
+        frequencies.follow(n.x, n.t, state.quads)
+        self._known[:] = False
+        omega_c2 = np.zeros(self._known.size)
+        held, of_held = self._held_quads(state)
+        omega_c2[held] = of_held
+        bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
+        self._free = float(self._steps(frequencies.squared, np.zeros(omega_c2.size)).min())
+        return bound
+
+    def _look_at_held(self, state: State) -> float:
+        return min(self._free, self._settle(state, *self._held_quads(state)))
+
+    def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
+        """Return the safe step of some quads [s], those that limit it being evaluated."""
+        n, frequencies = state.node, self._shell.frequencies
+        known = self._known[quads]
+        steps = self._steps(frequencies.squared[quads], omega_c2)
+        while True:
+            tight = _TIGHT * steps[known].min(initial=np.inf)
+            open_ = np.flatnonzero(~known & (steps < tight))
+            if open_.size == 0:
+                return float(steps.min(initial=np.inf))
+            worst = open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]
+            frequencies.evaluate(n.x, n.t, state.quads, quads[worst])
+            steps[worst] = self._steps(frequencies.squared[quads[worst]], omega_c2[worst])
+            known[worst] = self._known[quads[worst]] = True
+
+    def _steps(self, omega_e2: Floats, omega_c2: Floats) -> Floats:
+        """Return the largest safe step of single quads [s]."""
         damped = self._shell.damping_beta * omega_e2
         total = omega_e2 + omega_c2
-        return float(((np.sqrt(damped**2 + 4.0 * total) - damped) / total).min())
+        return np.asarray((np.sqrt(damped**2 + 4.0 * total) - damped) / total)
 
-    def _follow(self, state: State) -> None:
-        if self._evaluations % 10 == 0:
-            quads: Ints = np.arange(state.quads.shape[0])
-        else:
-            known = self._shell.squared_frequency
-            quads = np.flatnonzero(known > _LEADING * known.max())
-        self._shell.update_frequencies(state, quads)
-        self._evaluations += 1
-        self._next = state.step + self.stepping.evaluate_every
-
-    def _node_stiffness(self, state: State) -> Floats:
-        """Return a bound of contact and cable stiffness over mass at every node [1/s²]."""
+    def _held_quads(self, state: State) -> tuple[Ints, Floats]:
+        """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²]."""
         n = state.node
-        stiffness = np.zeros(n.count)
+        nodes, stiffness = self._cables.stiffness(state)
         if self._contact is not None:
-            near = self._contact.near.ids
-            stiffness[near] += STEEPEST * self._contact.parameters.penalty * n.contact_area[near]
-        nodes, held = self._cables.stiffness(state)
-        np.add.at(stiffness, nodes, held)
-        return np.asarray(stiffness / n.mass[: n.count])
+            near = self._contact.near_nodes(state)
+            penalty = STEEPEST * self._contact.parameters.penalty
+            nodes = np.concatenate([nodes, near])
+            stiffness = np.concatenate([stiffness, penalty * n.contact_area[near]])
+        node, row = np.unique(nodes, return_inverse=True)
+        omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
+        # Every quad at such a node, with the stiffest of its nodes.
+        at = np.arange(n.quads.shape[1]) < n.n_quad_at[node, None]
+        quads, row = np.unique(n.quads[node][at], return_inverse=True)
+        largest = np.zeros(quads.size)
+        np.maximum.at(largest, row, np.repeat(omega_c2, n.n_quad_at[node]))
+        return quads, largest

@@ -14,6 +14,7 @@ from shellcut.topology import split_node
 
 ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
 NONE = frozenset()
+STRENGTH = 18.0
 
 
 def sheet():
@@ -54,9 +55,12 @@ def test_force_is_that_of_the_two_sides(loaded):
         mesh, [Pressure(0.2), EdgeTraction("bottom", (0.1, 0.2, 0.3))] if loaded else []
     )
     nodes = [1, 8, 14, 15]
-    table = PartingTable(shell, loads, [partings_of(state, n, shell.mass, NONE) for n in nodes])
-    table.weigh(state, dt)
+    table = PartingTable(
+        shell, loads, STRENGTH, [partings_of(state, n, shell.mass, NONE) for n in nodes]
+    )
+    largest = table.weigh(state, dt)
     assert table.start == [0, 1, 7, 13, 19]
+    assert largest == table.measure.max()
     for k, way in enumerate(table.ways):
         sides = []
         for quads in (way.minus, way.plus):
@@ -78,11 +82,15 @@ def test_force_is_that_of_the_two_sides(loaded):
         m = np.cross(t, e)
         np.testing.assert_allclose(table.m[k], m / np.linalg.norm(m), atol=1e-13)
         assert table.pull[k] == pytest.approx(table.force[k] @ table.m[k], rel=1e-13)
+        carried = STRENGTH * cases.FILM.thickness * way.length
+        assert table.measure[k] == pytest.approx(table.pull[k] / carried, rel=1e-13)
 
 
 def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     shell, state = cases.set_up(sheet().cut(ROW))
-    table = PartingTable(shell, LoadSet(sheet(), []), [partings_of(state, 17, shell.mass, NONE)])
+    table = PartingTable(
+        shell, LoadSet(sheet(), []), STRENGTH, [partings_of(state, 17, shell.mass, NONE)]
+    )
     table.weigh(state, 0.0)
     ahead = [way.ahead[0] for way in table.ways]
     straight = [ahead.index(18)]
@@ -94,11 +102,22 @@ def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     assert table.admissible(0, np.cos(np.radians(80.0))) == straight
 
 
+def test_free_edges_have_nothing_to_hold_them():
+    shell, state = cases.set_up(sheet())
+    ways = partings_of(state, 3, shell.mass, frozenset({(3, 10)}))
+    (way,) = ways
+    assert way.half_edges == ()
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
+    for stretch, measure in ((1.01, np.inf), (0.99, -np.inf)):
+        state.node.x[: sheet().n_node, 0] = stretch * sheet().nodes[:, 0]
+        assert table.weigh(state, 0.0) == measure
+
+
 def split_sheet():
     """A sheet whose node 17 has been split along its row, the edges as if of different length."""
     shell, state = cases.set_up(sheet())
     ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), [ways])
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
     table.weigh(state, 0.0)
     k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
     split_node(state, split_of(ways[k], table, k), shell, CohesiveLaw(), equilibrium_start=False)
@@ -121,7 +140,7 @@ def test_cables_count_with_the_half_that_owns_their_flank():
 def test_cables_pull_on_their_side_until_they_break():
     shell, state, _ = split_sheet()
     ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), [ways])
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
     (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
     table.weigh(state, 0.0)
     shares = {side: share for side, _, _, share in way.cables}

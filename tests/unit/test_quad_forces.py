@@ -15,6 +15,7 @@ from shellcut.shell import MITC4Shell
 from shellcut.simulation import Simulation
 from shellcut.state import initial_state
 from shellcut.support import Support
+from shellcut.time_step import Stepping
 
 LAYERED = [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]
 MATERIALS = {
@@ -80,6 +81,7 @@ def test_damping_work_from_three_products_is_the_sum_over_strain_steps():
             supports=[Support.clamped("rim")],
             loads=[Pressure(0.2)],
             damping_beta=2e-7,
+            stepping=Stepping(fixed=1.2e-7),
         )
         for _ in range(1000):
             sim.step()

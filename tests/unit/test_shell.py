@@ -160,27 +160,6 @@ def test_a_free_quad_has_six_zero_eigenvalues(case):
             assert np.abs(K @ motion).max() < 1e-8 * np.abs(K).max() * np.abs(motion).max()
 
 
-@pytest.mark.parametrize("deformed", [False, True])
-@pytest.mark.parametrize("case", cases.ALL)
-def test_frequency_of_a_quad_is_its_largest_eigenvalue(case, deformed):
-    mesh = cases.ALL[case](1, 1)
-    shell, state = cases.set_up(mesh)
-    if deformed:
-        cases.deform(state)
-    K, mass = stiffness(shell, state)
-    largest = np.linalg.eigvalsh(K / np.sqrt(np.outer(mass, mass)))[-1]
-    shell.update_frequencies(state, np.array([0]))
-    # Two difference quotients, of errors 1e-8 and 1e-10 relative.
-    assert shell.squared_frequency[0] == pytest.approx(largest, rel=1e-6)
-
-
-def test_frequencies_are_updated_where_asked_only():
-    shell, state = cases.set_up(cases.warped())
-    shell.squared_frequency[:] = -1.0
-    shell.update_frequencies(state, np.array([1, 4]))
-    assert (np.flatnonzero(shell.squared_frequency > 0) == [1, 4]).all()
-
-
 def affine_patch(F):
     mesh = cases.skewed_flat(4, 3)
     shell, state = cases.set_up(mesh)

@@ -157,7 +157,6 @@ def test_an_error_in_a_hook_still_closes_all():
 def test_blow_up_names_a_quad_and_the_safe_step():
     safe = resting().time_step.bound(resting().state)
     sim = resting(stepping=Stepping(fixed=10.0 * safe))
-    sim.shell.update_frequencies(sim.state, np.arange(16))
     with pytest.raises(UnstableStep, match=r"quad \d+ at \(") as failure:
         sim.run(1.0)
     text = str(failure.value)

@@ -1,0 +1,186 @@
+"""Bounds of the quads' frequencies: never below the exact eigenvalue, and close to it."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from naive import cases
+from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.mesh import Mesh
+from shellcut.meshing import opening_disc, rectangle
+from shellcut.quad_frequency import bound_largest_eigenvalues, growth_rates
+from shellcut.shell import MITC4Shell
+from shellcut.state import initial_state
+
+
+def exact(shell, x, t, quads):
+    """The largest eigenvalue of every quad by LAPACK."""
+    K = shell._tangents(x, t, np.arange(len(quads)))
+    mass = np.repeat(shell.mass, 3, axis=1)
+    inertia = np.repeat(shell.quad_inertia(np.arange(shell.area.size)), 2, axis=1)
+    scale = np.concatenate([mass, inertia], axis=1) ** -0.5
+    return np.linalg.eigvalsh(K * scale[:, :, None] * scale[:, None])[:, -1]
+
+
+@pytest.mark.parametrize("deformed", [False, True], ids=["rest", "far"])
+@pytest.mark.parametrize("case", cases.ALL)
+def test_an_evaluated_quad_is_bounded_within_a_five_hundredth(case, deformed):
+    mesh = cases.ALL[case]()
+    shell, state = cases.set_up(mesh)
+    if deformed:
+        cases.deform(state)
+    wanted = exact(shell, state.node.x, state.node.t, state.quads)
+    frequencies = shell.frequencies
+    frequencies.evaluate(state.node.x, state.node.t, state.quads, np.arange(mesh.n_quad))
+    # Never below, round-off apart; not more than the 0.2 % that the bound is tried above.
+    assert (frequencies.squared >= wanted * (1 - 1e-12)).all()
+    assert (frequencies.squared <= wanted * 1.002 * (1 + 1e-12)).all()
+
+
+def test_all_quads_of_a_disc_at_rest():
+    mesh = opening_disc("quick")
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
+    ratio = shell.frequencies.squared / exact(shell, mesh.nodes, mesh.directors, mesh.quads)
+    # Congruent quads agree to the 1e-9 of their scalar products.
+    assert ratio.min() > 1.0 - 1e-8
+    assert ratio.max() < 1.002 + 1e-8
+
+
+def test_congruent_quads_are_evaluated_once():
+    turned = rectangle(6.0, 4.0, n_x=6, n_y=4)
+    nodes = Rotation.from_rotvec([0.3, -0.8, 1.1]).apply(turned.nodes.copy())
+    mesh = Mesh.from_arrays(nodes, turned.quads)
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
+    asked = []
+    tangents = shell.frequencies._tangents
+    shell.frequencies._tangents = lambda *a: (asked.append(a[-1].size), tangents(*a))[1]
+    squared = shell.frequencies._at_rest()
+    # One class of squares, but for digits that round-off carries over.
+    assert sum(asked) <= 4
+    assert np.ptp(squared) < 1e-8 * squared[0]
+
+
+@pytest.mark.parametrize("amount", [1e-3, 1e-2, 0.05, 0.2])
+@pytest.mark.parametrize("kind", ["random", "stretched", "bent", "tilted"])
+@pytest.mark.parametrize("case", ["squares", *cases.ALL])
+def test_bounds_hold_in_between(case, kind, amount):
+    rng = np.random.default_rng(5)
+    for size in (0.1, 0.4, 1.0):  # of the quads [mm]
+        for seed in range(3):
+            if case == "squares":
+                mesh = rectangle(3.0, 2.0, n_x=3, n_y=2)
+            else:
+                mesh = cases.ALL[case](seed=seed)
+            mesh = Mesh.from_arrays(size * mesh.nodes, mesh.quads, directors=mesh.directors)
+            shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
+            n = mesh.n_node
+            # Evaluated in a state that is deformed already.
+            x = mesh.nodes + 0.05 * size * rng.uniform(-1, 1, (n, 3))
+            t = Rotation.from_rotvec(rng.uniform(-0.1, 0.1, (n, 3))).apply(mesh.directors.copy())
+            shell.frequencies.evaluate(x, t, mesh.quads, np.arange(mesh.n_quad))
+            if kind == "random":
+                x = x + amount * size * rng.uniform(-1, 1, (n, 3))
+            if kind == "stretched":
+                x = x @ (np.eye(3) + amount * rng.uniform(-1, 1, (3, 3))).T
+            if kind in ("random", "tilted"):
+                t = Rotation.from_rotvec(amount * rng.uniform(-1, 1, (n, 3))).apply(t)
+            if kind == "bent":
+                t = Rotation.from_rotvec(np.outer(x[:, 0], [0, -amount / size, 0])).apply(t)
+                x = x + np.outer(0.5 * amount / size * x[:, 0] ** 2, [0, 0, 1])
+            turn = Rotation.from_rotvec(rng.uniform(-2, 2, 3))  # of the whole: it changes nothing
+            x, t = turn.apply(x), turn.apply(t)
+            shell.frequencies.follow(x, t, mesh.quads)
+            wanted = exact(shell, x, t, mesh.quads)
+            growth = shell.frequencies.squared / wanted
+            assert growth.min() >= 1.0 - 1e-12
+            if amount <= 1e-3:  # and it is no idle bound
+                assert growth.max() < 1.04
+
+
+def test_bounds_hold_for_an_unsymmetric_laminate():
+    foil = Layer(Elastic(70e3, 0.35, 2.7e-9), 0.009)
+    film = Layer(Elastic(300.0, 0.45, 0.92e-9), 0.065)
+    rng = np.random.default_rng(6)
+    for amount in (1e-3, 0.02, 0.1):
+        mesh = cases.curved()
+        shell = MITC4Shell(mesh, ShellMaterial([foil, film]), damping_beta=0.0)
+        n = mesh.n_node
+        x = mesh.nodes + amount * rng.uniform(-1, 1, (n, 3))
+        turn = Rotation.from_rotvec(amount * rng.uniform(-1, 1, (n, 3)))
+        t = turn.apply(mesh.directors.copy())
+        shell.frequencies.follow(x, t, mesh.quads)
+        assert (shell.frequencies.squared >= exact(shell, x, t, mesh.quads)).all()
+
+
+def test_growth_rates_of_an_isotropic_film():
+    E, nu = 1678.0, 0.3
+    ratio = (E / (1 - nu)) / (0.5 * (E / (1 - nu**2) + E / (2 * (1 + nu))))
+    assert growth_rates(cases.FILM) == pytest.approx((1 + 0.5 * ratio, np.sqrt(ratio)), rel=1e-12)
+
+
+def test_a_rigid_motion_changes_nothing():
+    mesh = cases.warped()
+    shell, _ = cases.set_up(mesh)
+    before = shell.frequencies.squared.copy()
+    turn = Rotation.from_rotvec([1.1, -1.5, 1.3])
+    x = turn.apply(mesh.nodes.copy()) + np.array([3.0, -2.0, 5.0])
+    t = turn.apply(mesh.directors.copy())
+    shell.frequencies.follow(x, t, mesh.quads)
+    # Round-off of strains at 5 mm from the origin.
+    np.testing.assert_allclose(shell.frequencies.squared, before, rtol=1e-12)
+
+
+def test_evaluation_where_asked_only_and_again():
+    mesh = cases.warped()
+    shell, state = cases.set_up(mesh)
+    frequencies = shell.frequencies
+    cases.deform(state, stretch=0.02, tilt=0.02)
+    x, t = state.node.x, state.node.t
+    wanted = exact(shell, x, t, state.quads)
+    for which in ([1, 4], [4, 0]):  # a quad may be evaluated again
+        frequencies.follow(x, t, state.quads)
+        frequencies.evaluate(x, t, state.quads, np.array(which))
+        np.testing.assert_allclose(frequencies.squared[which], wanted[which], rtol=2e-3)
+    frequencies.follow(x, t, state.quads)
+    np.testing.assert_allclose(frequencies.squared[[0, 1, 4]], wanted[[0, 1, 4]], rtol=2e-3)
+    assert (frequencies.squared[[2, 3, 5]] > 1.01 * wanted[[2, 3, 5]]).all()
+
+
+@pytest.mark.parametrize("least", [0.0, -0.5, -30.0])
+def test_bound_of_a_matrix_with_negative_eigenvalues(least):
+    # Where the least outweighs the largest the power iteration ends there: the bound is then by
+    # rows, loose and true.
+    rng = np.random.default_rng(3)
+    Q, _ = np.linalg.qr(rng.normal(size=(20, 20)))
+    values = np.linspace(least, 1.0, 20)
+    K = (Q * values) @ Q.T
+    squared = np.zeros(1)
+    one = np.ones((1, 4))
+    bound_largest_eigenvalues(tangent=K[None].copy(), mass=one, inertia=one, squared=squared)
+    assert squared[0] >= 1.0
+    assert squared[0] <= (1.0021 if least > -1.0 else np.abs(K).sum(axis=1).max() * (1 + 1e-12))
+
+
+def test_mass_and_inertia_scale_the_freedoms():
+    mesh = cases.curved()
+    shell, state = cases.set_up(mesh)
+    K = shell.tangents(state, np.array([2]))
+    mass, inertia = shell.mass[[2]], shell.quad_inertia(np.array([2]))
+    squared = np.zeros((2, 1))
+    bound_largest_eigenvalues(tangent=K.copy(), mass=mass, inertia=inertia, squared=squared[0])
+    bound_largest_eigenvalues(
+        tangent=K.copy(), mass=4 * mass, inertia=4 * inertia, squared=squared[1]
+    )
+    assert squared[0, 0] == pytest.approx(4 * squared[1, 0], rel=1e-12)
+
+
+def test_state_and_shell_agree_on_the_rows_of_a_split_mesh():
+    # Quads are rewired at a split; the reference keeps its own node ids.
+    mesh = rectangle(4.0, 3.0, n_x=4, n_y=3)
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=0.0)
+    state = initial_state(mesh)
+    twin = state.node.append_copy(6)
+    state.quads[state.quads == 6] = twin
+    before = shell.frequencies.squared.copy()
+    shell.frequencies.follow(state.node.x, state.node.t, state.quads)
+    np.testing.assert_array_equal(shell.frequencies.squared, before)
