@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, Number, Vector, always_inline, inline, kernel
+from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .lanes import WIDTH, along, at, clear_rows, put_at, row_columns, total, zero
 from .state import State
@@ -168,45 +168,44 @@ def _kick_nodes(
     )
 
 
-@inline
+@always_inline
 def _kick_supported(
     n: int,
+    first: int,
     dt_last: float,
     dt: float,
     alpha: float,
-    t: Floats,
-    rows: Floats,
-    mass: Floats,
-    inertia: Floats,
+    m: float,
+    force: Vec3,
     support: Bools,
     support_rate: Floats,
-    velocity: Floats,
-    spin: Floats,
+    before: Vec3,
     reaction: Floats,
-    moved: Floats,
-    sums: Floats,
-) -> None:
-    """Write velocity and spin of a supported node after the kick into moved : (6,)."""
+) -> tuple[Vec3, float, float, float]:
+    """Return a supported node's velocity after the kick, m v·v', the damping's sum and the work.
+
+    ``first`` is 0 for translation and 3 for rotation; reaction : (n_node, 6) is written.
+    """
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
-    each = dt / (1.0 + 0.5 * alpha * dt)
+    push = dt / (1.0 + 0.5 * alpha * dt) / m
     rate = 1.0 / dt
-    by_mass, by_inertia = each / mass[n], each / inertia[n]
-    moment = cross(load(t, n), (rows[n, 3], rows[n, 4], rows[n, 5]))
-    for c in range(6):
-        m, push = (mass[n], by_mass) if c < 3 else (inertia[n], by_inertia)
-        force = rows[n, c] if c < 3 else moment[c - 3]
-        before = velocity[n, c] if c < 3 else spin[n, c - 3]
-        after = keep * before + push * force
-        if support[n, c]:
-            after = support_rate[n, c]
-            r = m * (rate * (after - before) + 0.5 * alpha * (after + before)) - force
-            sums[3] += 0.5 * (reaction[n, c] + r) * before * dt_last
-            reaction[n, c] = r
-        sums[2] += m * (before + after) ** 2
-        if dt_last == 0.0:
-            before = 2.0 * before - after
-        sums[0 if c < 3 else 1] += m * before * after
-        moved[c] = after
+    free = combine(keep, before, push, force)
+    kinetic, damping, work = 0.0, 0.0, 0.0
+    after = (
+        support_rate[n, first] if support[n, first] else free[0],
+        support_rate[n, first + 1] if support[n, first + 1] else free[1],
+        support_rate[n, first + 2] if support[n, first + 2] else free[2],
+    )
+    for c in range(3):
+        v, w = before[c], after[c]
+        if support[n, first + c]:
+            r = m * (rate * (w - v) + 0.5 * alpha * (w + v)) - force[c]
+            work += 0.5 * (reaction[n, first + c] + r) * v * dt_last
+            reaction[n, first + c] = r
+        damping += m * (v + w) ** 2
+        # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
+        kinetic += m * (v if dt_last > 0.0 else 2.0 * v - w) * w
+    return after, kinetic, damping, work
 
 
 @kernel
@@ -236,30 +235,47 @@ def _kick(
     rows : (n_node, 8).  reaction : (n_node, 6), written.  sums : (n_chunk, 4), written: m v·v',
     j w·w', the damping's sum and the work of the reactions.
     """
-    # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
     mirror = dt_last == 0.0
+    moved = np.empty((supported.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
         start, stop = chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)
-        held = supported[first_supported[chunk] : first_supported[chunk + 1]]
-        moved = np.empty((held.shape[0], 6))
-        for i in range(held.shape[0]):
-            _kick_supported(
-                held[i],
+        for i in range(first_supported[chunk], first_supported[chunk + 1]):
+            n = supported[i]
+            force = rows[n, 0], rows[n, 1], rows[n, 2]
+            moment = cross(load(t, n), (rows[n, 3], rows[n, 4], rows[n, 5]))
+            v, kinetic, damping, work = _kick_supported(
+                n,
+                0,
                 dt_last,
                 dt,
                 alpha,
-                t,
-                rows,
-                mass,
-                inertia,
+                mass[n],
+                force,
                 support,
                 support_rate,
-                velocity,
-                spin,
+                load(velocity, n),
                 reaction,
-                moved[i],
-                sums[chunk],
             )
+            w, kinetic_spin, damping_spin, work_spin = _kick_supported(
+                n,
+                3,
+                dt_last,
+                dt,
+                alpha,
+                inertia[n],
+                moment,
+                support,
+                support_rate,
+                load(spin, n),
+                reaction,
+            )
+            for c in range(3):
+                moved[i, c] = v[c]
+                moved[i, 3 + c] = w[c]
+            sums[chunk, 0] += kinetic
+            sums[chunk, 1] += kinetic_spin
+            sums[chunk, 2] += damping + damping_spin
+            sums[chunk, 3] += work + work_spin
         p0, p1, p2 = zero(None), zero(None), zero(None)
         for n in range(start, stop - WIDTH + 1, WIDTH):
             q0, q1, q2 = _kick_nodes(
@@ -275,10 +291,11 @@ def _kick(
         sums[chunk, 0] += s0
         sums[chunk, 1] += s1
         sums[chunk, 2] += s2
-        for i in range(held.shape[0]):
+        # Only now, for the loop over eight nodes writes them all.
+        for i in range(first_supported[chunk], first_supported[chunk + 1]):
             for c in range(3):
-                velocity[held[i], c] = moved[i, c]
-                spin[held[i], c] = moved[i, 3 + c]
+                velocity[supported[i], c] = moved[i, c]
+                spin[supported[i], c] = moved[i, 3 + c]
 
 
 @always_inline
