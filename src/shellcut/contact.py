@@ -41,7 +41,8 @@ from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates,
 from .near_nodes import NearNodes
 from .state import State
 from .tool import Tool
-from .tool_grid import ClosestTriangleGrid, signed_distance
+from .tool_distance import signed_distance
+from .tool_grid import ClosestTriangleGrid
 
 STEEPEST = 27.0 / 16.0
 """Largest slope of the smoothing function f, at g = ¾ g_M."""

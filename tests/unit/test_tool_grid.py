@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from shellcut.tool_grid import ClosestTriangleGrid, closest_of_side, closest_on_triangle
+from shellcut.tool_distance import closest_of_side, closest_on_triangle
+from shellcut.tool_grid import ClosestTriangleGrid
 from shellcut.tool_shapes import straight_blade, tooth_ring
 
 
