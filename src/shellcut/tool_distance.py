@@ -99,23 +99,26 @@ def closest_of_side(
     cell_distance: Floats,
     corners: Floats,
     flank: SmallInts,
-) -> tuple[bool, int, int, Vec3]:
+) -> tuple[bool, int, int, Vec3, float]:
     """Return whether a triangle was found, the closest one of the side, the feature, its point.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
     The rest : ``*grid.arrays`` without the last.  Where nothing is found: 0, 0 and ``p`` itself.
+    The last number is by how much all other triangles of the side are farther at least [mm].
     """
     nearest = p
     triangle = 0
     feature = 0
     best = np.inf
+    second = np.inf
     in_grid, cell = cell_of(p, lower, cell_size, shape)
     if not in_grid:
-        return False, triangle, feature, nearest
+        return False, triangle, feature, nearest, 0.0
     off_centre = _distance_from_centre(p, cell, lower, cell_size, shape)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
+            second = min(second, least * least)
             break
         t = cell_triangles[k]
         if side * flank[t] < 0:
@@ -130,11 +133,14 @@ def closest_of_side(
         gap = sub(p, q)
         squared = dot(gap, gap)
         if squared < best:
+            second = best
             best = squared
             nearest = q
             triangle = t
             feature = where
-    return best < np.inf, triangle, feature, nearest
+        else:
+            second = min(second, squared)
+    return best < np.inf, triangle, feature, nearest, sqrt(second) - sqrt(best)
 
 
 @inline
@@ -150,7 +156,7 @@ def signed_distance(
     corners: Floats,
     flank: SmallInts,
     pseudo_normals: Floats,
-) -> tuple[bool, bool, int, Vec3]:
+) -> tuple[bool, bool, int, Vec3, int, float]:
     """Return whether ``p`` is near, whether inside the solid, and the closest of the side.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
@@ -158,11 +164,13 @@ def signed_distance(
 
     ``inside`` looks at all triangles whatever the side; the triangle and its closest point are of
     the side. A point on the surface is outside. Where nothing is found: False, triangle 0, ``p``.
+    The last two are the closest triangle of all, and how far ``p`` may move until either closest
+    triangle might become another: till then :func:`signed_distance_to` gives the same.
     """
     in_grid, cell = cell_of(p, lower, cell_size, shape)
     if not in_grid or cell_start[cell] == cell_start[cell + 1]:
-        return False, False, 0, p
-    _, triangle, i, nearest = closest_of_side(
+        return False, False, 0, p, 0, 0.0
+    _, triangle, i, nearest, ahead = closest_of_side(
         p,
         0,
         lower,
@@ -181,8 +189,9 @@ def signed_distance(
     )
     inside = dot(sub(p, nearest), normal) < 0.0
     found = True
+    whole = triangle
     if side * flank[triangle] < 0:
-        found, triangle, i, nearest = closest_of_side(
+        found, triangle, i, nearest, ahead_of_side = closest_of_side(
             p,
             side,
             lower,
@@ -194,7 +203,37 @@ def signed_distance(
             corners,
             flank,
         )
-    return found, inside, triangle, nearest
+        ahead = min(ahead, ahead_of_side)
+    return found, inside, triangle, nearest, whole, 0.5 * ahead
+
+
+@inline
+def signed_distance_to(
+    p: Vec3, whole: int, triangle: int, corners: Floats, pseudo_normals: Floats
+) -> tuple[bool, Vec3]:
+    """Return whether ``p`` is inside the solid and its closest point, the triangles being known.
+
+    whole : the closest triangle of all.  triangle : that of the side.
+    """
+    nearest, i = closest_on_triangle(p, *_corners(corners, whole))
+    normal = (
+        pseudo_normals[whole, i, 0],
+        pseudo_normals[whole, i, 1],
+        pseudo_normals[whole, i, 2],
+    )
+    inside = dot(sub(p, nearest), normal) < 0.0
+    if triangle != whole:
+        nearest, _ = closest_on_triangle(p, *_corners(corners, triangle))
+    return inside, nearest
+
+
+@inline
+def _corners(corners: Floats, t: int) -> tuple[Vec3, Vec3, Vec3]:
+    return (
+        (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
+        (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
+        (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
+    )
 
 
 @kernel
@@ -217,7 +256,7 @@ def query_points(
 ) -> None:
     """Write ``signed_distance`` of the points x : (n_point, 3), [mm], to the last four arrays."""
     for n in range(x.shape[0]):
-        found[n], inside[n], triangle[n], q = signed_distance(
+        found[n], inside[n], triangle[n], q, _, _ = signed_distance(
             (x[n, 0], x[n, 1], x[n, 2]),
             side,
             lower,
