@@ -17,11 +17,12 @@ from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
 from .models import guillotine, opening_test
-from .motion import ScrewMotion, StraightMotion, TableMotion
+from .motion import ScrewMotion, StraightMotion
 from .recorder import Recorder
 from .simulation import Simulation
 from .statics import Statics
 from .support import Support
+from .table_motion import TableMotion
 from .time_step import Stepping
 from .tool import Tool
 from .warmup import warmup

@@ -10,9 +10,10 @@ which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M.
 frictionless: adhesion is in the joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then (:mod:`shellcut.near_nodes`).
-Local: a listed node looks up the closest triangles of its cell in a grid fixed to the tool. One
-that is found outside keeps the place and its distance from the surface, and is passed over until it
-has come as far as that from there, seen from the tool: before, it cannot have touched it.
+Local: a listed node looks up the closest triangles of its cell in a grid fixed to the tool. What it
+finds lasts until it has moved by a certain way from there, seen from the tool. Outside, that is the
+distance from the surface: before, it cannot have touched it and is passed over. Inside, it is half
+of what the other triangles are farther than the closest: before, that stays the closest.
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
@@ -35,13 +36,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallInts, inline, kernel
+from ._jit import Bools, Floats, Ints, SmallInts, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
 from .near_nodes import NearNodes
 from .state import State
 from .tool import Tool
-from .tool_grid import ClosestTriangleGrid, signed_distance
+from .tool_distance import signed_distance, signed_distance_to
+from .tool_grid import ClosestTriangleGrid
 
 STEEPEST = 27.0 / 16.0
 """Largest slope of the smoothing function f, at g = ¾ g_M."""
@@ -166,8 +168,10 @@ class PenaltyContact:
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
         near = self._listed = self.near.ids
-        # Of each listed node: where it was found outside (body frame) and how far from the surface.
-        place, clear = np.zeros((near.size, 3)), np.zeros(near.size)
+        # Of each listed node: where it was looked up last (body frame), how far from there this
+        # lasts, and the closest triangles of all and of its side if it was inside.
+        place, lasts = np.zeros((near.size, 3)), np.zeros(near.size)
+        within, closest = np.zeros(near.size, np.bool_), np.zeros((near.size, 2), np.int64)
         # In the order of the kernel; good until the next split, which renews the list.
         self._arguments = (
             near,
@@ -184,7 +188,9 @@ class PenaltyContact:
             self.parameters.penalty,
             self.smoothing_depth,
             place,
-            clear,
+            lasts,
+            within,
+            closest,
             n.contact_side,
             n.contact_depth,
             n.contact_offset,
@@ -272,7 +278,9 @@ def _add_contact_forces(
     penalty: float,
     g_m: float,
     place: Floats,
-    clear: Floats,
+    lasts: Floats,
+    within: Bools,
+    closest: Ints,
     side: SmallInts,
     depth: Floats,
     offset: Floats,
@@ -281,13 +289,13 @@ def _add_contact_forces(
 ) -> tuple[float, float, int, float]:
     """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
 
-    place : (n_near, 3) and clear : (n_near,): a node closer to its place in the body frame than
-    clear is outside.  Writes both, and side, depth, offset and contact_force of these nodes.
-    Returns the work on the nodes over the last step, the stored energy, how many are inside and the
-    largest depth.
+    place : (n_near, 3), lasts, within : (n_near,), closest : (n_near, 2): what the last look-up of
+    each node found, good as long as it is closer to its place in the body frame than ``lasts``.
+    Writes them, and side, depth, offset and contact_force of these nodes. Returns the work on the
+    nodes over the last step, the stored energy, how many are inside and the largest depth.
     """
     decay = np.exp(-dt / ABSORB_TIME)
-    flank, pseudo_normals = grid[7], grid[8]
+    corners, flank, pseudo_normals = grid[6], grid[7], grid[8]
     work = 0.0
     stored = 0.0
     n_inside = 0
@@ -295,14 +303,26 @@ def _add_contact_forces(
     for i in range(near.shape[0]):
         n = near[i]
         p = to_body(load(x, n), rotation, translation)
-        if norm(sub(p, load(place, i))) < clear[i]:
-            continue
-        found, inside, triangle, q = signed_distance(p, side[n], *grid)
-        if not (found and inside):
-            # With a side kept, q is the closest point of that side only: look again next time.
-            if side[n] == 0:
-                clear[i] = (norm(sub(p, q)) if found else reach) - _ROUND_OFF
-                store(place, i, p)
+        if norm(sub(p, load(place, i))) < lasts[i]:
+            if not within[i]:
+                continue
+            triangle = closest[i, 1]
+            within[i], q = signed_distance_to(p, closest[i, 0], triangle, corners, pseudo_normals)
+        else:
+            found, inside, triangle, q, whole, steady = signed_distance(p, side[n], *grid)
+            store(place, i, p)
+            within[i] = found and inside
+            closest[i, 0], closest[i, 1] = whole, triangle
+            # A node without a side may get one below, and one that keeps a side outside knows the
+            # closest point of that side only: both look again next time.
+            lasts[i] = 0.0
+            if within[i] and side[n] != 0:
+                lasts[i] = steady - _ROUND_OFF
+            elif not within[i] and side[n] == 0:
+                lasts[i] = (norm(sub(p, q)) if found else reach) - _ROUND_OFF
+        if not within[i]:
+            if side[n] != 0:
+                lasts[i] = 0.0
             if (
                 contact_force[n, 0] != 0.0
                 or contact_force[n, 1] != 0.0
@@ -330,8 +350,7 @@ def _add_contact_forces(
                 lies = flank[triangle]
             side[n] = lies
             if lies * flank[triangle] < 0:
-                _, _, triangle, q = signed_distance(p, lies, *grid)
-        clear[i] = 0.0
+                _, _, triangle, q, _, _ = signed_distance(p, lies, *grid)
         outward = (
             pseudo_normals[triangle, 0, 0],
             pseudo_normals[triangle, 0, 1],

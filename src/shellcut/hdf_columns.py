@@ -13,6 +13,7 @@ the ordinary search for 15 % more bytes, in a format that any reader of deflated
 from __future__ import annotations
 
 import zlib
+from functools import cache
 from typing import Any
 
 import h5py
@@ -121,7 +122,14 @@ def _whole(rows: Any, chunk: int) -> Any:
 
 def _packed(rows: Any) -> bytes:
     """Return a chunk as the filters of HDF5 would leave it: bytes shuffled, then deflated."""
+    if not rows.any():
+        return _packed_zeros(rows.nbytes)
     planes = rows.view(np.uint8).reshape(-1, rows.itemsize).T.tobytes()
     search = zlib.Z_RLE if rows.dtype.kind == "f" else zlib.Z_DEFAULT_STRATEGY
     deflate = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, search)
     return deflate.compress(planes) + deflate.flush()
+
+
+@cache
+def _packed_zeros(size: int) -> bytes:
+    return zlib.compress(bytes(size), 1)

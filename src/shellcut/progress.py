@@ -68,6 +68,11 @@ class Progress:
         self._guard(self._begin)
         self._interval = BAR_INTERVAL if self._bar else LINE_INTERVAL
 
+    @property
+    def wants(self) -> bool:
+        """Whether an update would be drawn now; asking costs 0.3 us."""
+        return self._alive and (self._first is None or self._clock() >= self._due)
+
     def update(self, position: float, *, step: int, **figures: float) -> None:
         """Show the position and the figures if a drawing is due (0.5 us if none is).
 

@@ -158,17 +158,8 @@ class Recorder:
             if picture_due:
                 self._draw(frame)
             self._last = frame
-        if self._progress is not None:
-            first = self.resistance.columns[0][0]
-            book = sim.ledger
-            self._progress.update(
-                self.resistance.coordinate(now),
-                step=sim.state.step,
-                **{
-                    first: self.resistance.of(_total(sim).sum(axis=0), sim.translation)[0],
-                    "imbalance": 100.0 * book.relative(book.imbalance),
-                },
-            )
+        if self._progress is not None and self._progress.wants:
+            self._show_progress(self._progress)
 
     def close(self) -> None:
         """Write summary and curves, close the files."""
@@ -177,6 +168,7 @@ class Recorder:
         self._closed = True
         wall = time.perf_counter() - self._started
         if self._progress is not None:
+            self._show_progress(self._progress)
             self._progress.close()
         if self._can_draw and self._picture_due is not None:
             frame = self._capture(self._sim)
@@ -192,6 +184,15 @@ class Recorder:
             self._draw_curves(history)
 
     # ------------------------------------------------------------------ parts
+
+    def _show_progress(self, progress: Progress) -> None:
+        sim, r = self._sim, self.resistance
+        total = r.of(_total(sim).sum(axis=0), sim.translation)
+        figures = {
+            r.columns[0][0]: total[0],
+            "imbalance": 100.0 * sim.ledger.relative(sim.ledger.imbalance),
+        }
+        progress.update(r.coordinate(sim.state.time), step=sim.state.step, **figures)
 
     def _row(self, sim: Simulation) -> dict[str, float]:
         s, book, origin = sim.state, sim.ledger, sim.translation

@@ -8,36 +8,23 @@ diagonal D of the cell, any point p of it has |p - c| <= D/2, so a triangle T wi
 
 is never the closest of its class. Halving the cells level by level keeps the guarantee, since a
 child's points are its parent's, and makes the build cheap: a child only looks at its parent's
-list. A list is sorted by d(c, T), and as d(p, T) >= d(c, T) - |p - c| a query stops early.
+list. A list is sorted by d(c, T).
 
-Inside or outside is decided by the sign of (p - q) . n at the closest point q of the whole
-surface, with n the angle-weighted pseudo-normal of the face, edge or vertex that q lies on
-[Baerentzen2005]; the regions of a triangle are told apart as in [Ericson2005], 5.1.5.
-
-=======  =========================================
-feature  of triangle (a, b, c)
-=======  =========================================
-0        its interior
-1, 2, 3  its vertices a, b, c
-4, 5, 6  its edges ab, bc, ca
-=======  =========================================
+The grid is built here; :mod:`shellcut.tool_distance` looks points up in it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import ceil, log2, sqrt
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from ._jit import Bools, Floats, Ints, SmallInts, Vec3, inline, kernel
-from ._vec3 import combine, dot, sub
+from ._jit import Bools, Floats, Ints, SmallInts, Vec3, kernel
+from ._vec3 import dot, sub
 from .tool import Tool
-
-Cells3: TypeAlias = tuple[int, int, int]
-GridArrays: TypeAlias = tuple[Vec3, float, Cells3, Ints, Ints, Floats, Floats, SmallInts, Floats]
+from .tool_distance import Cells3, GridArrays, closest_on_triangle, query_points
 
 CELLS_PER_THICKNESS = 3.0
 """Cells across the mean thickness 2 V / A of the thinnest body. A ring of 4,112 triangles: 4 or 2
@@ -220,212 +207,8 @@ class ClosestTriangleGrid:
         inside = np.zeros(x.shape[0], dtype=np.bool_)
         triangle = np.zeros(x.shape[0], dtype=np.int64)
         closest = np.zeros_like(x)
-        _query_points(x, side, *self.arrays, found, inside, triangle, closest)
+        query_points(x, side, *self.arrays, found, inside, triangle, closest)
         return found, inside, triangle, closest
-
-
-@inline
-def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
-    """Return the point of triangle (a, b, c) closest to ``p`` [mm] and the feature it lies on."""
-    ab = sub(b, a)
-    ac = sub(c, a)
-    ap = sub(p, a)
-    d1 = dot(ab, ap)
-    d2 = dot(ac, ap)
-    if d1 <= 0.0 and d2 <= 0.0:
-        return a, 1
-    bp = sub(p, b)
-    d3 = dot(ab, bp)
-    d4 = dot(ac, bp)
-    if d3 >= 0.0 and d4 <= d3:
-        return b, 2
-    vc = d1 * d4 - d3 * d2
-    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        return combine(1.0, a, d1 / (d1 - d3), ab), 4
-    cp = sub(p, c)
-    d5 = dot(ab, cp)
-    d6 = dot(ac, cp)
-    if d6 >= 0.0 and d5 <= d6:
-        return c, 3
-    vb = d5 * d2 - d1 * d6
-    if vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        return combine(1.0, a, d2 / (d2 - d6), ac), 6
-    va = d3 * d6 - d5 * d4
-    if va <= 0.0 and d4 >= d3 and d5 >= d6:
-        return combine(1.0, b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), sub(c, b)), 5
-    whole = 1.0 / (va + vb + vc)
-    return combine(1.0, combine(1.0, a, vb * whole, ab), vc * whole, ac), 0
-
-
-@inline
-def cell_of(p: Vec3, lower: Vec3, cell_size: float, shape: Cells3) -> tuple[bool, int]:
-    """Return whether ``p`` [mm] lies in the grid, and its cell."""
-    u = (p[0] - lower[0]) / cell_size
-    v = (p[1] - lower[1]) / cell_size
-    w = (p[2] - lower[2]) / cell_size
-    if not (0.0 <= u < shape[0] and 0.0 <= v < shape[1] and 0.0 <= w < shape[2]):
-        return False, 0
-    return True, (int(u) * shape[1] + int(v)) * shape[2] + int(w)
-
-
-@inline
-def _distance_from_centre(
-    p: Vec3, cell: int, lower: Vec3, cell_size: float, shape: Cells3
-) -> float:
-    # of the cell, with a slack far above the round-off of cells and distances
-    ij = cell // shape[2]
-    u = p[0] - lower[0] - cell_size * (ij // shape[1] + 0.5)
-    v = p[1] - lower[1] - cell_size * (ij % shape[1] + 0.5)
-    w = p[2] - lower[2] - cell_size * (cell % shape[2] + 0.5)
-    return sqrt(u * u + v * v + w * w) + 1e-9 * cell_size
-
-
-@inline
-def closest_of_side(
-    p: Vec3,
-    side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-) -> tuple[bool, int, int, Vec3]:
-    """Return whether a triangle was found, the closest one of the side, the feature, its point.
-
-    p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    The rest : ``*grid.arrays`` without the last.  Where nothing is found: 0, 0 and ``p`` itself.
-    """
-    nearest = p
-    triangle = 0
-    feature = 0
-    best = np.inf
-    in_grid, cell = cell_of(p, lower, cell_size, shape)
-    if not in_grid:
-        return False, triangle, feature, nearest
-    off_centre = _distance_from_centre(p, cell, lower, cell_size, shape)
-    for k in range(cell_start[cell], cell_start[cell + 1]):
-        least = cell_distance[k] - off_centre
-        if least > 0.0 and least * least > best:
-            break
-        t = cell_triangles[k]
-        if side * flank[t] < 0:
-            continue
-        # written out: a call that takes an array counts its references, 5 ns each
-        q, where = closest_on_triangle(
-            p,
-            (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
-            (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
-            (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
-        )
-        gap = sub(p, q)
-        squared = dot(gap, gap)
-        if squared < best:
-            best = squared
-            nearest = q
-            triangle = t
-            feature = where
-    return best < np.inf, triangle, feature, nearest
-
-
-@inline
-def signed_distance(
-    p: Vec3,
-    side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-    pseudo_normals: Floats,
-) -> tuple[bool, bool, int, Vec3]:
-    """Return whether ``p`` is near, whether inside the solid, and the closest of the side.
-
-    p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    The rest : ``*grid.arrays``.
-
-    ``inside`` looks at all triangles whatever the side; the triangle and its closest point are of
-    the side. A point on the surface is outside. Where nothing is found: False, triangle 0, ``p``.
-    """
-    in_grid, cell = cell_of(p, lower, cell_size, shape)
-    if not in_grid or cell_start[cell] == cell_start[cell + 1]:
-        return False, False, 0, p
-    _, triangle, i, nearest = closest_of_side(
-        p,
-        0,
-        lower,
-        cell_size,
-        shape,
-        cell_start,
-        cell_triangles,
-        cell_distance,
-        corners,
-        flank,
-    )
-    normal = (
-        pseudo_normals[triangle, i, 0],
-        pseudo_normals[triangle, i, 1],
-        pseudo_normals[triangle, i, 2],
-    )
-    inside = dot(sub(p, nearest), normal) < 0.0
-    found = True
-    if side * flank[triangle] < 0:
-        found, triangle, i, nearest = closest_of_side(
-            p,
-            side,
-            lower,
-            cell_size,
-            shape,
-            cell_start,
-            cell_triangles,
-            cell_distance,
-            corners,
-            flank,
-        )
-    return found, inside, triangle, nearest
-
-
-@kernel
-def _query_points(
-    x: Floats,
-    side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-    pseudo_normals: Floats,
-    found: Bools,
-    inside: Bools,
-    triangle: Ints,
-    closest: Floats,
-) -> None:
-    """Write ``signed_distance`` of the points x : (n_point, 3), [mm], to the last four arrays."""
-    for n in range(x.shape[0]):
-        found[n], inside[n], triangle[n], q = signed_distance(
-            (x[n, 0], x[n, 1], x[n, 2]),
-            side,
-            lower,
-            cell_size,
-            shape,
-            cell_start,
-            cell_triangles,
-            cell_distance,
-            corners,
-            flank,
-            pseudo_normals,
-        )
-        closest[n, 0] = q[0]
-        closest[n, 1] = q[1]
-        closest[n, 2] = q[2]
 
 
 @kernel

@@ -304,6 +304,46 @@ def test_the_list_of_near_nodes_never_misses_one():
     assert 5 < searched < 60
 
 
+@TOOLS
+def test_what_a_look_up_remembers_changes_no_bit(tool):
+    # Nodes slide along the faces, in and out; a contact that has forgotten all gives the same.
+    rng = np.random.default_rng(9)
+    state = nodes_at(points_in_and_around(tool, 40, seed=6))
+    state.dt = 1e-6
+    contact = PenaltyContact(tool, Contact(), H)
+    remembered = 0
+    for step in range(200):
+        state.step = step
+        state.node.x[:80] += 2e-4 * (rng.uniform(-1, 1, (80, 3)) + np.array([0.6, -0.3, 0.5]))
+        before = [
+            rows.copy()
+            for rows in (
+                state.node.contact_side,
+                state.node.contact_depth,
+                state.node.contact_offset,
+                state.node.contact_force,
+            )
+        ]
+        forces, result = evaluate(contact, state)
+        lasts, within = contact._arguments[14:16]
+        remembered += np.count_nonzero(within & (lasts > 0.0))
+        after = [
+            state.node.contact_side.copy(),
+            state.node.contact_depth.copy(),
+            state.node.contact_offset.copy(),
+        ]
+        state.node.contact_side[:], state.node.contact_depth[:] = before[:2]
+        state.node.contact_offset[:], state.node.contact_force[:] = before[2:]
+        fresh, again = evaluate(PenaltyContact(tool, Contact(), H), state)
+        np.testing.assert_array_equal(fresh, forces)
+        np.testing.assert_array_equal(again.wrench, result.wrench)
+        assert again[1:] == result[1:]
+        np.testing.assert_array_equal(state.node.contact_side, after[0])
+        np.testing.assert_array_equal(state.node.contact_depth, after[1])
+        np.testing.assert_array_equal(state.node.contact_offset, after[2])
+    assert remembered > 500
+
+
 def naive_inside(p):
     slope = np.tan(np.radians(10.0))
     return -3.0 < p[0] < 0 and abs(p[2]) < 3.0 and abs(p[1]) < min(-slope * p[0], 0.3)

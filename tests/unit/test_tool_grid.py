@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from shellcut.tool_grid import ClosestTriangleGrid, closest_of_side, closest_on_triangle
+from shellcut.tool_distance import closest_of_side, closest_on_triangle
+from shellcut.tool_grid import ClosestTriangleGrid
 from shellcut.tool_shapes import straight_blade, tooth_ring
 
 
@@ -131,7 +132,7 @@ def test_side_decides_which_flank_is_closest():
     grid = ClosestTriangleGrid.build(tool)
     p = (-2.5, 0.1, 0.3)  # between the parallel flanks, nearer to plus
     for side, y in ((1, 0.3), (-1, -0.3), (0, 0.3)):
-        found, triangle, feature, q = closest_of_side(p, side, *grid.arrays[:-1])
+        found, triangle, feature, q, _ = closest_of_side(p, side, *grid.arrays[:-1])
         assert found
         assert q == pytest.approx((-2.5, y, 0.3))
         assert tool.flank[triangle] == np.sign(y)
