@@ -2,7 +2,7 @@
 
 Files of meshes and surfaces hold numbers without a unit. A guess is made only where it cannot be
 off by a factor that passes unseen: a part of 2 to 2000 units is taken for millimetres, one of
-0.002 to 0.2 for metres. Between and beyond (0.2 to 2 may be inches or metres) it must be given.
+0.002 to 0.1 for metres. Between and beyond (0.1 to 2 may be inches or metres) it must be given.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MILLIMETRES = {
 """Length of each unit [mm]."""
 
 _TAKEN_FOR_MM = (2.0, 2000.0)
-_TAKEN_FOR_M = (0.002, 0.2)
+_TAKEN_FOR_M = (0.002, 0.1)
 
 
 def unit_in_mm(unit: str | None, extent: float, what: str) -> tuple[float, str]:

@@ -142,11 +142,11 @@ TOOL_CASES: dict[str, Case] = {
 MODEL_CASES: dict[str, Case] = {
     "unknown node set": (
         lambda: _simulate(supports=[Support.clamped("tops")]),
-        ("(bottom, left, right, top)", "got 'tops'", "did you mean 'top'"),
+        ("(top, bottom, left, right)", "got 'tops'", "did you mean 'top'"),
     ),
     "unknown node set of a load": (
         lambda: _simulate(loads=[NodalForce("middle", (0.0, 0.0, 1.0))]),
-        ("(bottom, left, right, top)", "got 'middle'"),
+        ("(left, right, bottom, top)", "got 'middle'"),
     ),
     "unknown quad set": (
         lambda: _simulate(loads=[Pressure(1.0, quads="half")]),

@@ -22,7 +22,7 @@ _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
 _MOST_VALUES = 64  # an array of more values is data, not a group
 _DECLARED = {
     ".vtu": (rb'NumberOfPoints="\s*(\d+)\s*"', rb'NumberOfCells="\s*(\d+)\s*"'),
-    ".vtk": (rb"\n\s*POINTS\s+(\d+)", rb"\n\s*CELLS\s+(\d+)"),
+    ".vtk": (rb"\n\s*POINTS\s+(\d+)", rb"\n\s*CELL_TYPES\s+(\d+)"),
 }
 
 
@@ -42,7 +42,7 @@ def read_vtk(path: str | Path) -> FileMesh:
         n_cell = sum(len(block.data) for block in mesh.cells)
         points = np.asarray(mesh.points, dtype=np.float64)
     except (Exception, SystemExit) as reason:  # meshio raises what its parts raise, or exits
-        raise FileError(path, f"meshio cannot read it: {reason or type(reason).__name__}") from None
+        raise FileError(path, f"meshio cannot read it: {type(reason).__name__} {reason}") from None
     for what, pattern, read_count in zip(
         ("points", "cells"), _DECLARED[path.suffix.lower()], (len(points), n_cell), strict=True
     ):
