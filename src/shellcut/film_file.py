@@ -48,7 +48,7 @@ _COINCIDENT = 1e-9  # of the film's size: nodes nearer than this are at one plac
 def read_film(
     path: str | Path,
     *,
-    unit: str | None = None,
+    unit: str | float | None = None,
     triangles: Literal["refuse", "split"] = "refuse",
     leave_out: Collection[str] = (),
     merge: float | None = None,
@@ -60,9 +60,9 @@ def read_film(
     ----------
     path : str or Path
         The format goes by the end of the name.
-    unit : {"um", "mm", "cm", "m", "inch", "mil"}, optional
-        Unit of the file's coordinates. By default guessed from the size where that is safe, and
-        said.
+    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
+        Unit of the file's coordinates, or its length in mm. By default guessed from the size
+        where that is safe, and said.
     triangles : {"refuse", "split"}
         What to do with triangles, quads with a repeated node among them: refuse the mesh, or split
         every triangle into three quads and then, to stay conforming, every quad into four.
@@ -246,7 +246,7 @@ class _Film:
             f"{len(split.quads)} quads"
         )
 
-    def scale(self, unit: str | None) -> None:
+    def scale(self, unit: str | float | None) -> None:
         used = self.nodes[np.unique(self.quads)]
         if not np.isfinite(used).all():
             raise FileError(self.path, "coordinates must be finite numbers")

@@ -7,6 +7,9 @@ off by a factor that passes unseen: a part of 2 to 2000 units is taken for milli
 
 from __future__ import annotations
 
+from math import isfinite
+from numbers import Real
+
 MILLIMETRES = {
     "um": 1e-3,
     "mm": 1.0,
@@ -21,13 +24,13 @@ _TAKEN_FOR_MM = (2.0, 2000.0)
 _TAKEN_FOR_M = (0.002, 0.1)
 
 
-def unit_in_mm(unit: str | None, extent: float, what: str) -> tuple[float, str]:
+def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[float, str]:
     """Return the length of the unit [mm], and what is to be said of it.
 
     Parameters
     ----------
-    unit : str or None
-        One of :data:`MILLIMETRES`; None guesses.
+    unit : str, float or None
+        One of :data:`MILLIMETRES`, or a length in mm; None guesses.
     extent : float
         Largest side of the bounding box, in the file's unit.
     what : str
@@ -51,6 +54,10 @@ def unit_in_mm(unit: str | None, extent: float, what: str) -> tuple[float, str]:
     >>> unit_in_mm(None, 20.4, "the film")
     (1.0, 'no unit given: taken as mm, the film is 20.4 mm across; unit="..." says otherwise')
     """
+    if isinstance(unit, Real):
+        if not isfinite(unit) or unit <= 0.0:
+            raise ValueError(f"unit must be a finite length above 0 in mm, got {unit!r}")
+        return float(unit), ""
     if unit is not None:
         if unit not in MILLIMETRES:
             raise ValueError(f"unit must be one of {', '.join(MILLIMETRES)}, got {unit!r}")

@@ -18,28 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from math import degrees, radians
+from math import radians
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
 
 from ._jit import Floats, Ints, SmallInts
-
-MERGE_TOLERANCE = 1e-7
-"""Vertices nearer than this part of the surface's diagonal are one: the round-off of a
-single-precision STL file."""
-
-DEGENERATE_HEIGHT = 1e-7
-"""Least height of a triangle as a part of its longest edge: below it the normal is noise."""
-
-FLAT_TURN = radians(1.0)
-"""A given cutting edge must turn by more than this [rad]: a flat one has no mid-plane."""
-
-EXAMPLES_SHOWN = 3
-"""How many places an error message lists of each kind of defect."""
+from .formats.stl import write_stl
+from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
 
 class ToolError(ValueError):
@@ -48,6 +35,37 @@ class ToolError(ValueError):
     def __init__(self, problems: list[str], *, what: str = "surface"):
         self.problems = tuple(problems)
         super().__init__(f"the {what} cannot be a tool:\n" + "\n".join(f"- {p}" for p in problems))
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeChain:
+    """A cutting edge, in the body frame."""
+
+    chain: int
+    """Its number, as in ``Tool.edge_chain``."""
+    body: int
+    n_segment: int
+    length: float
+    """[mm]"""
+    start: Floats
+    """First point, shape (3,), [mm]."""
+    end: Floats
+    """Last point, shape (3,), [mm]; the first again if closed."""
+    centre: Floats
+    """Middle of its length, shape (3,), [mm]."""
+    closed: bool
+    turn_deg: tuple[float, float]
+    """Least and largest angle between the outward normals beside it [deg]."""
+
+    def __str__(self) -> str:
+        shape = "closed, through" if self.closed else "open,"
+        to = "" if self.closed else f" to {point_text(self.end)}"
+        least, most = self.turn_deg
+        return (
+            f"chain {self.chain} of body {self.body}: {self.n_segment} segments, "
+            f"{self.length:.4g} mm, {shape} {point_text(self.start)}{to}, "
+            f"turns by {least:.4g} to {most:.4g} deg"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,6 +112,8 @@ class Tool:
     """What reports call it."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The numbers it was built from, for reports; empty for a surface that was read."""
+    flank_angle_deg: float = 40.0
+    """Turn over which flanks extend, as :meth:`from_triangles` was given it [deg]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -180,8 +200,8 @@ class Tool:
         coordinates, ids, given = _cast(
             vertices, triangles, edges, sharp_angle_deg, flank_angle_deg
         )
-        coordinates, ids, given = _merge_vertices(coordinates, ids, given)
-        surface = _Surface(coordinates, ids)
+        coordinates, ids, given = merge_vertices(coordinates, ids, given)
+        surface = Surface(coordinates, ids)
         problems = surface.problems()
         if given is None:
             segments, missing = surface.sharp_segments(radians(sharp_angle_deg))
@@ -216,12 +236,85 @@ class Tool:
             edge_back=back,
             name=name,
             parameters=dict(parameters or {}),
+            flank_angle_deg=flank_angle_deg,
         )
+
+    def chains(self) -> list[EdgeChain]:
+        """Return what the cutting edges are, chain by chain.
+
+        Examples
+        --------
+        >>> from shellcut.tool_shapes import straight_blade
+        >>> print(straight_blade(height=4.0).chains()[0])
+        chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to (0, 0, -2), turns by 160 to 160 deg
+        """
+        found = []
+        for chain in range(self.n_chain):
+            rows = np.flatnonzero(self.edge_chain == chain)
+            first, second = (
+                self.triangle_normals[side[rows]]
+                for side in (self.edge_flank_plus, self.edge_flank_minus)
+            )
+            sine = np.linalg.norm(np.cross(first, second), axis=1)
+            turn = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", first, second)))
+            ends = self.vertices[self.edges[rows]]
+            lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+            found.append(
+                EdgeChain(
+                    chain=chain,
+                    body=int(self.edge_body[rows[0]]),
+                    n_segment=len(rows),
+                    length=float(lengths.sum()),
+                    start=ends[0, 0],
+                    end=ends[-1, 1],
+                    centre=(lengths @ ends.mean(axis=1)) / lengths.sum(),
+                    closed=bool(self.edges[rows[0], 0] == self.edges[rows[-1], 1]),
+                    turn_deg=(float(turn.min()), float(turn.max())),
+                )
+            )
+        return found
+
+    def without_cutting(self, *chains: int) -> Tool:
+        """Return the tool with some chains not cutting: mere edges of its surface.
+
+        Parameters
+        ----------
+        *chains : int
+            Numbers of :meth:`chains`. The rest keep their order and are numbered anew.
+        """
+        wrong = [c for c in chains if c not in range(self.n_chain)]
+        problems = []
+        if wrong:
+            known = "; ".join(str(chain) for chain in self.chains())
+            problems.append(f"there is no chain {wrong}; the chains are: {known}")
+        keep = ~np.isin(self.edge_chain, chains)
+        if not wrong and not keep.any():
+            problems.append(f"one chain at least must cut, got all {self.n_chain} not to")
+        if problems:
+            raise ToolError(problems)
+        return Tool.from_triangles(
+            self.vertices,
+            self.triangles,
+            edges=self.edges[keep],
+            flank_angle_deg=self.flank_angle_deg,
+            name=self.name,
+            parameters=self.parameters,
+        )
+
+    def write(self, path: str | Path) -> None:
+        """Write the surface as a binary STL file, in mm.
+
+        The format holds single precision and no cutting edges: they are found again by their angle
+        when it is read by :func:`shellcut.read_tool`.
+        """
+        if Path(path).suffix.lower() != ".stl":
+            raise ValueError(f"a tool is written as .stl, got {str(path)!r}")
+        write_stl(path, self.vertices, self.triangles, header=f"{self.name}, mm")
 
     def volume(self) -> Floats:
         """Return the volume of each body, shape (n_body,), [mm³]."""
-        six_volumes = _six_volumes(self.vertices, self.triangles)
-        return np.bincount(self.triangle_body, weights=six_volumes) / 6.0
+        parts = six_volumes(self.vertices, self.triangles)
+        return np.bincount(self.triangle_body, weights=parts) / 6.0
 
     def bounding_box(self) -> tuple[Floats, Floats]:
         """Return the least and greatest coordinates in the body frame, shape (3,) each, [mm]."""
@@ -258,204 +351,6 @@ class Tool:
         return point
 
 
-class _Surface:
-    # A merged surface with its edge table: what the checks, the edges and the flanks share.
-    # Each undirected edge (lo < hi) is a row; `manifold` rows have one triangle that runs lo -> hi
-    # (`forward`) and one that runs hi -> lo (`backward`).
-
-    def __init__(self, vertices: Floats, triangles: Ints):
-        self.vertices = vertices
-        self.triangles = triangles
-        n_triangle = triangles.shape[0]
-        self.normals, self.height = _normals(vertices, triangles)
-
-        start = triangles[:, (0, 1, 2)].ravel()
-        end = triangles[:, (1, 2, 0)].ravel()
-        key = np.minimum(start, end) * vertices.shape[0] + np.maximum(start, end)
-        self.keys, row, self.uses = np.unique(key, return_inverse=True, return_counts=True)
-        self.lo, self.hi = np.divmod(self.keys, vertices.shape[0])
-        runs_up = start < end
-        owner = np.repeat(np.arange(n_triangle), 3)
-        up_uses = np.bincount(row[runs_up], minlength=self.keys.size)
-        self.manifold = (self.uses == 2) & (up_uses == 1)
-        self.twisted = (self.uses == 2) & (up_uses != 1)
-        # where a direction is missing, any triangle of the edge stands in
-        self.forward = np.zeros(self.keys.size, dtype=np.int64)
-        self.forward[row] = owner
-        self.backward = self.forward.copy()
-        self.forward[row[runs_up]] = owner[runs_up]
-        self.backward[row[~runs_up]] = owner[~runs_up]
-
-        by_edge = np.argsort(row, kind="stable")
-        same = np.flatnonzero(row[by_edge][1:] == row[by_edge][:-1])
-        self.body = _first_come_labels(owner[by_edge][same], owner[by_edge][same + 1], n_triangle)
-        self.twin_corners = (by_edge[same], by_edge[same + 1])
-        self.turn = self._turning_angles()
-
-    def _turning_angles(self) -> Floats:
-        # Angle between the two normals, negative where the edge is concave; 0 off manifold edges.
-        # The signs of an inside-out body are the wrong way round: its volume tells.
-        turn = np.zeros(self.keys.size)
-        rows = np.flatnonzero(self.manifold)
-        first, second = self.normals[self.forward[rows]], self.normals[self.backward[rows]]
-        sine = np.linalg.norm(np.cross(first, second), axis=1)
-        cosine = np.einsum("ij,ij->i", first, second)
-        centre = self.vertices[self.triangles[self.backward[rows]]].mean(axis=1)
-        outward = np.einsum("ij,ij->i", centre - self.vertices[self.lo[rows]], first)
-        outward *= np.where(self.body_volumes()[self.body[self.forward[rows]]] < 0.0, -1.0, 1.0)
-        turn[rows] = np.where(outward > 0.0, -1.0, 1.0) * np.arctan2(sine, cosine)
-        return turn
-
-    def body_volumes(self) -> Floats:
-        return np.bincount(self.body, weights=_six_volumes(self.vertices, self.triangles)) / 6.0
-
-    def problems(self) -> list[str]:
-        found = []
-        flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
-        if flat.size:
-            places = self._at(self.vertices[self.triangles[flat]].mean(axis=1))
-            found.append(f"{_count(flat, 'degenerate triangle')} (no area), centred at {places}")
-        holes = np.flatnonzero(self.uses == 1)
-        if holes.size:
-            found.append(
-                f"{_count(holes, 'open edge')} (the surface has a hole): {self._segments(holes)}"
-            )
-        crowded = np.flatnonzero(self.uses > 2)
-        if crowded.size:
-            found.append(
-                f"{_count(crowded, 'non-manifold edge')} (more than two triangles meet): "
-                f"{self._segments(crowded)}"
-            )
-        twisted = np.flatnonzero(self.twisted)
-        if twisted.size:
-            found.append(
-                f"{_count(twisted, 'edge')} between triangles of opposite orientation: "
-                f"{self._segments(twisted)}; reverse one of the two: triangles[i] = "
-                "triangles[i, ::-1]"
-            )
-        pinched = self._pinched_vertices()
-        if pinched.size:
-            found.append(
-                f"{_count(pinched, 'non-manifold vertex', 'non-manifold vertices')} (parts of the "
-                f"surface touch in a point), move them apart: {self._at(self.vertices[pinched])}"
-            )
-        unsound = np.zeros(self.body.max() + 1, dtype=bool)
-        bad_edges = ~self.manifold
-        unsound[self.body[self.forward[bad_edges]]] = True
-        unsound[self.body[self.backward[bad_edges]]] = True
-        inverted = np.flatnonzero((self.body_volumes() < 0.0) & ~unsound)
-        if inverted.size:
-            teeth = ", ".join(str(b) for b in inverted)
-            found.append(
-                f"inside-out surface: negative volume of tooth {teeth} (of {unsound.size}); its "
-                "normals point inwards: give vertices, triangles[:, ::-1]"
-                + ("" if inverted.size == unsound.size else " for the triangles of that tooth")
-            )
-        return found
-
-    def _pinched_vertices(self) -> Ints:
-        # A vertex whose corners (3 t + k) fall into more than one fan: two corners are of one fan
-        # if their triangles share an edge at that vertex.
-        near, far = self.twin_corners  # half-edges; half-edge 3 t + k starts at corner k of t
-        links_a, links_b = [], []
-        vertex = self.triangles.ravel()
-        for a_start in (True, False):
-            corner_a = near if a_start else _next_corner(near)
-            for b_start in (True, False):
-                corner_b = far if b_start else _next_corner(far)
-                match = vertex[corner_a] == vertex[corner_b]
-                links_a.append(corner_a[match])
-                links_b.append(corner_b[match])
-        fan = _first_come_labels(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
-        pairs = np.unique(np.column_stack([vertex, fan]), axis=0)
-        # fans of an open surface are told by its holes already
-        fans = np.bincount(pairs[:, 0], minlength=self.vertices.shape[0])
-        on_bad_edge = np.zeros(self.vertices.shape[0], dtype=bool)
-        on_bad_edge[self.lo[self.uses != 2]] = True
-        on_bad_edge[self.hi[self.uses != 2]] = True
-        return np.flatnonzero((fans > 1) & ~on_bad_edge)
-
-    def sharp_segments(self, least_turn: float) -> tuple[Ints, list[str]]:
-        rows = np.flatnonzero(self.turn >= least_turn)
-        problems = []
-        if rows.size == 0:
-            sharpest = degrees(float(self.turn.max()))
-            problems.append(
-                f"no sharp edge found: none turns by sharp_angle_deg = {degrees(least_turn):g} or "
-                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges"
-            )
-        return np.column_stack([self.lo[rows], self.hi[rows]]), problems
-
-    def not_cutting(self, segments: Ints) -> list[str]:
-        problems = []
-        row, present = self._rows(segments)
-        if not present.all():
-            lost = np.flatnonzero(~present)
-            problems.append(
-                f"{_count(lost, 'given cutting edge')} not an edge of the surface: "
-                + self._pairs(segments[lost])
-            )
-        flat = np.flatnonzero(present & self.manifold[row] & (self.turn[row] < FLAT_TURN))
-        if flat.size:
-            problems.append(
-                f"{_count(flat, 'given cutting edge')} flat or concave, so without a wedge behind: "
-                + self._pairs(segments[flat])
-            )
-        key = np.sort(segments, axis=1) @ np.array([self.vertices.shape[0], 1])
-        if np.unique(key).size < key.size:
-            problems.append(f"{key.size - np.unique(key).size} of the given cutting edges repeat")
-        return problems
-
-    def _rows(self, segments: Ints) -> tuple[Ints, npt.NDArray[np.bool_]]:
-        ordered = np.sort(segments, axis=1)
-        key = ordered[:, 0] * self.vertices.shape[0] + ordered[:, 1]
-        row = np.minimum(np.searchsorted(self.keys, key), self.keys.size - 1)
-        return row, (self.keys[row] == key) & (ordered[:, 0] >= 0)
-
-    def sides(self, segments: Ints) -> tuple[Ints, Ints]:
-        row, _ = self._rows(segments)
-        runs_up = segments[:, 0] < segments[:, 1]
-        plus = np.where(runs_up, self.forward[row], self.backward[row])
-        minus = np.where(runs_up, self.backward[row], self.forward[row])
-        return plus, minus
-
-    def mid_planes(self, segments: Ints, plus: Ints, minus: Ints) -> tuple[Floats, Floats]:
-        normal = _unit(self.normals[plus] - self.normals[minus])
-        along = _unit(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
-        return normal, _unit(np.cross(normal, along))
-
-    def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
-        # a way across a cutting edge passes a seed of the other side first: no need to bar it
-        smooth = self.manifold & (np.abs(self.turn) < largest_turn)
-        a, b = self.forward[smooth], self.backward[smooth]
-        centre = self.vertices[self.triangles].mean(axis=1)
-        way = np.linalg.norm(centre[a] - centre[b], axis=1)
-        n = self.triangles.shape[0]
-        graph = coo_array((way, (a, b)), shape=(n, n)).tocsr()
-        to_plus = dijkstra(graph, directed=False, indices=np.unique(plus), min_only=True)
-        to_minus = dijkstra(graph, directed=False, indices=np.unique(minus), min_only=True)
-        flank = np.zeros(n, dtype=np.int8)
-        flank[np.isfinite(to_plus) & (to_plus <= to_minus)] = 1
-        flank[to_minus < to_plus] = -1
-        return flank
-
-    def _segments(self, rows: Ints) -> str:
-        return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
-
-    def _pairs(self, segments: Ints) -> str:
-        places = [
-            f"{_place(self.vertices[i])} to {_place(self.vertices[j])}"
-            if i >= 0 and j >= 0
-            else "with a vertex that no triangle uses"
-            for i, j in segments[:EXAMPLES_SHOWN]
-        ]
-        return "; ".join(places) + ("; ..." if len(segments) > EXAMPLES_SHOWN else "")
-
-    def _at(self, points: Floats) -> str:
-        places = [_place(point) for point in points[:EXAMPLES_SHOWN]]
-        return "; ".join(places) + ("; ..." if len(points) > EXAMPLES_SHOWN else "")
-
-
 def _cast(
     vertices: npt.ArrayLike,
     triangles: npt.ArrayLike,
@@ -469,7 +364,7 @@ def _cast(
         problems.append(f"vertices must have shape (n_vertex, 3), got {coordinates.shape}")
     elif not np.isfinite(coordinates).all():
         bad = np.flatnonzero(~np.isfinite(coordinates).all(axis=1))
-        problems.append(f"{_count(bad, 'vertex', 'vertices')} not finite, first id {bad[0]}")
+        problems.append(f"{counted(bad, 'vertex', 'vertices')} not finite, first id {bad[0]}")
     n_vertex = coordinates.shape[0] if coordinates.ndim else 0
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
     given = None
@@ -499,32 +394,6 @@ def _cast_ids(
     else:
         return np.array(ids, dtype=np.int64, order="C")
     return np.zeros((0, width), dtype=np.int64)
-
-
-def _merge_vertices(
-    vertices: Floats, triangles: Ints, edges: Ints | None
-) -> tuple[Floats, Ints, Ints | None]:
-    # One id for vertices that coincide; the first of them stays, unused ones go (id -1 in edges).
-    tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
-    place = _first_come_labels(pairs[:, 0], pairs[:, 1], vertices.shape[0])
-    _, first = np.unique(place, return_index=True)
-    used = np.zeros(first.size, dtype=bool)
-    used[place[triangles]] = True
-    new_id = np.where(used, np.cumsum(used) - 1, -1)
-    merged = np.ascontiguousarray(vertices[first][used])
-    return merged, new_id[place[triangles]], None if edges is None else new_id[place[edges]]
-
-
-def _first_come_labels(a: Ints, b: Ints, n: int) -> Ints:
-    # Connected components of n things linked by the pairs a[i], b[i], numbered by first appearance.
-    graph = coo_array((np.ones(a.size, dtype=np.int8), (a, b)), shape=(n, n))
-    _, label = connected_components(graph, directed=False)
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(first.size, dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(first.size)
-    ranks: Ints = rank[inverse]
-    return ranks
 
 
 def _chains(segments: Ints) -> tuple[Ints, Ints]:
@@ -588,44 +457,3 @@ def _reverse_chains(segments: Ints, chain: Ints, reverse: npt.NDArray[np.bool_])
     for c in np.flatnonzero(reverse):
         turned[chain == c] = segments[chain == c][::-1, ::-1]
     return turned
-
-
-def _normals(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
-    # Unit normals (zero where degenerate) and least height over longest edge.
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    doubled = np.cross(b - a, c - a)
-    area = np.linalg.norm(doubled, axis=1)
-    longest = np.sqrt(
-        np.maximum.reduce([((q - p) ** 2).sum(1) for p, q in ((a, b), (b, c), (c, a))])
-    )
-    safe = longest > 0.0
-    height = np.zeros(area.size)
-    height[safe] = area[safe] / longest[safe] ** 2
-    normals = np.zeros_like(doubled)
-    normals[area > 0.0] = doubled[area > 0.0] / area[area > 0.0, None]
-    return normals, height
-
-
-def _six_volumes(vertices: Floats, triangles: Ints) -> Floats:
-    # Six times the signed volume between each triangle and the middle of the surface.
-    a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
-    volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return volumes
-
-
-def _unit(rows: Floats) -> Floats:
-    unit: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]
-    return unit
-
-
-def _next_corner(half_edges: Ints) -> Ints:
-    corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
-    return corners
-
-
-def _count(ids: Ints, singular: str, plural: str | None = None) -> str:
-    return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"
-
-
-def _place(point: Floats) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ")"
