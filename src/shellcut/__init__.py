@@ -13,17 +13,21 @@ from importlib.metadata import version
 from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
+from .film_file import read_film
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion, TableMotion
+from .outline_mesh import mesh_from_outline
+from .quality import mesh_quality
 from .recorder import Recorder
 from .simulation import Simulation
 from .statics import Statics
 from .support import Support
 from .time_step import Stepping
 from .tool import Tool
+from .tool_file import read_tool
 from .warmup import warmup
 
 __version__ = version("shellcut")
@@ -49,6 +53,10 @@ __all__ = [
     "TableMotion",
     "Tool",
     "guillotine",
+    "mesh_from_outline",
+    "mesh_quality",
     "opening_test",
+    "read_film",
+    "read_tool",
     "warmup",
 ]

@@ -10,7 +10,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 
 from shellcut._jit import Ints
@@ -34,6 +33,8 @@ def read_vtk(path: str | Path) -> FileMesh:
     FileError
         If meshio cannot read it, or finds other counts than the file declares.
     """
+    import meshio  # 0.3 s, for this format only
+
     path = Path(path)
     content = read_bytes(path)
     read = meshio.vtu.read if path.suffix.lower() == ".vtu" else meshio.vtk.read
