@@ -136,6 +136,11 @@ class TestObj:
         with pytest.raises(FileError, match=words):
             read_obj(path)
 
+    def test_vertices_without_faces_are_said(self, tmp_path):
+        path = tmp_path / "box.obj"
+        path.write_text(OBJ + "f 1 2 3\n")
+        assert read_obj(path).notes == ["5 vertices belong to no face: is the file cut short?"]
+
 
 class TestPly:
     @pytest.mark.parametrize("binary", [False, True])
@@ -168,6 +173,8 @@ class TestPly:
             ("double x", "double a", "vertex with x, y and z"),
             ("double x", "quad x", "header is not understood: 'property quad x'"),
             ("element face 12", "element face 13", "cut short"),
+            ("element face", "element face 0\nelement face", "each element must stand once"),
+            ("double x", "list uchar double x", "vertex with x, y and z"),
             ("element face 12", "element face 11", "no more than the header"),
             ("element vertex 8", "element vertex 7", "values must be numbers|faces must name"),
             ("4.0 2.0 1.0", "4.0 2.0 one", "values must be numbers"),

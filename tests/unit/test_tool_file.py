@@ -1,15 +1,18 @@
 """Tools from files: the default tooth out and back, in every disguise; chains; refusals."""
 
+import meshio
 import numpy as np
 import pytest
 
 from shellcut import opening_test
 from shellcut.formats.errors import FileError
-from shellcut.formats.stl import read_stl, write_stl
+from shellcut.formats.stl import write_stl
 from shellcut.tool import ToolError
 from shellcut.tool_file import read_tool
 from shellcut.tool_shapes import straight_blade, tooth_ring
+from test_mesh_files_damaged import mutated
 from test_surface_files import BOX, CORNERS
+from test_tool import joined, wedge
 
 RING = tooth_ring()
 SINGLE = 2e-6  # mm; single precision of 10 mm is 5e-7, some operations on it
@@ -231,30 +234,38 @@ class TestRefusals:
             read_tool(cap, unit="mm")
 
 
-def test_damaged_files_are_refused_or_whole(tmp_path, cap):
-    """A binary STL declares its count: any other length is refused, a changed coordinate may not
-    close any more; nothing but the package's errors comes."""
+def two_wedges(folder):
+    """The same two bodies in every format."""
+    vertices, triangles = joined(wedge(), wedge(at=(5.0, 0.0, 0.0)))
+    mesh = meshio.Mesh(vertices, {"triangle": triangles.astype(np.int32)})
+    write_stl(folder / "binary.stl", vertices, triangles, header="two wedges")
+    meshio.stl.write(folder / "text.stl", mesh, binary=False)
+    meshio.ply.write(folder / "text.ply", mesh, binary=False)
+    meshio.ply.write(folder / "binary.ply", mesh, binary=True)
+    lines = ["v {!r} {!r} {!r}".format(*c) for c in vertices.tolist()]
+    lines += ["f {} {} {}".format(*(t + 1)) for t in triangles]
+    (folder / "text.obj").write_text("\n".join(lines) + "\n")
+    return sorted(folder.iterdir())
+
+
+def test_damaged_files_are_refused_or_whole(tmp_path, caplog):
+    """Nothing but the package's errors comes, and no smaller tool without a word."""
     rng = np.random.default_rng(8)
-    content = cap.read_bytes()
-    n_read = 0
-    for _ in range(120):
-        damaged = bytearray(content)
-        if rng.random() < 0.3:
-            damaged = damaged[: int(rng.integers(len(damaged)))]
-        else:
-            for at in rng.integers(0, len(damaged), rng.integers(1, 4)):
-                damaged[at] ^= 1 << int(rng.integers(8))
-        cap.write_bytes(bytes(damaged))
-        try:
-            tool = read_tool(cap, unit="mm")
-        except ValueError:
-            continue
-        n_read += 1
-        assert tool.n_triangle == RING.n_triangle
-    assert n_read > 0  # of normals, attributes, headers
-    assert len(read_stl_of(content, cap).triangles) == RING.n_triangle
-
-
-def read_stl_of(content, path):
-    path.write_bytes(content)
-    return read_stl(path)
+    n_read = n_refused = 0
+    for path in two_wedges(tmp_path):
+        content = path.read_bytes()
+        for k in range(50):
+            cut = content[: int(rng.integers(len(content)))]
+            path.write_bytes(mutated(rng, content) if k % 4 else cut)
+            caplog.clear()
+            try:
+                tool = read_tool(path, unit="mm")
+            except ValueError:
+                n_refused += 1
+                continue
+            n_read += 1
+            assert tool.n_triangle == 16 or any(
+                words in caplog.text for words in ("removed", "kept once", "cut short")
+            ), (path.name, k)
+    assert n_refused > 100
+    assert n_read > 20  # damaged names, normals, digits

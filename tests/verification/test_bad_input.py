@@ -117,7 +117,7 @@ MESH_CASES: dict[str, Case] = {
 TOOL_CASES: dict[str, Case] = {
     "open": (
         lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:-1]),
-        ("3 open edges", "has a hole", "(-1.70138, 0.3, 3) to (-3, -0.3, 3)"),
+        ("3 open edges", "has a hole", "around (-2.13426, -0.1, 3), 1.431 mm across"),
     ),
     "inside out": (
         lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:, ::-1]),

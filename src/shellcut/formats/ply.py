@@ -100,10 +100,14 @@ class _Reader:
                 continue
             else:
                 raise self._error(f"the header is not understood: {line!r}")
-        properties = {e.name: {p.name for p in e.properties} for e in self.elements}
-        if not {"x", "y", "z"} <= properties.get("vertex", set()):
+        names = [e.name for e in self.elements]
+        if len(set(names)) < len(names):
+            raise self._error(f"each element must stand once, got {names}")
+        plain = {e.name: {p.name for p in e.properties if not p.count_kind} for e in self.elements}
+        lists = {e.name: {p.name for p in e.properties if p.count_kind} for e in self.elements}
+        if not {"x", "y", "z"} <= plain.get("vertex", set()):
             raise self._error("there must be an element vertex with x, y and z")
-        if not properties.get("face", set()) & set(_FACE_LISTS):
+        if not lists.get("face", set()) & set(_FACE_LISTS):
             raise self._error(f"there must be an element face with a list {_FACE_LISTS[0]}")
 
     def _property(self, words: list[str]) -> bool:
@@ -139,10 +143,13 @@ class _Reader:
         if len(part_of_text) < count:
             raise self._error("the file ends before what it declares: it is cut short")
         self.at += count
-        try:
-            return [float(t) if kind[0] == "f" else int(t) for t in part_of_text]
-        except ValueError:
-            raise self._error(f"values must be numbers, got {b' '.join(part_of_text)!r}") from None
+        found = []
+        for token in part_of_text:
+            try:
+                found.append(float(token) if kind[0] == "f" else int(token))
+            except ValueError:
+                raise self._error(f"values must be numbers, got {token[:20]!r}") from None
+        return found
 
     def _error(self, problem: str) -> FileError:
         return FileError(self.path, problem)

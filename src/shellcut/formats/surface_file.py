@@ -54,6 +54,8 @@ def surface_of_polygons(
         )
     triangles = [[face[0], *face[k : k + 2]] for face in polygons for k in range(1, len(face) - 1)]
     surface = SurfaceFile(path, points, np.array(triangles, dtype=np.int64))
+    if unused := len(points) - len(np.unique(surface.triangles)):
+        surface.notes.append(f"{unused} vertices belong to no face: is the file cut short?")
     if many:
         surface.notes.append(f"{len(many)} faces of more than three corners are cut in triangles")
     return surface
