@@ -13,11 +13,14 @@ from importlib.metadata import version
 from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
+from .film_file import read_film
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
+from .outline_mesh import mesh_from_outline
+from .quality import mesh_quality
 from .recorder import Recorder
 from .simulation import Simulation
 from .statics import Statics
@@ -25,6 +28,7 @@ from .support import Support
 from .table_motion import TableMotion
 from .time_step import Stepping
 from .tool import Tool
+from .tool_file import read_tool
 from .warmup import warmup
 
 __version__ = version("shellcut")
@@ -50,6 +54,10 @@ __all__ = [
     "TableMotion",
     "Tool",
     "guillotine",
+    "mesh_from_outline",
+    "mesh_quality",
     "opening_test",
+    "read_film",
+    "read_tool",
     "warmup",
 ]

@@ -363,12 +363,12 @@ def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: 
 
 
 def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
-    """Return a named set; a wrong name is answered with the names there are."""
+    """Return a named set; a wrong name is answered with those there are, nearest first."""
     try:
         return sets[name]
     except KeyError:
-        near = get_close_matches(name, sets, n=1, cutoff=0.0)
-        names = ", ".join(sorted(sets)) or "none"
+        near = get_close_matches(name, sorted(sets), n=len(sets) or 1, cutoff=0.0)
+        names = ", ".join(near) or "none"
         hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
         raise MeshError(
             f"{kind} set must be one of those present ({names}), got {name!r}{hint}"

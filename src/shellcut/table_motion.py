@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from math import degrees, pi, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from ._jit import Floats, Vec3
+from .formats.errors import FileError
+from .formats.motion_csv import read_motion_csv
 from .motion import turned
 
 LARGEST_TABLE_TURN = 0.75 * pi
@@ -88,6 +91,19 @@ class TableMotion:
         ):
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+
+    @classmethod
+    def read_csv(cls, path: str | Path) -> TableMotion:
+        """Read a table of poses; units stand in its headings, as ``time [ms]``.
+
+        The columns are those of :func:`shellcut.formats.motion_csv.read_motion_csv`: ``time``,
+        ``x``, ``y``, ``z`` and ``rx``, ``ry``, ``rz`` or ``angle`` (about z).
+        """
+        times, translations, rotation_vectors = read_motion_csv(path)
+        try:
+            return cls(times, translations, rotation_vectors)
+        except ValueError as problem:
+            raise FileError(path, str(problem)) from None
 
     @property
     def coordinate_unit(self) -> str:

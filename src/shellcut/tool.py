@@ -19,17 +19,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from ._jit import Floats, Ints, SmallInts
-from .tool_surface import Surface, counted, first_come_labels, six_volumes
-
-MERGE_TOLERANCE = 1e-7
-"""Vertices nearer than this part of the surface's diagonal are one: the round-off of a
-single-precision STL file."""
+from .formats.stl import write_stl
+from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
 
 class ToolError(ValueError):
@@ -38,6 +35,37 @@ class ToolError(ValueError):
     def __init__(self, problems: list[str], *, what: str = "surface"):
         self.problems = tuple(problems)
         super().__init__(f"the {what} cannot be a tool:\n" + "\n".join(f"- {p}" for p in problems))
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeChain:
+    """A cutting edge, in the body frame."""
+
+    chain: int
+    """Its number, as in ``Tool.edge_chain``."""
+    body: int
+    n_segment: int
+    length: float
+    """[mm]"""
+    start: Floats
+    """First point, shape (3,), [mm]."""
+    end: Floats
+    """Last point, shape (3,), [mm]; the first again if closed."""
+    centre: Floats
+    """Middle of its length, shape (3,), [mm]."""
+    closed: bool
+    turn_deg: tuple[float, float]
+    """Least and largest angle between the outward normals beside it [deg]."""
+
+    def __str__(self) -> str:
+        shape = "closed, through" if self.closed else "open,"
+        to = "" if self.closed else f" to {point_text(self.end)}"
+        least, most = self.turn_deg
+        return (
+            f"chain {self.chain} of body {self.body}: {self.n_segment} segments, "
+            f"{self.length:.4g} mm, {shape} {point_text(self.start)}{to}, "
+            f"turns by {least:.4g} to {most:.4g} deg"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +112,8 @@ class Tool:
     """What reports call it."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """The numbers it was built from, for reports; empty for a surface that was read."""
+    flank_angle_deg: float = 40.0
+    """Turn over which flanks extend, as :meth:`from_triangles` was given it [deg]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -170,7 +200,7 @@ class Tool:
         coordinates, ids, given = _cast(
             vertices, triangles, edges, sharp_angle_deg, flank_angle_deg
         )
-        coordinates, ids, given = _merge_vertices(coordinates, ids, given)
+        coordinates, ids, given = merge_vertices(coordinates, ids, given)
         surface = Surface(coordinates, ids)
         problems = surface.problems()
         if given is None:
@@ -206,7 +236,80 @@ class Tool:
             edge_back=back,
             name=name,
             parameters=dict(parameters or {}),
+            flank_angle_deg=flank_angle_deg,
         )
+
+    def chains(self) -> list[EdgeChain]:
+        """Return what the cutting edges are, chain by chain.
+
+        Examples
+        --------
+        >>> from shellcut.tool_shapes import straight_blade
+        >>> print(straight_blade(height=4.0).chains()[0])
+        chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to (0, 0, -2), turns by 160 to 160 deg
+        """
+        found = []
+        for chain in range(self.n_chain):
+            rows = np.flatnonzero(self.edge_chain == chain)
+            first, second = (
+                self.triangle_normals[side[rows]]
+                for side in (self.edge_flank_plus, self.edge_flank_minus)
+            )
+            sine = np.linalg.norm(np.cross(first, second), axis=1)
+            turn = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", first, second)))
+            ends = self.vertices[self.edges[rows]]
+            lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+            found.append(
+                EdgeChain(
+                    chain=chain,
+                    body=int(self.edge_body[rows[0]]),
+                    n_segment=len(rows),
+                    length=float(lengths.sum()),
+                    start=ends[0, 0],
+                    end=ends[-1, 1],
+                    centre=(lengths @ ends.mean(axis=1)) / lengths.sum(),
+                    closed=bool(self.edges[rows[0], 0] == self.edges[rows[-1], 1]),
+                    turn_deg=(float(turn.min()), float(turn.max())),
+                )
+            )
+        return found
+
+    def without_cutting(self, *chains: int) -> Tool:
+        """Return the tool with some chains not cutting: mere edges of its surface.
+
+        Parameters
+        ----------
+        *chains : int
+            Numbers of :meth:`chains`. The rest keep their order and are numbered anew.
+        """
+        wrong = [c for c in chains if c not in range(self.n_chain)]
+        problems = []
+        if wrong:
+            known = "; ".join(str(chain) for chain in self.chains())
+            problems.append(f"there is no chain {wrong}; the chains are: {known}")
+        keep = ~np.isin(self.edge_chain, chains)
+        if not wrong and not keep.any():
+            problems.append(f"one chain at least must cut, got all {self.n_chain} not to")
+        if problems:
+            raise ToolError(problems)
+        return Tool.from_triangles(
+            self.vertices,
+            self.triangles,
+            edges=self.edges[keep],
+            flank_angle_deg=self.flank_angle_deg,
+            name=self.name,
+            parameters=self.parameters,
+        )
+
+    def write(self, path: str | Path) -> None:
+        """Write the surface as a binary STL file, in mm.
+
+        The format holds single precision and no cutting edges: they are found again by their angle
+        when it is read by :func:`shellcut.read_tool`.
+        """
+        if Path(path).suffix.lower() != ".stl":
+            raise ValueError(f"a tool is written as .stl, got {str(path)!r}")
+        write_stl(path, self.vertices, self.triangles, header=f"{self.name}, mm")
 
     def volume(self) -> Floats:
         """Return the volume of each body, shape (n_body,), [mm³]."""
@@ -291,21 +394,6 @@ def _cast_ids(
     else:
         return np.array(ids, dtype=np.int64, order="C")
     return np.zeros((0, width), dtype=np.int64)
-
-
-def _merge_vertices(
-    vertices: Floats, triangles: Ints, edges: Ints | None
-) -> tuple[Floats, Ints, Ints | None]:
-    # One id for vertices that coincide; the first of them stays, unused ones go (id -1 in edges).
-    tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
-    place = first_come_labels(pairs[:, 0], pairs[:, 1], vertices.shape[0])
-    _, first = np.unique(place, return_index=True)
-    used = np.zeros(first.size, dtype=bool)
-    used[place[triangles]] = True
-    new_id = np.where(used, np.cumsum(used) - 1, -1)
-    merged = np.ascontiguousarray(vertices[first][used])
-    return merged, new_id[place[triangles]], None if edges is None else new_id[place[edges]]
 
 
 def _chains(segments: Ints) -> tuple[Ints, Ints]:

@@ -288,7 +288,7 @@ def test_at_most_five_offenders_are_named():
 def test_a_wrong_set_name_is_answered_with_the_nearest():
     mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
     with pytest.raises(
-        MeshError, match=r"bottom, left, right, top.*'botom'; did you mean 'bottom'"
+        MeshError, match=r"bottom, top, left, right.*'botom'; did you mean 'bottom'"
     ):
         mesh.node_set("botom")
     with pytest.raises(MeshError, match=r"quad set.*\(none\), got 'patch'; add it by with_sets"):

@@ -207,7 +207,7 @@ class TestRefusals:
     def test_hole_says_how_many_and_where(self):
         vertices, triangles = wedge()
         message = refusal(vertices, triangles[:-1])
-        assert "3 open edges (the surface has a hole): (0, 0, 2) to " in message
+        assert "3 open edges: the surface has a hole around (-0.666667, 0, 2), 1.039 mm" in message
 
     def test_degenerate_triangle(self):
         vertices, triangles = wedge()

@@ -117,7 +117,7 @@ MESH_CASES: dict[str, Case] = {
 TOOL_CASES: dict[str, Case] = {
     "open": (
         lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:-1]),
-        ("3 open edges", "has a hole", "(-1.70138, 0.3, 3) to (-3, -0.3, 3)"),
+        ("3 open edges", "has a hole", "around (-2.13426, -0.1, 3), 1.431 mm across"),
     ),
     "inside out": (
         lambda: Tool.from_triangles(BLADE.vertices, BLADE.triangles[:, ::-1]),
@@ -142,11 +142,11 @@ TOOL_CASES: dict[str, Case] = {
 MODEL_CASES: dict[str, Case] = {
     "unknown node set": (
         lambda: _simulate(supports=[Support.clamped("tops")]),
-        ("(bottom, left, right, top)", "got 'tops'", "did you mean 'top'"),
+        ("(top, bottom, left, right)", "got 'tops'", "did you mean 'top'"),
     ),
     "unknown node set of a load": (
         lambda: _simulate(loads=[NodalForce("middle", (0.0, 0.0, 1.0))]),
-        ("(bottom, left, right, top)", "got 'middle'"),
+        ("(left, right, bottom, top)", "got 'middle'"),
     ),
     "unknown quad set": (
         lambda: _simulate(loads=[Pressure(1.0, quads="half")]),

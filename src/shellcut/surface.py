@@ -1,6 +1,7 @@
-"""The surface of a tool: closed or not, sound or not, where it is sharp.
+"""A merged triangulated surface with its edge table: what its checks, sharp edges and flanks share.
 
-Everything is read off one table of edges. What is wrong is told all at once, with places.
+An edge *turns* by the angle between the outward normals of its two triangles, positive where the
+surface is convex: the exterior angle. A wedge of half-angle a turns by 180° - 2a.
 """
 
 from __future__ import annotations
@@ -11,8 +12,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import cKDTree
 
 from ._jit import Floats, Ints, SmallInts
+
+MERGE_TOLERANCE = 1e-7
+"""Vertices nearer than this part of the surface's diagonal are one: the round-off of a
+single-precision STL file."""
 
 DEGENERATE_HEIGHT = 1e-7
 """Least height of a triangle as a part of its longest edge: below it the normal is noise."""
@@ -25,24 +31,17 @@ EXAMPLES_SHOWN = 3
 
 
 class Surface:
-    """A merged surface with its edge table: what the checks, the edges and the flanks share.
+    """A surface whose coinciding vertices are one, with its edge table.
 
     Each undirected edge (lo < hi) is a row; ``manifold`` rows have one triangle that runs lo -> hi
     (``forward``) and one that runs hi -> lo (``backward``).
-
-    Parameters
-    ----------
-    vertices : ndarray, shape (n_vertex, 3)
-        Without duplicates [mm].
-    triangles : ndarray of int, shape (n_triangle, 3)
-        Vertex ids.
     """
 
     def __init__(self, vertices: Floats, triangles: Ints):
         self.vertices = vertices
         self.triangles = triangles
         n_triangle = triangles.shape[0]
-        self.normals, self.height = _normals(vertices, triangles)
+        self.normals, self.height = normals_and_heights(vertices, triangles)
 
         start = triangles[:, (0, 1, 2)].ravel()
         end = triangles[:, (1, 2, 0)].ravel()
@@ -86,7 +85,7 @@ class Surface:
         return np.bincount(self.body, weights=six_volumes(self.vertices, self.triangles)) / 6.0
 
     def problems(self) -> list[str]:
-        """Return all that keeps the surface from being one or more closed solids."""
+        """Return why this is not the outside of solid bodies: one line a kind of defect."""
         found = []
         flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
         if flat.size:
@@ -95,7 +94,8 @@ class Surface:
         holes = np.flatnonzero(self.uses == 1)
         if holes.size:
             found.append(
-                f"{counted(holes, 'open edge')} (the surface has a hole): {self._segments(holes)}"
+                f"{counted(holes, 'open edge')}: the surface has {self._holes(holes)}; close it in "
+                "the program that made it"
             )
         crowded = np.flatnonzero(self.uses > 2)
         if crowded.size:
@@ -153,7 +153,7 @@ class Surface:
         return np.flatnonzero((fans > 1) & ~on_bad_edge)
 
     def sharp_segments(self, least_turn: float) -> tuple[Ints, list[str]]:
-        """Return the edges that turn by at least so much [rad], and what is wrong with them."""
+        """Return the edges that turn by so much [rad], shape (n, 2), and why there are none."""
         rows = np.flatnonzero(self.turn >= least_turn)
         problems = []
         if rows.size == 0:
@@ -165,7 +165,7 @@ class Surface:
         return np.column_stack([self.lo[rows], self.hi[rows]]), problems
 
     def not_cutting(self, segments: Ints) -> list[str]:
-        """Return what keeps given segments from being cutting edges."""
+        """Return why some of the given segments cannot cut."""
         problems = []
         row, present = self._rows(segments)
         if not present.all():
@@ -177,8 +177,8 @@ class Surface:
         flat = np.flatnonzero(present & self.manifold[row] & (self.turn[row] < FLAT_TURN))
         if flat.size:
             problems.append(
-                f"{counted(flat, 'given cutting edge')} flat or concave, so without a wedge "
-                "behind: " + self._pairs(segments[flat])
+                f"{counted(flat, 'given cutting edge')} flat or concave, without a wedge behind: "
+                + self._pairs(segments[flat])
             )
         key = np.sort(segments, axis=1) @ np.array([self.vertices.shape[0], 1])
         if np.unique(key).size < key.size:
@@ -192,7 +192,7 @@ class Surface:
         return row, (self.keys[row] == key) & (ordered[:, 0] >= 0)
 
     def sides(self, segments: Ints) -> tuple[Ints, Ints]:
-        """Return the triangle on the plus and on the minus side of each segment."""
+        """Return the triangles that run along each segment in its sense and against it."""
         row, _ = self._rows(segments)
         runs_up = segments[:, 0] < segments[:, 1]
         plus = np.where(runs_up, self.forward[row], self.backward[row])
@@ -200,13 +200,13 @@ class Surface:
         return plus, minus
 
     def mid_planes(self, segments: Ints, plus: Ints, minus: Ints) -> tuple[Floats, Floats]:
-        """Return normal b of the mid-plane at each segment and the direction into the solid."""
-        normal = _unit(self.normals[plus] - self.normals[minus])
-        along = _unit(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
-        return normal, _unit(np.cross(normal, along))
+        """Return normals and backs of the planes that bisect the faces, shape (n, 3) each."""
+        normal = unit_rows(self.normals[plus] - self.normals[minus])
+        along = unit_rows(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
+        return normal, unit_rows(np.cross(normal, along))
 
     def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
-        """Return the flank labels of all triangles, from those beside the segments."""
+        """Return +1, -1 or 0 a triangle: the side of the nearest cutting edge that it is on."""
         # a way across a cutting edge passes a seed of the other side first: no need to bar it
         smooth = self.manifold & (np.abs(self.turn) < largest_turn)
         a, b = self.forward[smooth], self.backward[smooth]
@@ -221,12 +221,31 @@ class Surface:
         flank[to_minus < to_plus] = -1
         return flank
 
+    def _holes(self, rows: Ints) -> str:
+        # connected rims of open edges with their middle and size, the largest first
+        n = self.vertices.shape[0]
+        rim_of_vertex = first_come_labels(self.lo[rows], self.hi[rows], n)
+        rim = rim_of_vertex[self.lo[rows]]
+        found = []
+        for label in np.unique(rim):
+            members = rows[rim == label]
+            points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
+            size = float(np.linalg.norm(np.ptp(points, axis=0)))
+            found.append((size, len(members), points.mean(axis=0)))
+        found.sort(key=lambda hole: -hole[0])
+        told = [
+            f"around {point_text(middle)}, {size:.4g} mm across, {n_edge} edges"
+            for size, n_edge, middle in found[:EXAMPLES_SHOWN]
+        ]
+        holes = "a hole" if len(found) == 1 else f"{len(found)} holes"
+        return f"{holes} {'; '.join(told)}" + ("; ..." if len(found) > EXAMPLES_SHOWN else "")
+
     def _segments(self, rows: Ints) -> str:
         return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
 
     def _pairs(self, segments: Ints) -> str:
         places = [
-            f"{_place(self.vertices[i])} to {_place(self.vertices[j])}"
+            f"{point_text(self.vertices[i])} to {point_text(self.vertices[j])}"
             if i >= 0 and j >= 0
             else "with a vertex that no triangle uses"
             for i, j in segments[:EXAMPLES_SHOWN]
@@ -234,12 +253,38 @@ class Surface:
         return "; ".join(places) + ("; ..." if len(segments) > EXAMPLES_SHOWN else "")
 
     def _at(self, points: Floats) -> str:
-        places = [_place(point) for point in points[:EXAMPLES_SHOWN]]
+        places = [point_text(point) for point in points[:EXAMPLES_SHOWN]]
         return "; ".join(places) + ("; ..." if len(points) > EXAMPLES_SHOWN else "")
 
 
+def merge_vertices(
+    vertices: Floats, triangles: Ints, edges: Ints | None, tolerance: float | None = None
+) -> tuple[Floats, Ints, Ints | None]:
+    """Return vertices, triangles and edges with one id for vertices that coincide.
+
+    The first of them stays, unused ones go (id -1 in edges).
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n_vertex, 3)
+    triangles, edges : ndarray of int, shape (n, 3) and (n, 2)
+    tolerance : float, optional
+        By default :data:`MERGE_TOLERANCE` of the diagonal.
+    """
+    if tolerance is None:
+        tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+    place = first_come_labels(pairs[:, 0], pairs[:, 1], vertices.shape[0])
+    _, first = np.unique(place, return_index=True)
+    used = np.zeros(first.size, dtype=bool)
+    used[place[triangles]] = True
+    new_id = np.where(used, np.cumsum(used) - 1, -1)
+    merged = np.ascontiguousarray(vertices[first][used])
+    return merged, new_id[place[triangles]], None if edges is None else new_id[place[edges]]
+
+
 def first_come_labels(a: Ints, b: Ints, n: int) -> Ints:
-    """Return the connected component of n things linked by a[i], b[i], by first appearance."""
+    """Return the connected part of each of n things linked by pairs, by first appearance."""
     graph = coo_array((np.ones(a.size, dtype=np.int8), (a, b)), shape=(n, n))
     _, label = connected_components(graph, directed=False)
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
@@ -249,8 +294,8 @@ def first_come_labels(a: Ints, b: Ints, n: int) -> Ints:
     return ranks
 
 
-def _normals(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
-    # Unit normals (zero where degenerate) and least height over longest edge.
+def normals_and_heights(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+    """Return unit normals, zero where degenerate, and least heights over longest edges."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     doubled = np.cross(b - a, c - a)
     area = np.linalg.norm(doubled, axis=1)
@@ -266,13 +311,14 @@ def _normals(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
 
 
 def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
-    """Return six times the signed volume between each triangle and the middle of the surface."""
+    """Return six times the signed volume between each triangle and the mean vertex."""
     a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
     volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
     return volumes
 
 
-def _unit(rows: Floats) -> Floats:
+def unit_rows(rows: Floats) -> Floats:
+    """Return the rows scaled to length 1."""
     unit: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]
     return unit
 
@@ -283,9 +329,10 @@ def _next_corner(half_edges: Ints) -> Ints:
 
 
 def counted(ids: Ints, singular: str, plural: str | None = None) -> str:
-    """Return how many there are, in words."""
+    """Return how many things there are, with their name."""
     return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"
 
 
-def _place(point: Floats) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ")"
+def point_text(point: Floats) -> str:
+    """Return coordinates as a message shows them."""
+    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"

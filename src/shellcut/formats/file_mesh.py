@@ -1,0 +1,117 @@
+"""What a mesh file holds, in one form for all formats.
+
+Nodes and cells are numbered from 0 in the order of the file; the numbers the file itself gives them
+are kept as labels, for messages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut._jit import Floats, Ints
+
+from .errors import FileError, named
+
+POINT, LINE, TRIANGLE, QUAD = "point", "line", "triangle", "quad"
+"""The kinds of cell that a film is made of; any other kind goes by the file's own name."""
+
+
+@dataclass(frozen=True)
+class CellBlock:
+    """Cells of one kind."""
+
+    kind: str
+    """One of the names above, or the file's own name for what a film cannot use."""
+    labels: Sequence[Any] | Ints
+    """What the file calls each cell, length n."""
+    nodes: Ints
+    """Node numbers, shape (n, k); (n, 0) for a kind that is only counted."""
+
+
+@dataclass
+class FileMesh:
+    """Nodes, cells and named groups of a file."""
+
+    path: Path
+    nodes: Floats
+    """Coordinates in the file's own unit, shape (n_node, 3)."""
+    node_labels: Sequence[Any] | Ints
+    """What the file calls each node, length n_node."""
+    blocks: list[CellBlock]
+    node_groups: dict[str, Ints] = field(default_factory=dict)
+    """Named node numbers, each once."""
+    cell_groups: dict[str, Ints] = field(default_factory=dict)
+    """Named cell numbers, each once; cells are numbered through all blocks, block after block."""
+    notes: list[str] = field(default_factory=list)
+    """What the reader left out or assumed."""
+
+    @property
+    def n_cell(self) -> int:
+        """Number of cells of all blocks."""
+        return sum(len(block.nodes) for block in self.blocks)
+
+
+class Numbering:
+    """The numbers of labelled things: from the ids of a file to rows of an array."""
+
+    def __init__(self, path: Path, what: str, labels: npt.ArrayLike):
+        self.path, self.what = path, what
+        self.labels = np.asarray(labels, dtype=np.int64)
+        self._order = np.argsort(self.labels, kind="stable")
+        self._sorted = self.labels[self._order]
+        again = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
+        if len(again):
+            raise FileError(path, f"each {what} id must stand once, got {named(again)} again")
+
+    def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
+        """Return the rows of some labels, of any shape.
+
+        Raises
+        ------
+        FileError
+            Naming the labels that are not there and ``wanted_by``, what asks for them.
+        """
+        ids = np.asarray(labels, dtype=np.int64)
+        found = np.zeros(ids.shape, dtype=np.int64)
+        if len(self._sorted):
+            found = np.minimum(np.searchsorted(self._sorted, ids), len(self._sorted) - 1)
+            missing = self._sorted[found] != ids
+            found = self._order[found]
+        else:
+            missing = np.ones(ids.shape, dtype=np.bool_)
+        if missing.any():
+            raise FileError(
+                self.path,
+                f"{wanted_by} must name {self.what}s that the file defines, got "
+                f"{named(np.unique(ids[missing]))}; is the file cut short?",
+            )
+        rows: Ints = found.astype(np.int64)
+        return rows
+
+    def between(self, first: int, last: int, step: int = 1) -> Ints:
+        """Return the rows of the labels there are in ``first, first + step, ... last``."""
+        low, high = np.searchsorted(self._sorted, [first, last + 1])
+        within = np.arange(low, high)
+        chosen: Ints = within[(self._sorted[within] - first) % step == 0]
+        rows: Ints = self._order[chosen].astype(np.int64)
+        return rows
+
+
+def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
+    """Return groups by name; those that share one get their id behind it, as ``name (id)``."""
+    names = [name for name, _, _ in groups]
+    return {
+        name if names.count(name) == 1 else f"{name} ({label})": members
+        for name, label, members in groups
+    }
+
+
+def union(parts: Mapping[str, Sequence[Ints]]) -> dict[str, Ints]:
+    """Return every name with the ascending union of its parts."""
+    return {name: np.unique(np.concatenate(members)) for name, members in parts.items() if members}

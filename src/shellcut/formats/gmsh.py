@@ -1,0 +1,407 @@
+"""Gmsh's .msh, versions 2.2 and 4.1, as text and binary, with all physical groups of an entity.
+
+The layout follows the Gmsh reference manual, "MSH file format". A section is read to its declared
+counts and must then end; sections that hold no mesh are passed over.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut._jit import Floats, Ints
+
+from .errors import FileError, read_bytes
+from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
+
+# Gmsh's element types: name, number of nodes. Only the four kinds of a film have names of ours.
+_TYPES: dict[int, tuple[str, int]] = {
+    1: (LINE, 2),
+    2: (TRIANGLE, 3),
+    3: (QUAD, 4),
+    4: ("tetrahedron", 4),
+    5: ("hexahedron", 8),
+    6: ("prism", 6),
+    7: ("pyramid", 5),
+    8: ("3-node line", 3),
+    9: ("6-node triangle", 6),
+    10: ("9-node quad", 9),
+    11: ("10-node tetrahedron", 10),
+    12: ("27-node hexahedron", 27),
+    13: ("18-node prism", 18),
+    14: ("14-node pyramid", 14),
+    15: (POINT, 1),
+    16: ("8-node quad", 8),
+    17: ("20-node hexahedron", 20),
+    18: ("15-node prism", 15),
+    19: ("13-node pyramid", 13),
+    21: ("10-node triangle", 10),
+    26: ("4-node line", 4),
+    36: ("16-node quad", 16),
+}
+_PASSED_OVER = frozenset(
+    [
+        "Comments",
+        "Periodic",
+        "Parametrizations",
+        "NodeData",
+        "ElementData",
+        "ElementNodeData",
+        "InterpolationScheme",
+    ]
+)
+_ENTITY = ("point", "curve", "surface", "volume")
+
+
+class _Cells(NamedTuple):
+    # cells of one type and one set of physical groups
+    kind: str
+    labels: Ints
+    node_labels: Ints  # (n, k)
+    groups: tuple[str, ...]
+
+
+def read_gmsh(path: str | Path) -> FileMesh:
+    """Read a .msh file.
+
+    Points and lines come as cells of those kinds. A physical group without a name is called
+    ``curve_3`` and the like, by dimension and number.
+
+    Raises
+    ------
+    FileError
+        If the file is no .msh of version 2.2 or 4.1, is cut short or contradicts itself.
+    """
+    return _Reader(Path(path), read_bytes(path)).mesh()
+
+
+class _Reader:
+    def __init__(self, path: Path, content: bytes):
+        self.path = path
+        self.content = content
+        self.at = 0  # where reading goes on
+        self.binary = False
+        self.tokens: list[bytes] = []  # of the section, where it is text
+        self.next_token = 0
+        self.names: dict[tuple[int, int], str] = {}
+        self.entities: dict[tuple[int, int], list[int]] = {}
+        self.node_labels: list[Ints] = []
+        self.positions: list[Floats] = []
+        self.cells: list[_Cells] = []
+
+    # --- sections ---------------------------------------------------------------------------------
+
+    def mesh(self) -> FileMesh:
+        version = self._format()
+        readers = {"PhysicalNames": self._physical_names}
+        if version == "4.1":
+            readers |= {
+                "Entities": self._entities,
+                "Nodes": self._nodes_4,
+                "Elements": self._elements_4,
+            }
+        else:
+            readers |= {"Nodes": self._nodes_2, "Elements": self._elements_2}
+        seen = set()
+        while (name := self._section()) is not None:
+            if name in _PASSED_OVER:
+                self._skip_to_end(name)
+                continue
+            if name not in readers:
+                raise self._error(
+                    f"sections must be one of {', '.join(sorted(readers))} or data of no concern "
+                    f"here, got ${name}; save an unpartitioned mesh"
+                )
+            if name in seen:
+                raise self._error(f"each section must stand once, got ${name} again")
+            seen.add(name)
+            in_text = not self.binary or name == "PhysicalNames"
+            if in_text:
+                self._take_tokens(name)
+            readers[name]()
+            if not in_text:
+                self._end(name)
+            elif self.next_token < len(self.tokens):
+                raise self._error(
+                    f"${name} must hold as much as it declares, got "
+                    f"{len(self.tokens) - self.next_token} entries more"
+                )
+        if missing := {"Nodes", "Elements"} - seen:
+            raise self._error(f"there must be a section ${', $'.join(sorted(missing))}: cut short?")
+        return self._assemble()
+
+    def _format(self) -> str:
+        if self._section() != "MeshFormat":
+            raise self._error("a .msh file must begin with $MeshFormat")
+        fields = self._line().split()
+        if len(fields) != 3 or fields[1] not in (b"0", b"1") or fields[2] != b"8":
+            raise self._error(f"$MeshFormat must read 'version 0|1 8', got {b' '.join(fields)!r}")
+        version = fields[0].decode("latin-1")
+        if version not in ("2.2", "4.1"):
+            raise self._error(
+                f"the version must be 2.2 or 4.1, got {version}; save it again with "
+                "Mesh.MshFileVersion = 4.1"
+            )
+        self.binary = fields[1] == b"1"
+        if self.binary and self._integers(1, 4)[0] != 1:
+            raise self._error("a binary .msh must be little-endian")
+        self._end("MeshFormat")
+        return version
+
+    def _physical_names(self) -> None:
+        # names may hold spaces: dimension, tag, then everything up to the closing quote
+        text = b" ".join(self.tokens[1:])
+        rest = text
+        for _ in range(self._integer()):
+            head, quote, tail = rest.partition(b'"')
+            name, closing, rest = tail.partition(b'"')
+            numbers = head.split()
+            if not quote or not closing or len(numbers) != 2:
+                raise self._error('$PhysicalNames must hold lines: dimension tag "name"')
+            try:
+                key = int(numbers[0]), int(numbers[1])
+            except ValueError:
+                raise self._error("$PhysicalNames must hold whole numbers") from None
+            self.names[key] = name.decode("utf-8", errors="replace")
+        self.next_token = len(self.tokens) if not rest.strip() else 0
+
+    def _entities(self) -> None:
+        counts = self._sizes(4)
+        for dim, count in enumerate(counts):
+            for _ in range(count):
+                tag = self._ints(1)[0]
+                self._doubles(3 if dim == 0 else 6)
+                groups = self._ints(self._sizes(1)[0])
+                if dim > 0:
+                    self._ints(self._sizes(1)[0])
+                self.entities[dim, int(tag)] = [abs(int(g)) for g in groups]
+
+    def _nodes_4(self) -> None:
+        n_block, n_node, _, _ = self._sizes(4)
+        for _ in range(n_block):
+            dim, _, parametric = self._ints(3)
+            (count,) = self._sizes(1)
+            self.node_labels.append(self._size_array(count))
+            columns = 3 + (int(dim) if parametric else 0)
+            self.positions.append(self._doubles(count * columns).reshape(count, columns)[:, :3])
+        self._check_count("nodes", n_node, sum(len(p) for p in self.positions))
+
+    def _elements_4(self) -> None:
+        n_block, n_element, _, _ = self._sizes(4)
+        for _ in range(n_block):
+            dim, tag, kind = (int(i) for i in self._ints(3))
+            (count,) = self._sizes(1)
+            name, n = self._type(kind)
+            rows = self._size_array(count * (n + 1)).reshape(count, n + 1)
+            if (dim, tag) not in self.entities and self.entities:
+                raise self._error(f"elements must lie on a known entity, got {(dim, tag)}")
+            groups = [self._name(dim, g) for g in self.entities.get((dim, tag), [])]
+            self.cells.append(_Cells(name, rows[:, 0], rows[:, 1:], tuple(groups)))
+        self._check_count("elements", n_element, sum(len(c.labels) for c in self.cells))
+
+    def _nodes_2(self) -> None:
+        count = self._count_2()
+        if self.binary:
+            dtype = np.dtype([("id", "<i4"), ("x", "<f8", 3)])
+            rows = np.frombuffer(self._take(count * dtype.itemsize), dtype=dtype)
+            self.node_labels.append(rows["id"].astype(np.int64))
+            self.positions.append(rows["x"].astype(np.float64))
+            return
+        tokens = self._take_n_tokens(4 * count)
+        ids = [tokens[4 * i] for i in range(count)]
+        self.node_labels.append(self._to_ints(ids))
+        xyz = [t for i, t in enumerate(tokens) if i % 4]
+        self.positions.append(self._to_floats(xyz).reshape(count, 3))
+
+    def _elements_2(self) -> None:
+        count = self._count_2()
+        rows: dict[tuple[int, int], list[list[int]]] = defaultdict(list)
+        read = 0
+        while read < count:
+            if self.binary:
+                kind, n_follow, n_tag = (int(i) for i in self._integers(3, 4))
+                n = self._type(kind)[1]
+                if n_follow < 1:
+                    raise self._error("$Elements must hold blocks of one element or more")
+                width = 1 + n_tag + n
+                table = self._integers(n_follow * width, 4).reshape(n_follow, width).tolist()
+            else:
+                head = self._to_ints(self._take_n_tokens(3)).tolist()
+                kind, n_tag = head[1], head[2]
+                n = self._type(kind)[1]
+                if n_tag < 0:
+                    raise self._error("an element must have a number of tags that is not negative")
+                table = [[head[0], *self._to_ints(self._take_n_tokens(n_tag + n)).tolist()]]
+            for row in table:
+                group = abs(row[1]) if n_tag else 0
+                rows[kind, group].append([row[0], *row[1 + n_tag :]])
+            read += len(table)
+        self._check_count("elements", count, read)
+        for (kind, group), table in rows.items():
+            name, _ = self._type(kind)
+            dim = {POINT: 0, LINE: 1, TRIANGLE: 2, QUAD: 2}.get(name, 3)
+            groups = (self._name(dim, group),) if group else ()
+            array = np.array(table, dtype=np.int64)
+            self.cells.append(_Cells(name, array[:, 0], array[:, 1:], groups))
+
+    def _count_2(self) -> int:
+        if not self.binary:
+            return self._integer()
+        try:
+            return int(self._line())
+        except ValueError:
+            raise self._error("a section must begin with the number of its entries") from None
+
+    def _type(self, kind: int) -> tuple[str, int]:
+        if kind not in _TYPES:
+            raise self._error(f"element types must be known ones of Gmsh, got {kind}")
+        return _TYPES[kind]
+
+    def _name(self, dim: int, tag: int) -> str:
+        return self.names.get((dim, tag), f"{_ENTITY[dim]}_{tag}")
+
+    def _check_count(self, what: str, declared: int, read: int) -> None:
+        if declared != read:
+            raise self._error(f"{declared} {what} are declared, got {read}; is the file cut short?")
+
+    def _assemble(self) -> FileMesh:
+        numbering = Numbering(
+            self.path, "node", np.concatenate([np.empty(0, np.int64), *self.node_labels])
+        )
+        positions = np.concatenate([np.empty((0, 3)), *self.positions])
+        blocks: list[CellBlock] = []
+        groups: dict[str, list[Ints]] = defaultdict(list)
+        first: dict[tuple[str, tuple[int, ...]], int] = {}  # version 2 repeats a cell a group
+        n_cell = n_again = 0
+        for cells in self.cells:
+            nodes = numbering.rows(cells.node_labels, f"{cells.kind} cells")
+            keep: list[int] = []
+            members: list[int] = []
+            for i, row in enumerate(nodes.tolist()):
+                key = cells.kind, tuple(row)
+                if key not in first:
+                    first[key] = n_cell + len(keep)
+                    keep.append(i)
+                elif not cells.groups:
+                    raise self._error(f"cells must differ, got {cells.labels[i]} again")
+                members.append(first[key])
+            n_again += len(nodes) - len(keep)
+            for name in cells.groups:
+                groups[name].append(np.array(members, dtype=np.int64))
+            if keep:
+                blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep]))
+                n_cell += len(keep)
+        mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
+        if n_again:
+            mesh.notes.append(f"{n_again} cells stand once for each of their groups, kept once")
+        return mesh
+
+    # --- bytes and tokens -------------------------------------------------------------------------
+
+    def _error(self, problem: str) -> FileError:
+        return FileError(self.path, problem)
+
+    def _line(self) -> bytes:
+        end = self.content.find(b"\n", self.at)
+        if end < 0:
+            end = len(self.content)
+        line = self.content[self.at : end]
+        self.at = min(end + 1, len(self.content))
+        return line.strip()
+
+    def _section(self) -> str | None:
+        # the name of the next section, None at the end of the file
+        while self.at < len(self.content):
+            line = self._line()
+            if not line:
+                continue
+            if not line.startswith(b"$") or line.startswith(b"$End"):
+                raise self._error(
+                    f"a section must begin with $Name, got {line[:30].decode('latin-1')!r}"
+                )
+            return line[1:].decode("latin-1")
+        return None
+
+    def _end(self, name: str) -> None:
+        line = self._line() or self._line()
+        if line != b"$End" + name.encode("latin-1"):
+            raise self._error(f"${name} must end with $End{name} after what it declares")
+
+    def _skip_to_end(self, name: str) -> None:
+        end = self.content.find(b"$End" + name.encode("latin-1"), self.at)
+        if end < 0:
+            raise self._error(f"${name} must end with $End{name}: the file is cut short")
+        self.at = end
+        self._line()
+
+    def _take_tokens(self, name: str) -> None:
+        start = self.at
+        self._skip_to_end(name)
+        end = self.content.rfind(b"$End", start, self.at)
+        self.tokens = self.content[start:end].split()
+        self.next_token = 0
+
+    def _take(self, n_byte: int) -> bytes:
+        if n_byte < 0 or self.at + n_byte > len(self.content):
+            raise self._error("the file ends before what it declares: it is cut short")
+        part = self.content[self.at : self.at + n_byte]
+        self.at += n_byte
+        return part
+
+    def _take_n_tokens(self, n: int) -> list[bytes]:
+        if n < 0 or self.next_token + n > len(self.tokens):
+            raise self._error("a section ends before what it declares: the file is cut short")
+        part = self.tokens[self.next_token : self.next_token + n]
+        self.next_token += n
+        return part
+
+    def _to_ints(self, tokens: list[bytes]) -> Ints:
+        try:
+            return np.array([int(t) for t in tokens], dtype=np.int64)
+        except (ValueError, OverflowError):
+            raise self._error(f"ids and counts must be whole numbers, got {_odd(tokens)}") from None
+
+    def _to_floats(self, tokens: list[bytes]) -> Floats:
+        try:
+            return np.array([float(t) for t in tokens], dtype=np.float64)
+        except ValueError:
+            raise self._error(f"coordinates must be numbers, got {_odd(tokens)}") from None
+
+    def _integer(self) -> int:
+        return int(self._to_ints(self._take_n_tokens(1))[0])
+
+    def _integers(self, n: int, width: int) -> Ints:
+        return np.frombuffer(self._take(n * width), dtype=f"<i{width}").astype(np.int64)
+
+    def _ints(self, n: int) -> Ints:
+        if self.binary:
+            return self._integers(n, 4)
+        return self._to_ints(self._take_n_tokens(n))
+
+    def _size_array(self, n: int) -> Ints:
+        if self.binary:
+            return self._integers(n, 8)
+        return self._to_ints(self._take_n_tokens(n))
+
+    def _sizes(self, n: int) -> list[int]:
+        sizes: list[int] = self._size_array(n).tolist()
+        if min(sizes) < 0:
+            raise self._error(f"counts must not be negative, got {min(sizes)}")
+        return sizes
+
+    def _doubles(self, n: int) -> Floats:
+        if self.binary:
+            return np.frombuffer(self._take(n * 8), dtype="<f8").astype(np.float64)
+        return self._to_floats(self._take_n_tokens(n))
+
+
+def _odd(tokens: list[bytes]) -> str:
+    for token in tokens:
+        try:
+            float(token)
+        except ValueError:
+            return repr(token[:20].decode("latin-1"))
+    return "a number out of range"

@@ -1,0 +1,187 @@
+"""The syntax of LS-DYNA keyword files: cards of fixed columns or with commas, includes, comments.
+
+Follows the LS-DYNA Keyword User's Manual, Vol. I, "Introduction": ``$`` begins a comment, a card
+with a comma in it is free format, ``*END`` ends the input. Three layouts of fixed columns are read:
+the standard one, ``i10`` and ``long``, chosen by ``*KEYWORD`` (``I10=Y``, ``LONG=Y`` or ``LONG=S``)
+and, for one keyword, by a mark behind its name (``-`` standard, ``%`` i10, ``+`` long).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from .errors import FileError, read_lines
+
+Layout = Literal["standard", "i10", "long"]
+_MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
+_DEEPEST = 20  # includes within includes; more is a circle
+
+
+@dataclass
+class Card:
+    """A line of data."""
+
+    path: Path
+    line: int
+    text: str
+
+    def error(self, problem: str) -> FileError:
+        """Return the error that names this line."""
+        return FileError(self.path, problem, line=self.line)
+
+    def fields(self, widths: list[int]) -> list[str]:
+        """Return the entries without blanks around them: as many as widths, empty where missing."""
+        if "," in self.text:
+            entries = [entry.strip() for entry in self.text.split(",")]
+            entries += [""] * (len(widths) - len(entries))
+            if any(entries[len(widths) :]):
+                raise self.error(f"a card must have {len(widths)} entries at most")
+            return entries[: len(widths)]
+        entries, at = [], 0
+        for width in widths:
+            entries.append(self.text[at : at + width].strip())
+            at += width
+        if self.text[at:].strip():
+            raise self.error(
+                f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
+                "it of another layout (*KEYWORD LONG=Y, I10=Y)?"
+            )
+        return entries
+
+    def integer(self, entry: str, what: str) -> int:
+        """Return an entry as a whole number, 0 where it is empty."""
+        try:
+            return int(entry) if entry else 0
+        except ValueError:
+            raise self.error(f"{what} must be a whole number, got {entry!r}") from None
+
+    def number(self, entry: str, what: str) -> float:
+        """Return an entry as a number, 0 where it is empty."""
+        try:
+            return float(entry.upper().replace("D", "E")) if entry else 0.0
+        except ValueError:
+            raise self.error(f"{what} must be a number, got {entry!r}") from None
+
+
+@dataclass
+class Block:
+    """A keyword with its cards."""
+
+    path: Path
+    line: int
+    name: str
+    """In upper case, without the star, with its options."""
+    layout: Layout
+    cards: list[Card] = field(default_factory=list)
+
+    def error(self, problem: str) -> FileError:
+        """Return the error that names this line."""
+        return FileError(self.path, f"*{self.name}: {problem}", line=self.line)
+
+
+def read_deck(path: Path) -> tuple[list[Block], bool]:
+    """Return the keyword blocks of a file with those of its includes in their place.
+
+    Returns
+    -------
+    blocks : list of Block
+    ended : bool
+        Whether the main file has its ``*END``.
+
+    Raises
+    ------
+    FileError
+        For what is no keyword file and for includes that are not found.
+    """
+    folders = [path.parent]
+    blocks: list[Block] = []
+    ended = False
+    for block in _blocks(path, folders, "standard", []):
+        ended |= block.name == "END" and block.path == path
+        blocks.append(block)
+    if not blocks:
+        raise FileError(path, "an LS-DYNA file must hold *KEYWORD lines, got none")
+    return [block for block in blocks if block.name != "END"], ended
+
+
+def _blocks(path: Path, folders: list[Path], layout: Layout, above: list[Path]) -> Iterator[Block]:
+    if len(above) > _DEEPEST or path.resolve() in above:
+        raise FileError(path, "a file must not include itself")
+    here = [*above, path.resolve()]
+    for block in _plain_blocks(path, layout):
+        if block.name == "KEYWORD" or block.name.startswith("KEYWORD "):
+            layout = block.layout
+        elif block.name == "INCLUDE_PATH" or block.name == "INCLUDE_PATH_RELATIVE":
+            folders += [path.parent / name for name in _file_names(block)]
+        elif block.name == "INCLUDE":
+            for name in _file_names(block):
+                yield from _blocks(_find(block, name, folders), folders, layout, here)
+        elif block.name.startswith("INCLUDE"):
+            raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
+        else:
+            yield block
+
+
+def _plain_blocks(path: Path, layout: Layout) -> Iterator[Block]:
+    current: Block | None = None
+    for number, line in enumerate(read_lines(path), start=1):
+        text = line.rstrip()
+        if text.startswith("$") or (not text and current is None):
+            continue
+        if not text.startswith("*"):
+            if current is None:
+                raise FileError(path, f"a keyword must come first, got {text[:30]!r}", line=number)
+            current.cards.append(Card(path, number, text.expandtabs(8)))
+            continue
+        if current is not None:
+            yield current
+        current = _keyword(path, number, text, layout)
+        if current.name.startswith("KEYWORD"):
+            layout = current.layout
+        if current.name == "END":
+            yield current
+            return
+    if current is not None:
+        yield current
+
+
+def _keyword(path: Path, number: int, text: str, layout: Layout) -> Block:
+    name = text[1:].strip().upper()
+    if name.startswith("KEYWORD"):
+        options = name[len("KEYWORD") :].replace(" ", "")
+        for key, chosen in (("LONG=Y", "long"), ("LONG=S", "standard"), ("I10=Y", "i10")):
+            if key in options:
+                return Block(path, number, "KEYWORD", _layout(chosen))
+        return Block(path, number, "KEYWORD", layout)
+    if name[-1:] in _MARKS:
+        return Block(path, number, name[:-1].strip(), _MARKS[name[-1]])
+    return Block(path, number, name, layout)
+
+
+def _layout(name: str) -> Layout:
+    return "long" if name == "long" else "i10" if name == "i10" else "standard"
+
+
+def _file_names(block: Block) -> list[str]:
+    # one a line; a line that ends in " +" goes on in the next
+    names, pending = [], ""
+    for card in block.cards:
+        text = card.text.strip()
+        if text.endswith(" +"):
+            pending += text[:-2].strip()
+        elif pending or text:
+            names.append(pending + text)
+            pending = ""
+    if pending or not names:
+        raise block.error("must name a file: is this one cut short?")
+    return names
+
+
+def _find(block: Block, name: str, folders: list[Path]) -> Path:
+    for folder in (block.path.parent, *folders):
+        if (found := folder / name).is_file():
+            return found
+    raise block.error(f"the file {name!r} must lie beside {block.path}, it is not there")

@@ -1,0 +1,155 @@
+"""PLY files, as text and binary: vertices with x, y, z and faces as lists of vertex numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .errors import FileError, read_bytes
+from .surface_file import SurfaceFile, surface_of_polygons
+
+_TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
+_FACE_LISTS = ("vertex_indices", "vertex_index")
+
+
+@dataclass
+class _Property:
+    name: str
+    kind: str
+    count_kind: str = ""  # of a list
+
+
+@dataclass
+class _Element:
+    name: str
+    count: int
+    properties: list[_Property] = field(default_factory=list)
+
+
+def read_ply(path: str | Path) -> SurfaceFile:
+    """Read a PLY file.
+
+    Raises
+    ------
+    FileError
+        If its header is not understood or its content is not what the header declares.
+    """
+    return _Reader(Path(path)).surface()
+
+
+class _Reader:
+    def __init__(self, path: Path):
+        self.path = path
+        self.content = read_bytes(path)
+        self.at = 0
+        self.order = ""  # of bytes; empty for text
+        self.tokens: list[bytes] = []
+        self.elements: list[_Element] = []
+
+    def surface(self) -> SurfaceFile:
+        self._header()
+        if not self.order:
+            self.tokens = self.content[self.at :].split()
+            self.at = 0
+        vertices: list[list[float]] = []
+        faces: list[list[int]] = []
+        for element in self.elements:
+            for _ in range(element.count):
+                row = self._row(element)
+                if element.name == "vertex":
+                    vertices.append([row[axis][0] for axis in "xyz"])
+                elif element.name == "face":
+                    corners = [int(c) for c in next(row[n] for n in _FACE_LISTS if n in row)]
+                    if len(corners) < 3:
+                        raise self._error(f"a face must have three vertices, got {corners}")
+                    faces.append(corners)
+        if self.at < (len(self.content) if self.order else len(self.tokens)):
+            raise self._error("there must be no more than the header declares")
+        return surface_of_polygons(self.path, vertices, faces)
+
+    def _header(self) -> None:
+        end = self.content.find(b"end_header")
+        stop = self.content.find(b"\n", end)
+        if not self.content.startswith(b"ply") or end < 0 or stop < 0:
+            raise self._error("a PLY file must have a header from 'ply' to 'end_header'")
+        self.at = stop + 1
+        lines = self.content[:end].decode("latin-1").splitlines()[1:]
+        for line in lines:
+            words = line.split()
+            if not words or words[0] in ("comment", "obj_info"):
+                continue
+            if words[0] == "format" and len(words) == 3 and words[2] == "1.0":
+                orders = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+                if words[1] not in orders:
+                    raise self._error(f"the format must be one of {', '.join(orders)}")
+                self.order = orders[words[1]]
+            elif words[0] == "element" and len(words) == 3 and words[2].isdigit():
+                self.elements.append(_Element(words[1], int(words[2])))
+            elif words[0] == "property" and self.elements and self._property(words):
+                continue
+            else:
+                raise self._error(f"the header is not understood: {line!r}")
+        names = [e.name for e in self.elements]
+        if len(set(names)) < len(names):
+            raise self._error(f"each element must stand once, got {names}")
+        plain = {e.name: {p.name for p in e.properties if not p.count_kind} for e in self.elements}
+        lists = {e.name: {p.name for p in e.properties if p.count_kind} for e in self.elements}
+        if not {"x", "y", "z"} <= plain.get("vertex", set()):
+            raise self._error("there must be an element vertex with x, y and z")
+        if not lists.get("face", set()) & set(_FACE_LISTS):
+            raise self._error(f"there must be an element face with a list {_FACE_LISTS[0]}")
+
+    def _property(self, words: list[str]) -> bool:
+        properties = self.elements[-1].properties
+        if len(words) == 5 and words[1] == "list" and {words[2], words[3]} <= set(_TYPES):
+            properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
+            return True
+        if len(words) == 3 and words[1] in _TYPES:
+            properties.append(_Property(words[2], _TYPES[words[1]]))
+            return True
+        return False
+
+    def _row(self, element: _Element) -> dict[str, list[float]]:
+        row = {}
+        for item in element.properties:
+            count = int(self._values(item.count_kind, 1)[0]) if item.count_kind else 1
+            row[item.name] = self._values(item.kind, count)
+        return row
+
+    def _values(self, kind: str, count: int) -> list[float]:
+        if count < 0:
+            raise self._error("a list must have a length that is not negative")
+        if self.order:
+            dtype = np.dtype(self.order + kind)
+            stop = self.at + count * dtype.itemsize
+            part = self.content[self.at : stop]
+            if stop > len(self.content):
+                raise self._error("the file ends before what it declares: it is cut short")
+            self.at = stop
+            values: list[float] = np.frombuffer(part, dtype).tolist()
+            return values
+        part_of_text = self.tokens[self.at : self.at + count]
+        if len(part_of_text) < count:
+            raise self._error("the file ends before what it declares: it is cut short")
+        self.at += count
+        found = []
+        for token in part_of_text:
+            try:
+                found.append(float(token) if kind[0] == "f" else int(token))
+            except ValueError:
+                raise self._error(f"values must be numbers, got {token[:20]!r}") from None
+        return found
+
+    def _error(self, problem: str) -> FileError:
+        return FileError(self.path, problem)

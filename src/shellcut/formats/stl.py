@@ -1,0 +1,110 @@
+"""STL files, binary and text, of one solid or several.
+
+A binary file may begin with the word ``solid`` as a text file does: its length tells, which is 84
+bytes and 50 a triangle.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from shellcut._jit import Floats, Ints
+
+from .errors import FileError, read_bytes, read_lines
+from .surface_file import SurfaceFile
+
+_HEADER = 80  # bytes of any content before the number of triangles
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def read_stl(path: str | Path) -> SurfaceFile:
+    """Read an STL file; each triangle brings three vertices of its own.
+
+    Raises
+    ------
+    FileError
+        If it is neither text nor as long as its number of triangles asks for.
+    """
+    path = Path(path)
+    content = read_bytes(path)
+    start = _HEADER + 4
+    declared = int.from_bytes(content[_HEADER:start], "little") if len(content) >= start else -1
+    if declared > 0 and len(content) == start + declared * _RECORD.itemsize:
+        with np.errstate(invalid="ignore"):  # not-a-numbers are told by who uses them
+            corners = np.frombuffer(content, _RECORD, offset=start)["corners"].astype(np.float64)
+        return SurfaceFile(path, corners.reshape(-1, 3), _in_order(declared))
+    if content.lstrip()[:5].lower() != b"solid" or b"\0" in content:
+        held = (len(content) - start) / _RECORD.itemsize
+        raise FileError(
+            path,
+            f"an STL file must begin with 'solid' or hold as many triangles as it declares, got "
+            f"{max(declared, 0)} declared and room for {max(held, 0.0):.6g}; is it cut short?",
+        )
+    points = _text_corners(path)
+    return SurfaceFile(path, points, _in_order(len(points) // 3))
+
+
+def _in_order(n: int) -> Ints:
+    return np.arange(3 * n, dtype=np.int64).reshape(n, 3)
+
+
+def _text_corners(path: Path) -> Floats:
+    # a line a word: solid, facet normal, outer loop, 3 x vertex, endloop, endfacet, endsolid
+    expected = {
+        "start": ("solid",),
+        "solid": ("facet", "endsolid"),
+        "facet": ("outer",),
+        "outer": ("vertex",),
+        "vertex": ("vertex",),
+        "third vertex": ("endloop",),
+        "endloop": ("endfacet",),
+        "endfacet": ("facet", "endsolid"),
+        "endsolid": ("solid",),
+    }
+    points: list[list[float]] = []
+    state = "start"
+    for number, line in enumerate(read_lines(path), start=1):
+        words = line.split()
+        if not words:
+            continue
+        word = words[0].lower()
+        if word not in expected[state]:
+            raise FileError(
+                path,
+                f"after '{state}' must come '{' or '.join(expected[state])}', got {line.strip()!r}",
+                line=number,
+            )
+        if word == "vertex":
+            try:
+                x, y, z = (float(w) for w in words[1:])
+            except ValueError:
+                raise FileError(
+                    path, f"a vertex must have three numbers, got {line.strip()!r}", line=number
+                ) from None
+            points.append([x, y, z])
+            word = "third vertex" if len(points) % 3 == 0 else word
+        state = word
+    if state != "endsolid":
+        raise FileError(path, "the last line must be 'endsolid': the file is cut short")
+    return np.array(points, dtype=np.float64).reshape(-1, 3)
+
+
+def write_stl(path: str | Path, vertices: Floats, triangles: Ints, *, header: str) -> None:
+    """Write a binary STL file in single precision.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n_vertex, 3)
+    triangles : ndarray of int, shape (n_triangle, 3)
+    header : str
+        Cut to the 80 bytes there are; must not begin with ``solid``, which programs take for text.
+    """
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    records = np.zeros(len(triangles), _RECORD)
+    records["normal"] = normals / np.linalg.norm(normals, axis=1)[:, None]
+    records["corners"] = corners
+    title = header.encode("ascii", errors="replace")[:_HEADER].ljust(_HEADER)
+    Path(path).write_bytes(title + len(triangles).to_bytes(4, "little") + records.tobytes())

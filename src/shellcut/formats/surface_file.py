@@ -1,0 +1,68 @@
+"""What a file of triangles holds, in one form for all formats."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from shellcut._jit import Floats, Ints
+
+from .errors import FileError, named
+
+_CONCAVE = -1e-9  # part of a polygon's area by which a corner may turn back: round-off
+
+
+@dataclass
+class SurfaceFile:
+    """Triangles as they stand in the file."""
+
+    path: Path
+    vertices: Floats
+    """In the file's own unit, shape (n_vertex, 3); duplicates are as in the file."""
+    triangles: Ints
+    """Vertex numbers from 0, shape (n_triangle, 3)."""
+    notes: list[str] = field(default_factory=list)
+    """What the reader left out or changed."""
+
+
+def surface_of_polygons(
+    path: Path, vertices: Sequence[Sequence[float]], polygons: Sequence[Sequence[int]]
+) -> SurfaceFile:
+    """Return a surface with the polygons cut into triangles from their first corners.
+
+    Raises
+    ------
+    FileError
+        If a polygon names a vertex that is not there, or is of more than three corners and not
+        convex: cut in this way it would fold over itself.
+    """
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    if not polygons:
+        raise FileError(path, "there must be faces, got none")
+    lost = [k for k, face in enumerate(polygons) if max(face) >= len(points) or min(face) < 0]
+    if lost:
+        raise FileError(
+            path, f"faces must name vertices that are there, not so faces {named(lost)}"
+        )
+    many = [k for k, face in enumerate(polygons) if len(face) > 3]
+    if folded := [k for k in many if not _is_convex(points[list(polygons[k])])]:
+        raise FileError(
+            path, f"faces must be convex, not so faces {named(folded)}; save it in triangles"
+        )
+    triangles = [[face[0], *face[k : k + 2]] for face in polygons for k in range(1, len(face) - 1)]
+    surface = SurfaceFile(path, points, np.array(triangles, dtype=np.int64))
+    if unused := len(points) - len(np.unique(surface.triangles)):
+        surface.notes.append(f"{unused} vertices belong to no face: is the file cut short?")
+    if many:
+        surface.notes.append(f"{len(many)} faces of more than three corners are cut in triangles")
+    return surface
+
+
+def _is_convex(corners: Floats) -> bool:
+    ahead = np.roll(corners, -1, axis=0) - corners
+    behind = corners - np.roll(corners, 1, axis=0)
+    area = np.cross(corners - corners[0], ahead).sum(axis=0)  # twice, along the normal
+    return bool((np.cross(behind, ahead) @ area >= _CONCAVE * (area @ area)).all())

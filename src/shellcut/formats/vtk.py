@@ -1,0 +1,92 @@
+"""VTK files (.vtu, .vtk) through meshio: cells, and integer arrays as groups.
+
+An integer or boolean array over points or cells becomes groups: one of its own name if it holds
+nothing but 0 and 1, otherwise ``name_7`` and the like for each of its values.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shellcut._jit import Ints
+
+from .errors import FileError, read_bytes
+from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
+
+_KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
+_MOST_VALUES = 64  # an array of more values is data, not a group
+_DECLARED = {
+    ".vtu": (rb'NumberOfPoints="\s*(\d+)\s*"', rb'NumberOfCells="\s*(\d+)\s*"'),
+    ".vtk": (rb"\n\s*POINTS\s+(\d+)", rb"\n\s*CELL_TYPES\s+(\d+)"),
+}
+
+
+def read_vtk(path: str | Path) -> FileMesh:
+    """Read a .vtu or legacy .vtk file of an unstructured grid.
+
+    Raises
+    ------
+    FileError
+        If meshio cannot read it, or finds other counts than the file declares.
+    """
+    import meshio  # 0.3 s, for this format only
+
+    path = Path(path)
+    content = read_bytes(path)
+    read = meshio.vtu.read if path.suffix.lower() == ".vtu" else meshio.vtk.read
+    try:
+        mesh = read(str(path))
+        n_cell = sum(len(block.data) for block in mesh.cells)
+        points = np.asarray(mesh.points, dtype=np.float64)
+    except (Exception, SystemExit) as reason:  # meshio raises what its parts raise, or exits
+        raise FileError(path, f"meshio cannot read it: {type(reason).__name__} {reason}") from None
+    for what, pattern, read_count in zip(
+        ("points", "cells"), _DECLARED[path.suffix.lower()], (len(points), n_cell), strict=True
+    ):
+        declared = sum(int(n) for n in re.findall(pattern, content))
+        if declared != read_count:
+            raise FileError(path, f"{declared} {what} are declared, got {read_count}")
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise FileError(path, f"points must have 3 coordinates, got shape {points.shape}")
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    blocks, first = [], 0
+    for block in mesh.cells:
+        nodes = np.asarray(block.data)
+        count = len(nodes)
+        if block.type in _KINDS:
+            nodes = nodes.astype(np.int64)
+            if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
+                raise FileError(path, f"{block.type} cells must name points that are there")
+        else:
+            nodes = np.empty((count, 0), np.int64)
+        labels = range(first, first + count)
+        blocks.append(CellBlock(_KINDS.get(block.type, block.type), labels, nodes))
+        first += count
+    return FileMesh(
+        path,
+        points,
+        range(len(points)),
+        blocks,
+        _groups(mesh.point_data),
+        _groups({name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}),
+    )
+
+
+def _groups(data: dict[str, Any]) -> dict[str, Ints]:
+    groups: dict[str, Ints] = {}
+    for name, array in data.items():
+        values = np.asarray(array)
+        if values.ndim != 1 or values.dtype.kind not in "iub":
+            continue
+        distinct = np.unique(values)
+        if set(distinct.tolist()) <= {0, 1}:
+            groups[name] = np.flatnonzero(values).astype(np.int64)
+        elif len(distinct) <= _MOST_VALUES:
+            for value in distinct.tolist():
+                groups[f"{name}_{value}"] = np.flatnonzero(values == value).astype(np.int64)
+    return groups

@@ -1,0 +1,248 @@
+"""Abaqus input files, by the syntax of the manual: decks, parts and instances, sets, includes."""
+
+import logging
+
+import numpy as np
+import pytest
+
+from known_film import (
+    LEFT,
+    NODE_ID,
+    NODES,
+    QUAD_ID,
+    QUADS,
+    RIGHT_PART,
+    check_film,
+    check_geometry,
+    rows_in,
+)
+from shellcut.film_file import read_film
+from shellcut.formats.errors import FileError
+
+
+def nodes(scale=1.0, shift=(0.0, 0.0, 0.0)):
+    xyz = scale * NODES + shift
+    return "".join(
+        f"{i}, {x:.9g}, {y:.9g}, {z:.9g}\n" for i, (x, y, z) in zip(NODE_ID, xyz, strict=True)
+    )
+
+
+def quads(members=range(10)):
+    return "".join(f"{QUAD_ID[e]}, {', '.join(map(str, NODE_ID[QUADS[e]]))}\n" for e in members)
+
+
+def ids(values, a_line=4):
+    values = [str(v) for v in values]
+    return "".join(", ".join(values[k : k + a_line]) + "\n" for k in range(0, len(values), a_line))
+
+
+LEFT_IDS, RIGHT_IDS = NODE_ID[LEFT], QUAD_ID[RIGHT_PART]
+FLAT = f"""*HEADING
+A film
+** a comment, with, commas
+*NODE
+{nodes()}*ELEMENT, TYPE=S4R, ELSET=film
+{quads()}*NSET, NSET=left
+{ids(LEFT_IDS)}*ELSET, ELSET="right part"
+{ids(RIGHT_IDS)}*MATERIAL, NAME=PE
+*ELASTIC
+1678., 0.3
+*STEP
+*END STEP
+"""
+
+
+def film(tmp_path, text, **options):
+    path = tmp_path / "film.inp"
+    path.write_text(text)
+    return read_film(path, **{"unit": "mm", **options})
+
+
+def refusal(tmp_path, text, **options):
+    with pytest.raises(FileError) as caught:
+        film(tmp_path, text, **options)
+    return str(caught.value)
+
+
+class TestFlatDeck:
+    def test_nodes_elements_and_sets(self, tmp_path):
+        mesh = film(tmp_path, FLAT)
+        check_film(mesh)
+        assert len(mesh.quad_set("film")) == 10
+
+    def test_keywords_in_any_case_with_blanks_and_continued(self, tmp_path):
+        text = FLAT.replace("*ELEMENT, TYPE=S4R, ELSET=film", " *Element , type = s4r,\nElSet=film")
+        check_film(film(tmp_path, text.replace("*NODE\n", "*node\n")))
+
+    def test_sets_named_on_node_and_element(self, tmp_path):
+        right = [e for e in range(10) if e in RIGHT_PART]
+        other = [e for e in range(10) if e not in RIGHT_PART]
+        at = [f"{line}\n" for line in nodes().splitlines()]
+        left = "".join(at[k] for k in LEFT)
+        rest = "".join(line for k, line in enumerate(at) if k not in LEFT)
+        mesh = film(
+            tmp_path,
+            f"*NODE, NSET=left\n{left}*NODE\n{rest}*ELEMENT, TYPE=S4, ELSET=right part\n"
+            f"{quads(right)}*ELEMENT, TYPE=S4R\n{quads(other)}",
+        )
+        check_film(mesh)
+
+    def test_generate_runs_over_gaps_and_steps(self, tmp_path):
+        low, high = min(RIGHT_IDS), max(RIGHT_IDS)
+        inside = [e for e in QUAD_ID if low <= e <= high]
+        mesh = film(
+            tmp_path,
+            FLAT + f"*ELSET, ELSET=span, GENERATE\n{low}, {high}, 3\n*ELSET, ELSET=all, GENERATE\n"
+            f"{QUAD_ID.min() - 1}, {QUAD_ID.max()}\n",
+        )
+        assert len(mesh.quad_set("span")) == len(inside)
+        assert len(mesh.quad_set("all")) == 10
+
+    def test_sets_of_sets_sets_in_parts_and_nodes_of_elements(self, tmp_path):
+        text = FLAT + (
+            "*ELSET, ELSET=both\nRIGHT PART, more\n*ELSET, ELSET=more\n"
+            f"{QUAD_ID[0]}\n*NSET, NSET=rim\nLeft, {NODE_ID[17]}\n*NSET, NSET=rim\n{NODE_ID[16]}\n"
+            "*NSET, NSET=beside, ELSET=right part\n"
+        )
+        mesh = film(tmp_path, text)
+        assert len(mesh.quad_set("both")) == len(RIGHT_PART) + 1  # defined before "more" is
+        rim = rows_in(mesh, NODES[[*LEFT, 17, 16]])
+        assert set(mesh.node_set("rim")) == set(rim)
+        beside = rows_in(mesh, NODES[np.unique(QUADS[RIGHT_PART])])
+        assert set(mesh.node_set("beside")) == set(beside)
+
+    def test_includes_and_data_from_files(self, tmp_path):
+        (tmp_path / "sub").mkdir()
+        (tmp_path / "sub" / "mesh.inp").write_text(
+            f"*NODE, INPUT=nodes.txt\n*ELEMENT, TYPE=S4\n{quads()}"
+        )
+        (tmp_path / "sub" / "nodes.txt").write_text("** only data\n" + nodes())
+        sets = FLAT[FLAT.index("*NSET") : FLAT.index("*MATERIAL")]
+        check_film(film(tmp_path, f"*INCLUDE, INPUT=sub/mesh.inp\n{sets}"))
+
+    def test_an_element_goes_on_in_the_next_line(self, tmp_path):
+        a, b, c, d = NODE_ID[QUADS[0]]
+        whole = f"{QUAD_ID[0]}, {a}, {b}, {c}, {d}\n"
+        assert whole in FLAT
+        check_film(film(tmp_path, FLAT.replace(whole, f"{QUAD_ID[0]}, {a}, {b},\n {c}, {d}\n")))
+
+    def test_fortran_exponents(self, tmp_path):
+        text = FLAT.replace(f"{NODE_ID[5]}, 5, 0, 0", f"{NODE_ID[5]}, 0.5D+01, 0.e0")
+        assert text != FLAT
+        check_film(film(tmp_path, text))
+
+
+class TestPartsAndInstances:
+    PART = f"*PART, NAME=Sheet\n*NODE\n{nodes()}*ELEMENT, TYPE=S4R\n{quads()}*NSET, NSET=left\n"
+    PART += f"{ids(LEFT_IDS)}*ELSET, ELSET=right part\n{ids(RIGHT_IDS)}*END PART\n"
+
+    def test_one_instance_where_the_part_is(self, tmp_path):
+        text = self.PART + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s-1, PART=SHEET\n*END INSTANCE\n"
+        text += (
+            f"*NSET, NSET=corner, INSTANCE=S-1\n{NODE_ID[0]}\n*NSET, NSET=far\ns-1.{NODE_ID[17]}\n"
+        )
+        text += "*NSET, NSET=again\ns-1.left\n*END ASSEMBLY\n"
+        mesh = film(tmp_path, text)
+        row = check_film(mesh)
+        assert mesh.node_set("corner").tolist() == [row[0]]
+        assert mesh.node_set("far").tolist() == [row[17]]
+        assert set(mesh.node_set("again")) == set(row[LEFT])
+
+    def test_a_part_alone(self, tmp_path):
+        check_film(film(tmp_path, self.PART))
+
+    def test_an_instance_is_moved_then_turned(self, tmp_path):
+        # a quarter turn about the line through (10, 0, 0) along z, after a shift of (1, 2, 3)
+        text = self.PART + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s, PART=Sheet\n1., 2., 3.\n"
+        text += "10., 0., 0., 10., 0., 1., 90.\n*END INSTANCE\n*END ASSEMBLY\n"
+        mesh = film(tmp_path, text)
+        x, y, z = (NODES + np.array([1.0, 2.0, 3.0])).T
+        np.testing.assert_allclose(
+            mesh.nodes, np.stack([10.0 - y, x - 10.0, z], axis=1), rtol=0, atol=1e-14
+        )  # round-off
+
+    def test_two_instances_keep_their_sets_apart_and_merge_by_choice(self, tmp_path, caplog):
+        text = self.PART + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=one, PART=Sheet\n*END INSTANCE\n"
+        text += "*INSTANCE, NAME=two, PART=Sheet\n5., 0., 0.\n*END INSTANCE\n*NSET, NSET=ends\n"
+        text += "one.left, two.left\n*END ASSEMBLY\n"
+        mesh = film(tmp_path, text)
+        assert (mesh.n_node, mesh.n_quad) == (36, 20)
+        assert {"one.left", "two.left", "ends"} <= set(mesh.node_sets)
+        assert "3 pairs of nodes are at one place" in caplog.text
+        joined = film(tmp_path, text, merge=1e-6)
+        assert joined.n_node == 33
+        assert "3 nodes are merged" in caplog.text
+        assert (joined.edges().n_quad == 1).sum() == 2 * (10 + 2)
+        x = joined.nodes[joined.node_set("ends")][:, 0]
+        assert sorted(x) == [0.0, 0.0, 0.0, 5.0, 5.0, 5.0]
+
+
+def test_lines_become_node_sets(tmp_path):
+    line = f"*ELEMENT, TYPE=T3D2, ELSET=rim\n9001, {NODE_ID[0]}, {NODE_ID[6]}\n"
+    mesh = film(tmp_path, FLAT + line)
+    assert set(mesh.node_set("rim")) == set(rows_in(mesh, NODES[[0, 6]]))
+
+
+def test_nodes_of_no_quad_are_said(tmp_path, caplog):
+    with caplog.at_level(logging.WARNING):
+        mesh = film(tmp_path, FLAT + "*NODE\n99999, 50., 50.\n*NSET, NSET=left\n99999\n")
+    check_film(mesh)
+    assert "1 nodes belong to no quad and are left out (ids 99999)" in caplog.text
+    assert "1 of 4 of node set 'left'" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("add", "words"),
+    [
+        ("*NGEN\n1, 9, 1\n", "*NGEN: makes or moves nodes and elements by rule"),
+        ("*ELGEN\n", "*ELGEN: makes or moves"),
+        ("*ELEMEN, TYPE=S4\n1, 1, 2, 3, 4\n", "did you mean *ELEMENT?"),
+        ("*ELEMENT\n", "parameter TYPE must be given"),
+        ("*ELEMENT, TYPE=S4\n1, 10, 17\n", "must have 4 nodes, got 2; is the file cut short?"),
+        ("*ELEMENT, TYPE=S4\n1, 10, 17, 24, 31, 38\n", "must have 4 nodes, got 5"),
+        (
+            "*ELEMENT, TYPE=S4\n1, 10, 17, 24, 3\n",
+            "element 1 must have nodes that are defined, got 3",
+        ),
+        (f"*ELEMENT, TYPE=S4\n{quads([0])}", f"element id must stand once, got {QUAD_ID[0]}"),
+        ("*NODE\n10, 0., 0.\n", "each node id must stand once, got 10"),
+        ("*NODE\n1000, a, 0.\n", "entry 2 must be a number, got 'a'"),
+        ("*NODE\n1.5, 0., 0.\n", "entry 1 must be a whole number, got '1.5'"),
+        ("*NODE, SYSTEM=C\n1000, 1., 0.\n", "must be Cartesian"),
+        ("*NSET, NSET=x\n11\n", "node 11 must be defined"),
+        ("*NSET, NSET=x\nnone\n", "there must be node set 'none'"),
+        ("*NSET, NSET=x\nx\n", "must not contain itself"),
+        ("*NSET, NSET=x, GENERATE\n1, 10, 2\n", "by a step that divides the way"),
+        ("*NSET, NSET=x, INSTANCE=i\n10\n", "there must be an instance 'i'"),
+        ("*PART, NAME=p\n", "*PART: must be ended by *END PART: cut short?"),
+        ("*END PART\n", "there is none open"),
+        ("*INCLUDE, INPUT=none.inp\n", "'none.inp' must lie beside"),
+        ("*INCLUDE, INPUT=film.inp\n", "must not include itself"),
+        ("*ELEMENT, TYPE=S8R\n1, 1, 2, 3, 4, 5, 6, 7,\n8\n", "1 cells of kind 'S8R' (ids 1)"),
+        ("*ELEMENT, TYPE=C3D8R\n1, 1, 2, 3, 4, 5, 6, 7, 8\n", "1 cells of kind 'C3D8R' (ids 1)"),
+        (
+            "*ELEMENT, TYPE=S3\n1, 10, 17, 24\n",
+            "got 1 triangles beside 10 quads (ids 1); mesh with",
+        ),
+        ("*NODE,\n", "ends in a comma must go on"),
+    ],
+)
+def test_refusals(tmp_path, add, words):
+    assert words in refusal(tmp_path, FLAT + add)
+
+
+def test_line_and_file_are_named(tmp_path):
+    told = refusal(tmp_path, FLAT + "*NODE\n1000, a, 0.\n")
+    assert f"film.inp, line {FLAT.count(chr(10)) + 2}: " in told
+
+
+def test_a_file_without_keywords_is_refused(tmp_path):
+    assert "must hold *KEYWORD lines" in refusal(tmp_path, "hello\n")
+    assert "there must be quads" in refusal(tmp_path, "*NODE\n1, 0., 0.\n")
+
+
+def test_solids_are_left_out_by_choice(tmp_path):
+    text = FLAT + "*ELEMENT, TYPE=C3D8R, ELSET=block\n1, 10, 17, 24, 31, 38, 45, 52, 59\n"
+    mesh = film(tmp_path, text, leave_out=["C3D8R"])
+    check_geometry(mesh)
+    assert "block" not in mesh.quad_sets

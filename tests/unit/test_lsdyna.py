@@ -1,0 +1,196 @@
+"""LS-DYNA keyword files, by the syntax of the manual: layouts of cards, sets, parts, includes."""
+
+import numpy as np
+import pytest
+
+from known_film import LEFT, NODE_ID, NODES, QUAD_ID, QUADS, RIGHT_PART, check_film, rows_in
+from shellcut.film_file import read_film
+from shellcut.formats.errors import FileError
+
+WIDTHS = {  # id of a node, coordinate, entry of a shell, entry of other cards
+    "": (8, 16, 8, 10),
+    "I10=Y": (10, 16, 10, 10),
+    "LONG=Y": (20, 20, 20, 20),
+}
+
+
+def card(values, width):
+    if width is None:
+        return ", ".join(map(str, values)) + "\n"
+    return "".join(f"{v:>{width}}" for v in values) + "\n"
+
+
+def deck(options="", free=False, mark=""):
+    n, x, s, w = (None,) * 4 if free else WIDTHS[options]
+    parts = np.where(np.isin(np.arange(10), RIGHT_PART), 2, 1)
+    text = f"*KEYWORD {options}\n$ a comment\n*TITLE\na film\n*NODE{mark}\n"
+    for i, xyz in zip(NODE_ID, NODES, strict=True):
+        row = card([i], n) + card([f"{c:.8g}" for c in xyz], x)
+        text += row.replace("\n", ", " if free else "", 1)
+    text += "*PART\nleft part\n" + card([1, 1, 1], w) + "right part\n" + card([2, 1, 1], w)
+    text += f"*ELEMENT_SHELL{mark}\n"
+    for e in range(10):
+        text += card([QUAD_ID[e], parts[e], *NODE_ID[QUADS[e]]], s)
+    text += "*SET_NODE_LIST_TITLE\nleft\n" + card([7], w) + card(NODE_ID[LEFT], w)
+    text += "*SET_SHELL_LIST\n" + card([4], w) + card([*QUAD_ID[:8]], w) + card([*QUAD_ID[8:]], w)
+    return text + "*MAT_ELASTIC\n" + card([1, 1e-9, 1678.0], w) + "*END\nbeyond the end\n"
+
+
+def film(tmp_path, text, **options):
+    path = tmp_path / "film.k"
+    path.write_text(text)
+    return read_film(path, **{"unit": "mm", **options})
+
+
+def refusal(tmp_path, text):
+    with pytest.raises(FileError) as caught:
+        film(tmp_path, text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("options", list(WIDTHS))
+def test_fixed_columns(tmp_path, options):
+    mesh = film(tmp_path, deck(options))
+    check_film(mesh)
+    assert sorted(mesh.quad_sets) == ["left part", "right part", "shell_set_4"]
+    assert len(mesh.quad_set("shell_set_4")) == 10
+    assert list(mesh.node_sets) == ["left"]
+
+
+def test_commas(tmp_path):
+    check_film(film(tmp_path, deck(free=True)))
+
+
+def test_a_mark_behind_the_keyword_sets_its_layout(tmp_path):
+    text = deck("I10=Y").replace("*KEYWORD I10=Y", "*KEYWORD")
+    for keyword in ("NODE", "ELEMENT_SHELL"):
+        text = text.replace(f"*{keyword}\n", f"*{keyword} %\n")
+    check_film(film(tmp_path, text))
+
+
+def test_another_layout_than_declared_is_refused(tmp_path):
+    told = refusal(tmp_path, deck("LONG=Y").replace("LONG=Y", ""))
+    assert "is it of another layout" in told
+
+
+def test_keywords_in_lower_case_and_blank_fields(tmp_path):
+    text = deck().replace("*NODE", "*node").replace("*ELEMENT_SHELL", "*Element_Shell")
+    check_film(film(tmp_path, text.replace(f"{0:>16}", " " * 16)))
+
+
+def more(*lines):
+    return deck().replace("*END\n", "".join(lines) + "*END\n")
+
+
+def test_sets_of_every_kind(tmp_path):
+    a, b = sorted(NODE_ID)[:2]
+    mesh = film(
+        tmp_path,
+        more(
+            "*SET_NODE_LIST_GENERATE\n" + card([20], 10) + card([a, b, 0, 0], 10),
+            "*SET_NODE_COLUMN\n" + card([21], 10) + card([a], 10) + card([b], 10),
+            "*SET_NODE_GENERAL_TITLE\nalmost all\n" + card([22], 10),
+            "ALL".ljust(10) + "\n" + "DNODE".ljust(10) + card([a, b], 10),
+            "*SET_NODE_GENERAL\n" + card([23], 10) + "PART".ljust(10) + card([2], 10),
+            "*SET_NODE_ADD\n" + card([24], 10) + card([20, 7], 10),
+            "*SET_PART_LIST\n" + card([9], 10) + card([1, 2], 10),
+            "*SET_SHELL_GENERAL\n" + card([5], 10) + "PART".ljust(10) + card([2], 10),
+            "DELEM".ljust(10) + card([QUAD_ID[RIGHT_PART[0]]], 10),
+        ),
+    )
+    ab = set(rows_in(mesh, NODES[[list(NODE_ID).index(a), list(NODE_ID).index(b)]]))
+    left = set(mesh.node_set("left"))
+    assert set(mesh.node_set("node_set_20")) == ab
+    assert set(mesh.node_set("node_set_21")) == ab
+    assert set(mesh.node_set("almost all")) == set(range(18)) - ab
+    right = rows_in(mesh, NODES[np.unique(QUADS[RIGHT_PART])])
+    assert set(mesh.node_set("node_set_23")) == set(right)
+    assert set(mesh.node_set("node_set_24")) == ab | left
+    assert len(mesh.quad_set("part_set_9")) == 10
+    assert len(mesh.quad_set("shell_set_5")) == len(RIGHT_PART) - 1
+
+
+def test_sets_that_are_not_read_are_said(tmp_path, caplog):
+    film(tmp_path, more("*SET_NODE_GENERAL\n" + card([8], 10) + "BOX".ljust(10) + card([1], 10)))
+    assert "node set 'node_set_8' is left out: *SET_NODE_GENERAL is not read" in caplog.text
+
+
+def test_a_shared_title_gets_the_id(tmp_path):
+    again = "*SET_NODE_LIST_TITLE\nleft\n" + card([8], 10) + card([NODE_ID[0]], 10)
+    assert sorted(film(tmp_path, more(again)).node_sets) == ["left (7)", "left (8)"]
+
+
+def test_triangles_repeat_their_last_node(tmp_path):
+    n = NODE_ID
+    extra = more(
+        "*NODE\n" + card([9000], 8)[:-1] + card(["6.0", "0.5", "0.0"], 16),
+        "*ELEMENT_SHELL\n" + card([9, 2, n[5], 9000, n[11], n[11]], 8),
+    )
+    told = refusal(tmp_path, extra)
+    assert "got 1 triangles beside 10 quads (ids 9)" in told
+    mesh = film(tmp_path, extra, triangles="split")
+    assert mesh.n_quad == 4 * 10 + 3
+    assert len(mesh.quad_set("right part")) == 4 * len(RIGHT_PART) + 3
+    assert (
+        film(
+            tmp_path, extra.replace(card([n[11], n[11]], 8), card([n[11], 0], 8)), triangles="split"
+        ).n_quad
+        == 43
+    )
+
+
+def test_shells_with_thickness_have_two_cards(tmp_path):
+    text = deck()
+    head, rest = text.split("*ELEMENT_SHELL\n")
+    cards, tail = rest.split("*SET_NODE", 1)
+    both = "".join(line + "\n" + card([0.074] * 4, 16) for line in cards.splitlines())
+    check_film(film(tmp_path, f"{head}*ELEMENT_SHELL_THICKNESS\n{both}*SET_NODE{tail}"))
+
+
+def test_includes(tmp_path):
+    text = deck()
+    at, end = text.index("*NODE"), text.index("*PART")
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "nodes of it.k").write_text("*KEYWORD\n" + text[at:end] + "*END\n")
+    (tmp_path / "parts" / "nodes.k").write_text(text[at:end])
+    for name in ("nodes of it.k", "nod +\nes.k"):
+        path = f"*INCLUDE_PATH\nparts\n*INCLUDE\n{name}\n"
+        check_film(film(tmp_path, text[:at] + path + text[end:]))
+
+
+def test_a_file_without_end_is_said(tmp_path, caplog):
+    check_film(film(tmp_path, deck().split("*END")[0]))
+    assert "no *END: the file may be cut short" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("add", "words"),
+    [
+        ("*NODE_TRANSFORM\n", "*NODE_TRANSFORM: makes or moves nodes"),
+        ("*INCLUDE_TRANSFORM\nx.k\n", "*INCLUDE_TRANSFORM: is not read"),
+        ("*INCLUDE\nnone.k\n", "'none.k' must lie beside"),
+        ("*INCLUDE\nfilm.k\n", "must not include itself"),
+        ("*ELEMENT_SOLID\n" + card([5, 1], 8), "1 cells of kind 'ELEMENT_SOLID' (ids 5)"),
+        ("*ELEMENT_SHELL\n" + card([5, 1, *range(1, 9)], 8), "'ELEMENT_SHELL of 5 to 8 nodes'"),
+        ("*ELEMENT_SHELL_COMPOSITE\n", "options must be among THICKNESS"),
+        ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 0, 0], 8), "must have 3 or 4 nodes"),
+        ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 24, 3], 8), "shells must name nodes"),
+        ("*ELEMENT_SHELL\n" + card([QUAD_ID[0], 1, 10, 17, 24, 31], 8), "must stand once"),
+        (
+            "*ELEMENT_SHELL\n" + card([5, 1, 10, "1x", 24, 31], 8),
+            "must be a whole number, got '1x'",
+        ),
+        ("*NODE\n" + card([0], 8), "the node id must be 1 or more"),
+        ("*NOD\n", "did you mean *NODE?"),
+        ("*SET_NODE_LIST\n", "a set must have an id"),
+        ("*SET_NODE_LIST\n" + card([30], 10) + card([11], 10), "got 11; is the file cut short?"),
+        ("*SET_NODE_ADD\n" + card([30], 10) + card([99], 10), "must add sets that are read"),
+        ("*PART\nalone\n", "each part must have a title and a card"),
+    ],
+)
+def test_refusals(tmp_path, add, words):
+    assert words in refusal(tmp_path, more(add))
+
+
+def test_a_file_without_keywords_is_refused(tmp_path):
+    assert "a keyword must come first" in refusal(tmp_path, "hello\n")

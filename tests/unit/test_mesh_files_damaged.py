@@ -1,0 +1,120 @@
+"""Damaged files of every format: refused, or read whole; never another error or a smaller film.
+
+A mutation may leave a file that says something else rightly (a coordinate, a name, an id). What
+must not happen: an error that is none of the package's, or fewer quads or nodes without a word.
+Abaqus and LS-DYNA files declare no counts: there a damage that makes a comment of a line, or ends a
+block early, leaves a sound smaller deck; nodes without quads then betray it and are said.
+"""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import test_abaqus
+from shellcut.film_file import read_film
+from test_lsdyna import deck
+from test_vtk import write_by_vtk
+
+DATA = Path(__file__).parent / "data"
+N_MUTATION = 60
+N_TRUNCATION = 25
+
+ASSEMBLY = test_abaqus.TestPartsAndInstances.PART + (
+    "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s-1, PART=Sheet\n1., 2., 3.\n*END INSTANCE\n*END ASSEMBLY\n"
+)
+
+
+def contents(tmp_path):
+    """(name, bytes, whether counts are declared) of a sound file of every format."""
+    for path in sorted(DATA.glob("gmsh_*.msh")):
+        yield path.name, path.read_bytes(), True
+    yield "flat.inp", test_abaqus.FLAT.encode(), False
+    yield "assembly.inp", ASSEMBLY.encode(), False
+    yield "fixed.k", deck().encode(), False
+    yield "commas.k", deck(free=True).encode(), False
+    for name, mode in (
+        ("binary.vtu", "Binary"),
+        ("ascii.vtu", "Ascii"),
+        ("binary.vtk", "Binary"),
+        ("ascii.vtk", "Ascii"),
+    ):
+        write_by_vtk(tmp_path / name, mode=mode)
+        yield name, (tmp_path / name).read_bytes(), True
+
+
+def mutated(rng, content):
+    """One damage: a byte changed, lost, doubled or swapped, or a stretch lost or repeated."""
+    at = int(rng.integers(len(content)))
+    kind = rng.integers(6)
+    length = int(rng.integers(1, 40))
+    if kind == 0:
+        byte = bytes([rng.choice(list(b"0123456789 -.,eE\n*$aZ\"'=\xff"))])
+        return content[:at] + byte + content[at + 1 :]
+    if kind == 1:
+        return content[:at] + content[at + 1 :]
+    if kind == 2:
+        return content[:at] + content[at : at + 1] + content[at:]
+    if kind == 3:
+        return content[:at] + content[at + length :]
+    if kind == 4:
+        return content[:at] + content[at : at + length] + content[at:]
+    return content[:at] + bytes([content[at] ^ (1 << int(rng.integers(8)))]) + content[at + 1 :]
+
+
+def outcome(path, content, caplog):
+    """None if refused, otherwise (n_quad, n_node, what was said)."""
+    path.write_bytes(content)
+    caplog.clear()
+    try:
+        mesh = read_film(path, unit="mm")
+    except ValueError:  # FileError, MeshError
+        return None
+    return mesh.n_quad, mesh.n_node, caplog.text
+
+
+def check(found, declared, what):
+    if found is None:
+        return
+    n_quad, n_node, said = found
+    if declared:
+        assert (n_quad, n_node) == (10, 18) or "belong to no quad" in said, what
+    elif (n_quad, n_node) != (10, 18):
+        # without counts: a lost quad inside leaves no node behind; one at the rim does
+        assert "left out" in said or "pairs of nodes" in said or n_node == 18, what
+
+
+@pytest.mark.filterwarnings("ignore")  # NumPy's, of numbers out of range
+def test_mutations(tmp_path, caplog, capsys):
+    pytest.importorskip("vtk")
+    rng = np.random.default_rng(20261121)
+    n_read = n_refused = 0
+    with caplog.at_level(logging.WARNING):
+        for name, content, declared in contents(tmp_path):
+            for k in range(N_MUTATION):
+                damaged = mutated(rng, content)
+                found = outcome(tmp_path / name, damaged, caplog)
+                check(found, declared, (name, k))
+                n_refused += found is None
+                n_read += found is not None
+    # most damages are seen; the rest hit names, digits and blanks
+    assert n_refused > 200
+    assert n_read > 100
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_truncations(tmp_path, caplog, capsys):
+    pytest.importorskip("vtk")
+    rng = np.random.default_rng(5)
+    with caplog.at_level(logging.WARNING):
+        for name, content, declared in contents(tmp_path):
+            for length in rng.integers(0, len(content) - 1, N_TRUNCATION).tolist():
+                found = outcome(tmp_path / name, content[:length], caplog)
+                if found is None:
+                    continue
+                n_quad, n_node, said = found
+                whole = (n_quad, n_node) == (10, 18)
+                assert whole or (not declared and said), (name, length)
+                if name.endswith(".k"):
+                    assert "the file may be cut short" in said or b"*END" in content[:length]

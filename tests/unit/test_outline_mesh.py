@@ -1,0 +1,99 @@
+"""Films meshed from their outline by Gmsh."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from shellcut.mesh import MeshError
+from shellcut.outline_mesh import mesh_from_outline
+
+L_SHAPE = [[0, 0], [10, 0], [10, 4], [4, 4], [4, 9], [0, 9]]
+ANGLE = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
+CIRCLE = np.stack([np.cos(ANGLE), np.sin(ANGLE)], axis=1)
+
+
+class TestWithGmsh:
+    @pytest.fixture(autouse=True)
+    def gmsh(self):
+        return pytest.importorskip("gmsh", exc_type=ImportError)
+
+    def test_corners_are_nodes_and_the_area_is_that_of_the_polygon(self):
+        mesh = mesh_from_outline(L_SHAPE, size=0.5)
+        assert mesh.quad_areas().sum() == pytest.approx(60.0, rel=1e-12)  # round-off
+        for corner in L_SHAPE:
+            assert (np.abs(mesh.nodes[:, :2] - corner).max(axis=1) == 0.0).any()
+        assert mesh.scaled_jacobian().min() > 0.4  # measured 0.71
+        lengths = mesh.edge_lengths()
+        assert 0.15 < lengths.min() < lengths.max() < 1.0
+
+    def test_the_boundary_is_the_sets_in_order_around(self):
+        mesh = mesh_from_outline(
+            5.0 * CIRCLE, size=0.6, holes=[CIRCLE, 0.5 * CIRCLE + np.array([3.0, 0.0])]
+        )
+        names = ("outline", "hole_1", "hole_2")
+        rims = [mesh.node_set(name) for name in names]
+        assert set(np.concatenate(rims)) == set(mesh.boundary_nodes())
+        edges = {tuple(e) for e in mesh.edges().nodes[mesh.edges().n_quad == 1].tolist()}
+        around = {
+            tuple(sorted(pair)) for rim in rims for pair in zip(rim, np.roll(rim, -1), strict=True)
+        }
+        assert around == edges
+        radius = np.hypot(*mesh.nodes[rims[0], :2].T)
+        # on the polygon's sides, whose middles lie 5 (1 - cos(pi / 300)) inside the circle
+        assert np.ptp(radius) < 3e-4
+
+    def test_a_smooth_outline_does_not_keep_its_vertices(self):
+        mesh = mesh_from_outline(5.0 * CIRCLE, size=0.6)
+        assert len(mesh.node_set("outline")) == 52  # 2 pi 5 / 0.6, made even
+
+    @pytest.mark.parametrize("size", [0.37, 0.5, 0.71, 2.0, 20.0])
+    def test_quads_only_at_any_size(self, size):
+        mesh = mesh_from_outline(L_SHAPE, size=size)
+        assert mesh.quad_areas().sum() == pytest.approx(60.0, rel=1e-12)
+
+    def test_a_session_of_the_users_own_is_left_alone(self, gmsh):
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.option.setNumber("Mesh.Algorithm", 2)
+            gmsh.model.add("mine")
+            mesh_from_outline(L_SHAPE, size=1.0)
+            assert gmsh.model.getCurrent() == "mine"
+            assert gmsh.option.getNumber("Mesh.Algorithm") == 2
+            assert gmsh.option.getNumber("Mesh.RecombineAll") == 0
+        finally:
+            gmsh.finalize()
+
+    def test_the_same_outline_gives_the_same_mesh(self):
+        one, two = (mesh_from_outline(L_SHAPE, size=0.7) for _ in range(2))
+        np.testing.assert_array_equal(one.nodes, two.nodes)
+        np.testing.assert_array_equal(one.quads, two.quads)
+
+
+@pytest.mark.parametrize(
+    ("outline", "holes", "size", "words"),
+    [
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], [], 0.1, "outline crosses itself near"),
+        ([[0, 0], [1, 0]], [], 0.1, "outline must be three points or more"),
+        ([[0, 0], [0, 0], [1, 0]], [], 0.1, "different vertices, 0 is"),
+        ([[0, 0], [1, np.nan], [1, 0]], [], 0.1, "outline must be finite"),
+        (5.0 * CIRCLE, [CIRCLE + 20.0], 0.5, "hole_1 must lie inside the outline"),
+        (5.0 * CIRCLE, [CIRCLE + np.array([4.5, 0.0])], 0.5, "outline crosses hole_1"),
+        (5.0 * CIRCLE, [3.0 * CIRCLE, CIRCLE], 0.5, "hole_2 lies in hole_1"),
+        (5.0 * CIRCLE, [], 0.0, "size must be a finite length above 0"),
+    ],
+)
+def test_refusals(outline, holes, size, words):
+    with pytest.raises(MeshError, match=words):
+        mesh_from_outline(outline, size=size, holes=holes)
+
+
+def test_a_missing_gmsh_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with pytest.raises(ImportError, match=r"pip install 'shellcut\[mesh\]'"):
+        mesh_from_outline(L_SHAPE, size=1.0)
+
+
+def test_the_package_does_not_import_gmsh():
+    assert "gmsh" not in vars(sys.modules["shellcut.outline_mesh"])

@@ -1,0 +1,271 @@
+"""Tools from files: the default tooth out and back, in every disguise; chains; refusals."""
+
+import meshio
+import numpy as np
+import pytest
+
+from shellcut import opening_test
+from shellcut.formats.errors import FileError
+from shellcut.formats.stl import write_stl
+from shellcut.tool import ToolError
+from shellcut.tool_file import read_tool
+from shellcut.tool_shapes import straight_blade, tooth_ring
+from test_mesh_files_damaged import mutated
+from test_surface_files import BOX, CORNERS
+from test_tool import joined, wedge
+
+RING = tooth_ring()
+SINGLE = 2e-6  # mm; single precision of 10 mm is 5e-7, some operations on it
+
+
+@pytest.fixture
+def cap(tmp_path):
+    path = tmp_path / "cap.stl"
+    RING.write(path)
+    return path
+
+
+def check_ring(tool, places=RING.vertices):
+    """The tool is the ring of teeth: bodies, edges where they were, mid-planes, flanks."""
+    assert (tool.n_body, tool.n_triangle, tool.n_edge) == (4, RING.n_triangle, RING.n_edge)
+    assert [chain.n_segment for chain in tool.chains()] == [15] * 4
+    assert not any(chain.closed for chain in tool.chains())
+
+    def middles(of, vertices):
+        return vertices[of.edges].mean(axis=1)
+
+    ours, known = middles(tool, tool.vertices), middles(RING, places)
+    distance = np.linalg.norm(ours[:, None] - known[None], axis=2)
+    match = distance.argmin(axis=1)
+    assert sorted(match) == list(range(RING.n_edge))
+    assert distance.min(axis=1).max() < SINGLE
+    # single precision turns the facets of a 0.4 mm segment by 5e-7 / 0.05
+    np.testing.assert_allclose(tool.volume().sum(), RING.volume().sum(), rtol=1e-5)
+    assert abs((tool.flank == 0).sum() - (RING.flank == 0).sum()) == 0
+    return match
+
+
+class TestTheDefaultToothOutAndBack:
+    def test_the_same_edges_and_flanks(self, cap):
+        tool = read_tool(cap, unit="mm")
+        match = check_ring(tool)
+        turned = np.einsum("ij,ij->i", tool.edge_normal, RING.edge_normal[match])
+        np.testing.assert_allclose(np.abs(turned), 1.0, atol=1e-5)  # sine of 1e-5 squared is less
+        assert len({round(t) for t in turned}) == 1  # plus is the same side on all teeth
+        np.testing.assert_allclose(tool.edge_back, RING.edge_back[match], atol=1e-4)
+        assert tool.name == "cap.stl"
+
+    def test_the_same_torque(self, cap):
+        """Over the whole quick run the means agree to 2e-5, the curves to 0.4 % rms of the mean."""
+        torque = []
+        for tool in (RING, read_tool(cap, unit="mm")):
+            simulation = opening_test("quick", tool=tool).simulation
+            curve = []
+            while simulation.state.time < 0.45e-3:  # 5.8 degrees: the teeth press on the film
+                for _ in range(20):
+                    simulation.step()
+                curve.append(simulation.contact_forces.wrench[:, 5].sum())
+            torque.append(np.array(curve))
+        built_in, read = torque
+        assert np.abs(built_in).max() > 40.0
+        # 5e-7 mm of single precision: measured 9e-5 of the peak; the requirement is 0.5 %
+        assert np.abs(read - built_in).max() < 5e-3 * np.abs(built_in).max()
+
+    def test_inside_out(self, cap, caplog):
+        write_stl(cap, RING.vertices, RING.triangles[:, ::-1], header="inside out")
+        check_ring(read_tool(cap, unit="mm"))
+        assert "4 of 4 bodies were inside out and are turned" in caplog.text
+
+    def test_some_triangles_against_the_others(self, cap, caplog):
+        triangles = RING.triangles.copy()
+        triangles[::3] = triangles[::3, ::-1]
+        write_stl(cap, RING.vertices, triangles, header="mixed")
+        check_ring(read_tool(cap, unit="mm"))
+        assert "ran against their neighbours and are turned" in caplog.text
+
+    @pytest.mark.parametrize(("unit", "mm"), [("inch", 25.4), ("m", 1000.0), (2.5, 2.5)])
+    def test_in_another_unit(self, cap, unit, mm):
+        write_stl(cap, RING.vertices / mm, RING.triangles, header="scaled")
+        check_ring(read_tool(cap, unit=unit))
+
+    def test_inches_are_not_guessed(self, cap):
+        write_stl(cap, RING.vertices / 25.4, RING.triangles, header="inch")
+        with pytest.raises(FileError, match=r"unit must be given, the tool is 0\.7"):
+            read_tool(cap)
+
+    def test_a_guess_is_said(self, cap, caplog):
+        check_ring(read_tool(cap))
+        assert "no unit given: taken as mm, the tool is 19." in caplog.text
+
+    @pytest.mark.parametrize(
+        ("axis", "rows"),
+        [
+            ("x", [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
+            ("y", [[1, 0, 0], [0, 0, 1], [0, -1, 0]]),
+            ("-z", [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
+            ((0.0, 3.0, 4.0), [[1, 0, 0], [0, 0.8, 0.6], [0, -0.6, 0.8]]),
+        ],
+    )
+    def test_along_another_axis(self, cap, axis, rows):
+        # the file holds the tool turned so that its z lies along `axis`
+        turn = np.array(rows, dtype=float)
+        direction = {"x": [1, 0, 0], "y": [0, 1, 0], "-z": [0, 0, -1]}.get(axis, [0, 0.6, 0.8])
+        np.testing.assert_allclose(turn @ [0.0, 0.0, 1.0], direction, atol=1e-15)
+        write_stl(cap, RING.vertices @ turn.T, RING.triangles, header="turned")
+        check_ring(read_tool(cap, unit="mm", axis=axis))
+
+    def test_shifted(self, cap):
+        tool = read_tool(cap, unit="mm", shift=(1.0, 2.0, 3.0))
+        check_ring(tool.translated((-1.0, -2.0, -3.0)))
+
+    def test_with_text_noise_in_the_header(self, cap):
+        content = cap.read_bytes()
+        cap.write_bytes(b"solid cap facet normal 1 2 3 vertex".ljust(80) + content[80:])
+        check_ring(read_tool(cap, unit="mm"))
+
+    def test_as_obj_with_duplicate_vertices(self, tmp_path):
+        path = tmp_path / "cap.obj"
+        corners = RING.vertices[RING.triangles].reshape(-1, 3)
+        text = "".join("v {:.9g} {:.9g} {:.9g}\n".format(*c) for c in corners)
+        text += "".join(f"f {k} {k + 1} {k + 2}\n" for k in range(1, len(corners), 3))
+        path.write_text(text)
+        check_ring(read_tool(path, unit="mm"))
+
+    def test_with_a_hole(self, cap):
+        triangles = np.delete(RING.triangles, [40, 41], axis=0)
+        write_stl(cap, RING.vertices, triangles, header="hole")
+        place = RING.vertices[np.unique(RING.triangles[[40, 41]])].mean(axis=0)
+        with pytest.raises(ToolError, match=r"surface in .*cap\.stl cannot be a tool") as caught:
+            read_tool(cap, unit="mm")
+        (problem,) = caught.value.problems
+        assert "mm across, 4 edges" in problem
+        told = [float(c) for c in problem.split("around (")[1].split(")")[0].split(", ")]
+        np.testing.assert_allclose(told, place, atol=1e-4)  # to six digits
+
+    def test_with_two_holes_tells_the_larger_first(self, cap):
+        far = int(np.argmax(RING.triangle_body == 3))
+        triangles = np.delete(RING.triangles, [40, 41, far], axis=0)
+        write_stl(cap, RING.vertices, triangles, header="holes")
+        with pytest.raises(ToolError, match=r"the surface has 2 holes around .* 4 edges; around"):
+            read_tool(cap, unit="mm")
+
+
+class TestChains:
+    def test_a_chain_chosen_not_to_cut(self, cap, caplog):
+        tool = read_tool(cap, unit="mm", not_cutting=[1])
+        assert tool.n_chain == 3
+        assert tool.n_triangle == RING.n_triangle
+        every = read_tool(cap, unit="mm").chains()
+        for chain, known in zip(tool.chains(), [every[0], *every[2:]], strict=True):
+            assert chain.length == known.length
+            np.testing.assert_array_equal(chain.start, known.start)
+        # the flanks of the tooth that does not cut are none any more
+        assert set(tool.flank[tool.triangle_body == every[1].body]) == {0}
+        assert "3 cutting edges by their angle" in caplog.text
+
+    def test_wrong_and_all_chains_are_refused(self):
+        with pytest.raises(ToolError, match=r"no chain \[7\]; the chains are: chain 0 of body 0"):
+            RING.without_cutting(7)
+        with pytest.raises(ToolError, match="one chain at least must cut"):
+            RING.without_cutting(0, 1, 2, 3)
+
+    def test_length_place_and_angle(self):
+        blade = straight_blade(height=4.0, wedge_half_angle_deg=10.0)
+        (chain,) = blade.chains()
+        assert chain.length == pytest.approx(4.0, rel=1e-15)
+        np.testing.assert_allclose(chain.start, [0.0, 0.0, 2.0], atol=1e-15)
+        np.testing.assert_allclose(chain.centre, 0.0, atol=1e-15)
+        assert chain.turn_deg == pytest.approx((160.0, 160.0), rel=1e-12)
+        assert str(chain).startswith("chain 0 of body 0: 1 segments, 4 mm, open, (0, 0, 2) to")
+
+    def test_a_closed_chain(self, tmp_path):
+        # two cones base to base: the rim is a closed edge
+        n = 24
+        angle = 2.0 * np.pi * np.arange(n) / n
+        rim = 5.0 * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], 1)
+        vertices = np.concatenate([rim, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
+        k, following = np.arange(n), np.roll(np.arange(n), -1)
+        up = np.stack([k, following, np.full(n, n)], 1)
+        down = np.stack([following, k, np.full(n, n + 1)], 1)
+        path = tmp_path / "disc.stl"
+        write_stl(path, vertices, np.concatenate([up, down]), header="disc")
+        (chain,) = read_tool(path, unit="mm").chains()
+        assert chain.closed
+        assert chain.n_segment == n
+        assert chain.length == pytest.approx(2 * n * 5.0 * np.sin(np.pi / n), rel=1e-6)  # single
+        assert "closed, through (5, 0, 0), turns by" in str(chain)
+
+
+class TestRefusals:
+    def test_no_sharp_edge(self, tmp_path):
+        path = tmp_path / "box.stl"
+        write_stl(path, CORNERS, BOX, header="box")
+        with pytest.raises(ToolError, match="none turns by sharp_angle_deg = 100"):
+            read_tool(path, unit="mm")
+        assert read_tool(path, unit="mm", sharp_angle_deg=80.0).n_edge == 12
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ({"axis": "w"}, "axis must be x, y, z"),
+            ({"axis": (0.0, 0.0, 0.0)}, "a direction of three numbers"),
+            ({"shift": (1.0, 2.0)}, "shift must be three finite numbers"),
+            ({"unit": "feet"}, "unit must be one of um, mm"),
+            ({"unit": -1.0}, "unit must be a finite length above 0"),
+            ({"not_cutting": [9]}, "there is no chain"),
+        ],
+    )
+    def test_options(self, cap, options, words):
+        with pytest.raises(ValueError, match=words):
+            read_tool(cap, **{"unit": "mm", **options})
+
+    def test_other_names(self, tmp_path):
+        with pytest.raises(FileError, match=r"must end in one of \.stl, \.obj, \.ply"):
+            read_tool(tmp_path / "cap.step")
+        with pytest.raises(ValueError, match=r"a tool is written as \.stl"):
+            RING.write(tmp_path / "cap.obj")
+
+    def test_coordinates_that_are_no_numbers(self, cap):
+        vertices = RING.vertices.copy()
+        vertices[3] = np.nan
+        with np.errstate(invalid="ignore"):
+            write_stl(cap, vertices, RING.triangles, header="nan")
+        with pytest.raises(FileError, match="coordinates must be finite"):
+            read_tool(cap, unit="mm")
+
+
+def two_wedges(folder):
+    """The same two bodies in every format."""
+    vertices, triangles = joined(wedge(), wedge(at=(5.0, 0.0, 0.0)))
+    mesh = meshio.Mesh(vertices, {"triangle": triangles.astype(np.int32)})
+    write_stl(folder / "binary.stl", vertices, triangles, header="two wedges")
+    meshio.stl.write(folder / "text.stl", mesh, binary=False)
+    meshio.ply.write(folder / "text.ply", mesh, binary=False)
+    meshio.ply.write(folder / "binary.ply", mesh, binary=True)
+    lines = ["v {!r} {!r} {!r}".format(*c) for c in vertices.tolist()]
+    lines += ["f {} {} {}".format(*(t + 1)) for t in triangles]
+    (folder / "text.obj").write_text("\n".join(lines) + "\n")
+    return sorted(folder.iterdir())
+
+
+def test_damaged_files_are_refused_or_whole(tmp_path, caplog):
+    """Nothing but the package's errors comes, and no smaller tool without a word."""
+    rng = np.random.default_rng(8)
+    n_read = n_refused = 0
+    for path in two_wedges(tmp_path):
+        content = path.read_bytes()
+        for k in range(50):
+            cut = content[: int(rng.integers(len(content)))]
+            path.write_bytes(mutated(rng, content) if k % 4 else cut)
+            caplog.clear()
+            try:
+                tool = read_tool(path, unit="mm")
+            except ValueError:
+                n_refused += 1
+                continue
+            n_read += 1
+            assert tool.n_triangle == 16 or any(
+                words in caplog.text for words in ("removed", "kept once", "cut short")
+            ), (path.name, k)
+    assert n_refused > 100
+    assert n_read > 20  # damaged names, normals, digits
