@@ -1,0 +1,1 @@
+"""Benchmarks: what the library costs, beside what the machine can do. Run by ``run.py``."""

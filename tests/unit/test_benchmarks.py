@@ -1,0 +1,150 @@
+"""The benchmarks run on tiny sizes and give sane figures; nothing here asserts a speed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks import calculix_disc, cut, gates, machine, memory, peers, report, steps, traffic
+from benchmarks.discs import build_mesh, pressurised_disc
+from benchmarks.harness import Gate, Neighbours
+from benchmarks.results import Results, load
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    """All parts at tiny sizes; the child processes and the other programs left out."""
+    accesses = traffic.accesses(lambda side: pressurised_disc(build_mesh(side), "linear"))
+    limits = machine.measure(array_bytes=2**16, rounds=1000)
+    costs = [
+        steps.measure_one("1e3", m, 1, repeats=2, accesses=accesses, evaluation=None)
+        for m in ("linear", "points")
+    ]
+    small = memory.footprint("1e3", 1)
+    return Results(
+        when="now",
+        quick=True,
+        machine=limits,
+        machine_after=limits,
+        steps=costs,
+        memory=memory.Memory(small, replace(small, n_quad=small.n_quad + 1)),
+        cuts=[cut.measure("quick", 1.0, 0.5)],
+        peers=[peers.run_ours(peers.build(4, 2))],
+        missing_peers={peers.CALCULIX: "not installed"},
+        neighbours={"machine": Neighbours().report()},
+    )
+
+
+def test_the_machine_has_limits(results):
+    m = results.machine
+    assert m.lanes in (2, 4, 8)
+    for figure in (m.clock_ghz, m.peak_gflops, m.triad_gbytes, m.flops_a_cycle):
+        assert 0.0 < figure < math.inf
+
+
+def test_steps_have_costs_and_floors(results):
+    m = results.machine
+    for cost in results.steps:
+        floors = cost.arithmetic_floor(m.peak_gflops), cost.memory_floor(m.triad_gbytes)
+        for figure in (cost.kernel, cost.kernel_best, cost.step, cost.plain_step_best, *floors):
+            assert 0.0 < figure < math.inf
+        assert 0.0 <= cost.evaluation < math.inf
+        assert cost.n_quad == 1008
+
+
+def test_traffic_finds_what_a_step_reads_and_writes():
+    def build(side):
+        return pressurised_disc(build_mesh(side), "linear")
+
+    sim, counts = build(8), traffic.accesses(build)
+    assert set(counts.values()) == {1, 2}
+    # Positions are written; the reference they started from only stands in the state.
+    assert any(n == 2 for path, n in counts.items() if path.startswith("state"))
+    assert traffic.bytes_per_step(sim, counts) >= 2 * sim.state.node.x[: sim.mesh.n_node].nbytes
+    # Connectivity, read only.
+    assert any(traffic.arrays_of(sim)[p].dtype.kind in "iu" for p, n in counts.items() if n == 1)
+
+
+def test_the_profile_adds_up_to_the_run(results):
+    c = results.cuts[0]
+    assert c.angle == pytest.approx(1.0, abs=0.01)  # a step passes the end
+    assert c.not_found == []
+    assert all(0.0 <= own < math.inf for own in c.parts.values())
+    # Round-off: the parts are scaled to the run.
+    whole = (c.run_seconds + c.closing_seconds) * 1e9 / (c.n_step * c.n_quad)
+    assert sum(c.parts.values()) == pytest.approx(whole, rel=1e-9)
+
+
+def test_a_part_keeps_only_its_own_time(monkeypatch):
+    clock = iter(range(100))
+    monkeypatch.setattr(cut.time, "perf_counter", lambda: float(next(clock)))
+    profile = cut.Profile()
+    inner = profile.timed("inner", lambda: None)
+    profile.timed("outer", lambda: (inner(), inner()))()
+    monkeypatch.setattr(cut, "_timer_cost", lambda: (0.0, 0.0))
+    # The clock ticks once a reading: 1 s an inner call, 5 s the outer with both.
+    assert profile.own_seconds(7.0) == {"inner": 2.0, "outer": 3.0, "driver": 2.0}
+    monkeypatch.setattr(cut, "_timer_cost", lambda: (0.5, 0.25))
+    assert profile.own_seconds(7.0) == {"inner": 1.0, "outer": 2.0, "driver": 1.75}
+
+
+def test_the_disc_of_the_peers_is_the_librarys():
+    model = peers.build(4, 2)
+    sim = pressurised_disc(model.mesh, "linear")
+    n = model.mesh.n_node
+    # Round-off of sums over four quads.
+    assert np.allclose(model.mass, sim.state.node.mass[:n], rtol=1e-12)
+    assert np.allclose(model.load, peers.PRESSURE / (1e-9 * 0.074) * model.mass, rtol=1e-12)
+
+
+def test_a_peak_is_found_between_samples():
+    t = np.linspace(0.0, 1.0, 30)
+    # Round-off: the parabola is met exactly.
+    when = peers.first_peak(t, 2.0 - (t - 0.613) ** 2)
+    assert when == pytest.approx((0.613, 2.0), rel=1e-9)
+
+
+def test_calculix_is_told_and_read():
+    mesh = build_mesh(4)
+    text = calculix_disc.deck(mesh, 0.05, 0, (1678.0, 0.3, 1e-9, 0.074), 9e-5)
+    lines = text.splitlines()
+    first = lines.index("*ELEMENT, TYPE=S4R, ELSET=FILM") + 1
+    quads = [[int(n) - 1 for n in line.split(",")[1:]] for line in lines[first:][: mesh.n_quad]]
+    assert quads == mesh.quads.tolist()
+    said = (
+        " displacements (vx,vy,vz) for set MIDDLE and time  0.1000000E-05\n\n"
+        "        13 -5.7E-16  4.6E-16  1.2E-03\n\n"
+        " displacements (vx,vy,vz) for set MIDDLE and time  0.2000000E-05\n\n"
+        "        13 -5.7E-16  4.6E-16  4.8E-03\n"
+    )
+    times, heights = calculix_disc.read_middle(said)
+    assert times.tolist() == [1e-6, 2e-6]
+    assert heights.tolist() == [1.2e-3, 4.8e-3]
+
+
+def test_gates_say_met_not_met_or_why_not(results):
+    assert Gate("a", 2.0, 1.0).verdict == "met"
+    assert Gate("a", 2.0, 1.0, at_least=True).verdict == "not met"
+    assert Gate("a", 2.0, math.nan).met is False
+    assert Gate("a", 2.0, None, why_not="not run").verdict == "not measured: not run"
+    assert all(gate.met is None and gate.why_not for gate in gates.gates(Results()))
+    verdicts = {gate.what: gate.verdict for gate in gates.gates(results)}
+    whys = [why for what, why in verdicts.items() if peers.CALCULIX in what]
+    assert whys == ["not measured: not installed"] * 2
+
+
+def test_results_make_a_page_and_come_back(results, tmp_path):
+    results.save(tmp_path / "r.json")
+    again = load(tmp_path / "r.json")
+    assert again == results
+    (tmp_path / "performance.md").write_text(f"# Head\n\n{report.MARKER}\n\nold\n")
+    report.write(again, tmp_path)
+    page = (tmp_path / "performance.md").read_text()
+    assert page.startswith("# Head")
+    assert "old" not in page
+    assert "| linear | 1 | 1,008 |" in page
+    assert {p.name for p in (tmp_path / "img").iterdir()} == {
+        "performance_scaling.png",
+        "performance_profile.png",
+    }
