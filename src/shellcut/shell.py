@@ -90,6 +90,15 @@ class MITC4Shell:
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
         self.tables, self.points = _build_tables(mesh, material, self.blocks)
+        kernels: tuple[Any, ...] = (add_flat_quads, add_full_quads)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+        starts = (self.blocks.flat_start, self.blocks.full_start)
+        self._kernels = [
+            (kernel, start)
+            for kernel, start in zip(kernels, starts, strict=True)
+            if start[0] < start[-1]
+        ]
         self._centre_stress = CentreStress(mesh, material)
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
@@ -148,48 +157,26 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        node, blocks = state.node, self.blocks
+        node, blocks, threads = state.node, self.blocks, self._workers.count
         damped = self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         sums = np.zeros((blocks.n_strip, 3))
-        fixed: tuple[Any, ...] = (node.x, node.t, blocks.corner, self.tables)
-        if self.has_points:
-            kernels = (add_flat_point_quads, add_full_point_quads)
-            fixed = (*fixed, self.points)
-            changing: tuple[Floats, ...] = (state.strain, state.strain_before, state.history)
-        else:
-            kernels = (add_flat_quads, add_full_quads)
-            changing = (state.strain, state.strain_before)
-        taken = [
-            (kernel, start)
-            for kernel, start in zip(kernels, (blocks.flat_start, blocks.full_start), strict=True)
-            if start[0] < start[-1]
-        ]
-        threads = self._workers.count
-
+        arguments: tuple[Any, ...] = (node.x, node.t, blocks.corner, self.tables)
+        arguments += (self.points,) if self.has_points else ()
+        arguments += (damped, rho, state.strain, state.strain_before)
+        arguments += (state.history,) if self.has_points else ()
+        arguments += (node.force_rows, sums, self._lane)
         # Strips of one parity have no node in common (see quad_blocks).
         for parity in range(min(2, blocks.n_strip)):
 
             def part(thread: int, parity: int = parity) -> None:
-                first, stride = parity + 2 * thread, 2 * threads
-                for kernel, start in taken:
-                    kernel(
-                        first,
-                        stride,
-                        start,
-                        *fixed,
-                        damped,
-                        rho,
-                        *changing,
-                        node.force_rows,
-                        sums,
-                        self._lane,
-                    )
+                for kernel, start in self._kernels:
+                    kernel(parity + 2 * thread, 2 * threads, start, *arguments)
 
             self._workers.run(part)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
-        p0, p1, p2 = sums.sum(axis=0).tolist()
+        p0, p1, p2 = np.add.reduce(sums).tolist()
         if self.has_points:
             return Work(p0, 0.5 * rho * p1)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
