@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import os
 import platform
+import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -196,9 +196,20 @@ def _together(work: Sequence[Callable[[], object]]) -> float:
     """Run each piece of work on a thread of its own; return the time until all are done [s]."""
     if len(work) == 1:
         return _seconds(work[0])
-    with ThreadPoolExecutor(len(work)) as pool:
-        list(pool.map(lambda _: None, work))  # threads started before the clock
-        return _seconds(lambda: list(pool.map(lambda piece: piece(), work)))
+    ready = threading.Barrier(len(work) + 1)
+
+    def run(piece: Callable[[], object]) -> None:
+        ready.wait()
+        piece()
+
+    threads = [threading.Thread(target=run, args=(piece,)) for piece in work]
+    for thread in threads:
+        thread.start()
+    began = time.perf_counter()
+    ready.wait()
+    for thread in threads:
+        thread.join()
+    return time.perf_counter() - began
 
 
 def last_level_cache() -> int:

@@ -55,7 +55,14 @@ def draw_scaling(results: Results, file: Path) -> None:
             if c.n_quad > 90_000 and (floor := c.memory_floor(triad)) is not None
         ]
         if large:
-            axes.plot(*zip(*large, strict=True), color="0.4", ls="-.", label="memory, linear")
+            axes.plot(
+                *zip(*large, strict=True),
+                color="0.4",
+                ls="-.",
+                marker="s",
+                ms=3,
+                label="memory, linear",
+            )
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("quads")
