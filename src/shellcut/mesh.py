@@ -40,6 +40,9 @@ from .mesh_checks import (
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
 
+# Breadth of a lane of nodes in :meth:`Mesh.ordered`, in edges.
+_LANE = 4.0
+
 
 class Edges(NamedTuple):
     """The edges of a mesh, each once."""
@@ -269,6 +272,30 @@ class Mesh:
             raise error(problems)
         return replace(
             self, node_sets={**self.node_sets, **nodes}, quad_sets={**self.quad_sets, **quads}
+        )
+
+    def ordered(self) -> Mesh:
+        """Return the mesh with its nodes numbered anew, neighbours near each other.
+
+        Quads are taken in an order of their own (:mod:`shellcut.quad_blocks`), but their nodes lie
+        in memory as they are numbered: in a film of 1e5 quads or more whose numbers are scattered,
+        as some meshers leave them, this saves time. Node sets follow, quads and their sets stay;
+        ids of nodes from before are ids no longer.
+        """
+        axes = np.argsort(-np.ptp(self.nodes, axis=0), kind="stable")
+        along, across = self.nodes[:, axes[0]], self.nodes[:, axes[1]]
+        # Up and down lanes a few quads broad, as the quads are taken.
+        breadth = _LANE * float(np.sqrt(np.median(self.quad_areas())))
+        order = np.lexsort((across, np.floor((along - along.min()) / breadth)))
+        new = np.empty(self.n_node, np.int64)
+        new[order] = np.arange(self.n_node)
+        return replace(
+            self,
+            nodes=self.nodes[order],
+            directors=self.directors[order],
+            quads=new[self.quads],
+            node_sets={name: new[ids] for name, ids in self.node_sets.items()},
+            origin=new[self.origin[order]],
         )
 
     def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:

@@ -4,6 +4,7 @@ from dataclasses import FrozenInstanceError
 import numpy as np
 import pytest
 
+from naive import cases
 from shellcut.mesh import MAX_VALENCE, Mesh, MeshError
 from shellcut.meshing import annulus, cylinder, rectangle
 
@@ -456,3 +457,21 @@ def test_a_line_across_an_earlier_cut_is_told_the_copies(sheet):
         notched.cut([2, 7, 12])
     with pytest.raises(MeshError, match="cut before"):
         notched.cut([11, 12])
+
+
+def test_ordered_nodes_are_the_same_film():
+    mesh = cases.skewed_flat(9, 7, seed=3).with_sets(
+        node_sets={"some": [5, 0, 7]}, quad_sets={"two": [1, 3]}
+    )
+    mesh = mesh.cut([20, 21, 22, 23])
+    ordered = mesh.ordered()
+    assert not np.array_equal(ordered.nodes, mesh.nodes)
+    np.testing.assert_array_equal(ordered.nodes[ordered.quads], mesh.nodes[mesh.quads])
+    np.testing.assert_array_equal(ordered.directors[ordered.quads], mesh.directors[mesh.quads])
+    same = [m.nodes[m.node_set("some")] for m in (ordered, mesh)]
+    np.testing.assert_array_equal(*same)
+    assert ordered.quad_set("two").tolist() == [1, 3]
+    # Both halves of a cut node still name one origin, at the same place.
+    np.testing.assert_array_equal(ordered.nodes[ordered.origin], ordered.nodes)
+    twins = [np.flatnonzero(np.bincount(m.origin) > 1).size for m in (ordered, mesh)]
+    assert twins[0] == twins[1] == 4
