@@ -1,9 +1,9 @@
 """Tangent stiffness of a quad: the element's own functions, differentiated exactly.
 
 The strains are quadratic and the nodal forces f(u, r) bilinear in u = (positions, directors) and
-the resultants r. For any motion d, of any size,
+the resultants r. For any motion d, of any size, with m the scalar products of the strains,
 
-    ds = ½ [s(u + d) - s(u - d)],       df = f(u, H ds) + f(d, r),
+    ds = m(u + d) - m(u) - m(d),        df = f(u, H ds) + f(d, r),
 
 exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
 forces. With d of the size of the quad round-off is that of the forces.
@@ -48,8 +48,16 @@ def quad_tangents(
     fx, ft = np.empty((4, 3)), np.empty((4, 3))
     gx, gt = np.empty((4, 3)), np.empty((4, 3))
     s, r = np.empty(20), np.empty(20)
-    ds, dr, back = np.empty(20), np.empty(20), np.empty(20)
+    m, ds, dr = np.empty(20), np.empty(20), np.empty(20)
     basis = np.empty((4, 2, 3))
+    # m(d) of the unit translations; that of a turn is zero: no product has two directors.
+    alone = np.zeros((N_FREEDOM, 20))
+    for column in range(12):
+        for a in range(4):
+            for c in range(3):
+                xd[a, c] = 1.0 if 3 * a + c == column else 0.0
+                td[a, c] = 0.0
+        covariant_metric(xd, td, alone[column])
     for i in range(which.shape[0]):
         e = which[i]
         for a in range(4):
@@ -59,9 +67,11 @@ def quad_tangents(
                 xe[a, c] = x[quads[e, a], c] - x[quads[e, 0], c]
                 te[a, c] = t[quads[e, a], c]
         size = np.sqrt(xe[2, 0] ** 2 + xe[2, 1] ** 2 + xe[2, 2] ** 2)
-        covariant_metric(xe, te, s)
+        covariant_metric(xe, te, m)
+        strained = False
         for k in range(20):
-            s[k] -= metric[e, k]
+            s[k] = m[k] - metric[e, k]
+            strained = strained or s[k] != 0.0
         resultants(s, flat[e], h_flat, h_full, row[e], r)
         nodal_forces(xe, te, r, fx, ft)
         for a in range(4):
@@ -83,22 +93,26 @@ def quad_tangents(
                 a, b = (column - 12) // 2, (column - 12) % 2
                 for c in range(3):
                     td[a, c] = step * basis[a, b, c]
-            for sign in (-1.0, 1.0):
-                for a in range(4):
-                    for c in range(3):
-                        gx[a, c] = xe[a, c] + sign * xd[a, c]
-                        gt[a, c] = te[a, c] + sign * td[a, c]
-                covariant_metric(gx, gt, back if sign < 0.0 else ds)
-            for k in range(20):
-                ds[k] = 0.5 * (ds[k] - back[k])
-            resultants(ds, flat[e], h_flat, h_full, row[e], dr)
-            nodal_forces(xe, te, dr, fx, ft)
-            nodal_forces(xd, td, r, gx, gt)
             for a in range(4):
                 for c in range(3):
-                    tangent[i, 3 * a + c, column] = (fx[a, c] + gx[a, c]) / step
+                    gx[a, c] = xe[a, c] + xd[a, c]
+                    gt[a, c] = te[a, c] + td[a, c]
+            covariant_metric(gx, gt, ds)
+            for k in range(20):
+                ds[k] -= m[k] + step * step * alone[column, k]
+            resultants(ds, flat[e], h_flat, h_full, row[e], dr)
+            nodal_forces(xe, te, dr, fx, ft)
+            if strained:
+                nodal_forces(xd, td, r, gx, gt)
+                for a in range(4):
+                    for c in range(3):
+                        fx[a, c] += gx[a, c]
+                        ft[a, c] += gt[a, c]
+            for a in range(4):
+                for c in range(3):
+                    tangent[i, 3 * a + c, column] = fx[a, c] / step
                 for b in range(2):
                     turned = 0.0
                     for c in range(3):
-                        turned += (ft[a, c] + gt[a, c]) * basis[a, b, c]
+                        turned += ft[a, c] * basis[a, b, c]
                     tangent[i, 12 + 2 * a + b, column] += turned / step
