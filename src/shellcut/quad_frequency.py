@@ -146,7 +146,7 @@ class QuadFrequencies:
         return squared
 
 
-_PIECE = 4096
+_PIECE = 1024
 
 
 def growth_rates(material: ShellMaterial) -> tuple[float, float]:

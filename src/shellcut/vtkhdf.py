@@ -102,6 +102,8 @@ class VtkHdfWriter(GrowingFile):
         self._file = h5py.File(self.path, "r+" if self.goes_on else "w")
         self._series_names: tuple[str, ...] = ()
         self._cells: tuple[Any, Any, int] | None = None  # those of the last frame
+        self._cells_entry: dict[str, Any] = {}  # and where they are
+        self._last_time = -np.inf
         self._n_frame = 0
         if self.goes_on:
             self._open_old()
@@ -123,10 +125,10 @@ class VtkHdfWriter(GrowingFile):
             If the frame's scalars are not those of the first frame, or its time is not later
             than that of the last.
         """
-        if self._n_frame and frame.time <= self._columns["Steps/Values"][-1]:
+        if frame.time <= self._last_time:
             raise ValueError(
                 f"frames must be appended in order of time, got {frame.time} s after "
-                f"{self._columns['Steps/Values'][-1]} s"
+                f"{self._last_time} s"
             )
         series = _series(frame)
         if not self._series_names:
@@ -157,6 +159,7 @@ class VtkHdfWriter(GrowingFile):
         # The frame counts only once all of it is in the file.
         self._file.flush()
         self._count(self._n_frame + 1)
+        self._last_time = frame.time
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
@@ -172,8 +175,7 @@ class VtkHdfWriter(GrowingFile):
                 and np.array_equal(types, old_types)
                 and np.array_equal(connectivity, old_connectivity)
             ):
-                names = ("PartOffsets", "NumberOfParts", "CellOffsets", "ConnectivityIdOffsets")
-                return {name: self._columns[f"Steps/{name}"][-1] for name in names}
+                return dict(self._cells_entry)
         self._cells = connectivity, types, n_point
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
@@ -184,12 +186,13 @@ class VtkHdfWriter(GrowingFile):
         self._columns.write("Types", cell, types)
         self._columns.write("Offsets", cell + part, np.concatenate(([0], np.cumsum(sizes))))
         self._columns.write("Connectivity", first_id, connectivity)
-        return {
+        self._cells_entry = {
             "PartOffsets": part,
             "NumberOfParts": 1,
             "CellOffsets": (cell,),
             "ConnectivityIdOffsets": (first_id,),
         }
+        return dict(self._cells_entry)
 
     def _count(self, n_frame: int) -> None:
         self._n_frame = n_frame
@@ -264,6 +267,7 @@ class VtkHdfWriter(GrowingFile):
                 + columns["NumberOfConnectivityIds"][part]
             )
             n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + columns["NumberOfCells"][part]
+            self._last_time = float(columns["Steps/Values"][k])
         ends = {
             "NumberOfPoints": n_part,
             "NumberOfCells": n_part,
