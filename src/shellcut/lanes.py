@@ -314,6 +314,18 @@ def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
 
 
 @intrinsic
+def _zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        for lane in range(WIDTH):
+            row = builder.add(args[1], ir.Constant(_I64, lane))
+            where = _row_address(context, builder, rows, args[0], row)
+            builder.store(ir.Constant(_LANES, [0.0] * WIDTH), where, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp), generate
+
+
+@intrinsic
 def _no_lanes(typing_context: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return ir.Constant(_LANES, [0.0] * WIDTH)
@@ -505,12 +517,12 @@ def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
 
 @overload(clear_rows, jit_options=_OPTIONS)
 def _clear_rows(rows, n, lane):
-    count = WIDTH if _all(lane) else 1
+    if _all(lane):
+        return lambda rows, n, lane: _zero_rows(rows, n)
 
     def clear(rows, n, lane):
-        for k in range(count):
-            for c in range(8):
-                rows[n + k, c] = 0.0
+        for c in range(8):
+            rows[n, c] = 0.0
 
     return clear
 
