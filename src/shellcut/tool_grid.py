@@ -307,11 +307,21 @@ def _refine(
     return cell_start, entries[:n_entry].copy(), distance[:n_entry].copy()
 
 
+# Longer lists are merged; the time of an insertion grows with the square of the length.
+_LONG_LIST = 64
+
+
 @kernel
 def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -> None:
     """Sort the entries of each cell by distance, in place; ties keep their order."""
     for cell in range(cell_start.size - 1):
-        for m in range(cell_start[cell] + 1, cell_start[cell + 1]):
+        first, last = cell_start[cell], cell_start[cell + 1]
+        if last - first > _LONG_LIST:
+            order = np.argsort(cell_distance[first:last], kind="mergesort")
+            cell_triangles[first:last] = cell_triangles[first:last][order]
+            cell_distance[first:last] = cell_distance[first:last][order]
+            continue
+        for m in range(first + 1, last):
             t = cell_triangles[m]
             d = cell_distance[m]
             n = m
