@@ -127,7 +127,8 @@ class PenaltyContact:
         self.parameters = contact
         self.smoothing_depth = contact.smoothing * thickness
         self._n_body = tool.n_body
-        self._grid = ClosestTriangleGrid.build(tool)
+        self.grid = ClosestTriangleGrid.build(tool)
+        """Finds the surface from a point; of a tool with many triangles it takes seconds to build."""
         self._edges = CuttingEdges.of(tool)
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
@@ -177,8 +178,8 @@ class PenaltyContact:
             near,
             n.x,
             n.velocity_half,
-            self._grid.arrays,
-            self._grid.reach,
+            self.grid.arrays,
+            self.grid.reach,
             self.tool.triangle_body,
             self._edges.segments,
             state.quads,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, inline, kernel
+from ._jit import Floats, Ints, inline, kernel
 from ._vec3 import tangent_basis
 from .shell import MITC4Shell
 from .state import State
@@ -84,10 +84,6 @@ def recover(
     rows = [n.quads[i, : n.n_quad_at[i]] for i in nodes]
     ring = np.unique(state.quads[np.concatenate(rows)])
     needed = np.unique(np.concatenate([n.quads[i, : n.n_quad_at[i]] for i in ring]))
-    stress = np.zeros((state.quads.shape[0], 3, 3))
-    stress[needed] = shell.stress(state, needed, place=place)
-    lends = np.ones(n.count, np.bool_)
-    lends[list(tips)] = False
     principal, direction = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
     borrowed = _recover(
         nodes=np.asarray(nodes, np.int64),
@@ -96,8 +92,9 @@ def recover(
         quads=state.quads,
         quads_at=n.quads,
         n_quad_at=n.n_quad_at,
-        lends=lends,
-        stress=stress,
+        tips=np.sort(np.array(tips, np.int64)),
+        sampled=needed,
+        stress=shell.stress(state, needed, place=place),
         principal=principal,
         direction=direction,
     )
@@ -113,6 +110,7 @@ def _fit(
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
+    sampled: Ints,
     stress: Floats,
     value: Floats,
 ) -> bool:
@@ -124,6 +122,7 @@ def _fit(
     mean = np.zeros(3)
     for i in range(k):
         e = quads_at[n, i]
+        sample = np.searchsorted(sampled, e)
         px[i] = py[i] = 0.0
         for c in range(3):
             centre = 0.25 * (
@@ -137,7 +136,7 @@ def _fit(
             s[i, row] = 0.0
             for c in range(3):
                 for d in range(3):
-                    s[i, row] += frame[a, c] * stress[e, c, d] * frame[b, d]
+                    s[i, row] += frame[a, c] * stress[sample, c, d] * frame[b, d]
             mean[row] += s[i, row] / k
         mx += px[i] / k
         my += py[i] / k
@@ -172,14 +171,16 @@ def _recover(
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
-    lends: Bools,
+    tips: Ints,
+    sampled: Ints,
     stress: Floats,
     principal: Floats,
     direction: Floats,
 ) -> int:
     """Write principal : (n,) and direction : (n, 3) of the nodes; return how many borrowed.
 
-    stress : (n_quad, 3, 3), filled for all quads around the nodes and around their neighbours.
+    tips, sampled : ascending.  stress : (n_sampled, 3, 3), of all quads around the nodes and around
+    their neighbours.
     """
     frame = np.empty((2, 3))
     value, other = np.empty(3), np.empty(3)
@@ -187,18 +188,20 @@ def _recover(
     for i in range(nodes.shape[0]):
         n = nodes[i]
         tangent_basis(t, n, frame)
-        if not _fit(n, n, frame, x, quads, quads_at, n_quad_at, stress, value):
+        if not _fit(n, n, frame, x, quads, quads_at, n_quad_at, sampled, stress, value):
             richest = 0
             for j in range(n_quad_at[n]):
                 e = quads_at[n, j]
                 for a in range(4):
                     near = quads[e, a]
-                    if near != n and lends[near] and n_quad_at[near] > richest:
-                        fits = _fit(near, n, frame, x, quads, quads_at, n_quad_at, stress, other)
-                        if fits:
-                            richest = n_quad_at[near]
-                            for c in range(3):
-                                value[c] = other[c]
+                    k = np.searchsorted(tips, near)
+                    lends = k == tips.shape[0] or tips[k] != near
+                    if not (near != n and lends and n_quad_at[near] > richest):
+                        continue
+                    if _fit(near, n, frame, x, quads, quads_at, n_quad_at, sampled, stress, other):
+                        richest = n_quad_at[near]
+                        for c in range(3):
+                            value[c] = other[c]
             if richest > 0:
                 borrowed += 1
         mean = 0.5 * (value[0] + value[1])

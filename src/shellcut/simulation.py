@@ -156,8 +156,9 @@ class Simulation:
         # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
         self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
         self._place_tool()
-        if tool is not None:
-            check_tool_outside(mesh, tool, self.rotation, self.translation)
+        if self.contact is not None:
+            grid = self.contact.grid
+            check_tool_outside(mesh, self.contact.tool, grid, self.rotation, self.translation)
         self._start()
 
     @property

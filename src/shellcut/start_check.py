@@ -11,11 +11,11 @@ from .tool import Tool
 from .tool_grid import ClosestTriangleGrid
 
 
-def check_tool_outside(mesh: Mesh, tool: Tool, rotation: Floats, translation: Floats) -> None:
+def check_tool_outside(
+    mesh: Mesh, tool: Tool, grid: ClosestTriangleGrid, rotation: Floats, translation: Floats
+) -> None:
     """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad."""
-    body = (mesh.nodes - translation) @ rotation
-    grid = ClosestTriangleGrid.build(tool)
-    _, inside, _, _ = grid.query(body)
+    _, inside, _, _ = grid.query((mesh.nodes - translation) @ rotation)
     problems = []
     if inside.any():
         problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")

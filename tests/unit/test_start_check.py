@@ -6,21 +6,26 @@ import pytest
 from naive import cases
 from shellcut.meshing import rectangle
 from shellcut.start_check import check_tool_outside
+from shellcut.tool_grid import ClosestTriangleGrid
 from shellcut.tool_shapes import straight_blade, tooth_ring
 
 BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
 MESH = rectangle(8.0, 4.0, n_x=8, n_y=4)
 
 
-def check(mesh, x, z=0.0, tool=BLADE):
-    check_tool_outside(mesh, tool, np.eye(3), np.array([x, 0.0, z]))
+def check(mesh, x, z=0.0):
+    check_at(mesh, BLADE, np.eye(3), np.array([x, 0.0, z]))
+
+
+def check_at(mesh, tool, rotation, translation):
+    check_tool_outside(mesh, tool, ClosestTriangleGrid.build(tool), rotation, translation)
 
 
 def test_free_starts_are_taken():
     check(MESH, -0.01)
     check(MESH, 12.0)
     check(MESH, 4.0, z=3.1)  # above the sheet
-    check_tool_outside(MESH, tooth_ring(), np.eye(3), np.zeros(3))
+    check_at(MESH, tooth_ring(), np.eye(3), np.zeros(3))
 
 
 def test_nodes_inside_are_named_with_their_place():
@@ -46,9 +51,9 @@ def test_many_offenders_are_counted():
 
 def test_the_pose_of_the_tool_counts():
     pose = np.array([[0, -1.0, 0], [1.0, 0, 0], [0, 0, 1.0]]), np.array([4.0, -2.05, 0.0])
-    check_tool_outside(MESH, BLADE, *pose)  # turned by 90°, coming from below
+    check_at(MESH, BLADE, *pose)  # turned by 90°, coming from below
     with pytest.raises(ValueError, match="inside the tool"):
-        check_tool_outside(MESH, BLADE, pose[0], np.array([4.0, 0.5, 0.0]))
+        check_at(MESH, BLADE, pose[0], np.array([4.0, 0.5, 0.0]))
 
 
 def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
