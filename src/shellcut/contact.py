@@ -128,7 +128,7 @@ class PenaltyContact:
         self.smoothing_depth = contact.smoothing * thickness
         self._n_body = tool.n_body
         self.grid = ClosestTriangleGrid.build(tool)
-        """Finds the surface from a point; of a tool with many triangles it takes seconds to build."""
+        """Finds the surface near a point; a tool of many triangles takes seconds to build it."""
         self._edges = CuttingEdges.of(tool)
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
