@@ -321,7 +321,7 @@ def point_resultants(
     if flat:
         return flat_point_resultants(s, points.flat_frame, points.rule, old, new, b, b_new, lane)
     return full_point_resultants(
-        s, points.full_frame, points.rule, old, new, b, b_new, tables.n_flat, lane
+        s, points.full_frame, points.rule, old, new, b, b_new, b - tables.n_flat, lane
     )
 
 

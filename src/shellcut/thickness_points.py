@@ -23,7 +23,7 @@ import numpy as np
 from ._jit import Floats, Ints, Number, Vector, always_inline
 from .lanes import pick, zero
 from .material import ShellMaterial
-from .mitc4 import GAUSS, Sixteen
+from .mitc4 import G, Sixteen
 from .point_law import point_stress
 from .section import frame_components, gauss_geometry
 
@@ -145,6 +145,66 @@ def _add_resultants(
 
 
 @always_inline
+def _flat_gauss_point(
+    q: int,
+    xi: float,
+    eta: float,
+    r: Sixteen,
+    s: Sixteen,
+    frame: Floats,
+    rule: PointRule,
+    old: Floats,
+    new: Floats,
+    b: int,
+    b_new: int,
+    lane: int | None,
+) -> tuple[Sixteen, Number]:
+    """Return r with the part of one Gauss point, and its stored energy."""
+    n_point = rule.place.shape[0]
+    none = zero(lane)
+    # A quarter on the frame makes the sixteenth that the strains of the modes carry.
+    a = 0.25 * pick(frame, b, 4 * q, lane)
+    c = 0.25 * pick(frame, b, 4 * q + 1, lane)
+    f = 0.25 * pick(frame, b, 4 * q + 2, lane)
+    volume = pick(frame, b, 4 * q + 3, lane)
+    e = _turn(a, c, f, _strain_at(s, 0, xi, eta))
+    k = _turn(a, c, f, _strain_at(s, 6, xi, eta))
+    n, m = (none, none, none), (none, none, none)
+    density, g11, g12, g22 = none, 0.0, 0.0, 0.0
+    for j in range(n_point):
+        z, w = rule.place[j], rule.weight[j]
+        first = (q * n_point + j) * rule.n_history
+        strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
+        stress, energy = point_stress(
+            rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
+        )
+        n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
+        zw = z * w
+        m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
+        density = density + w * energy
+        g11 += w * rule.shear[j, 0]
+        g12 += w * rule.shear[j, 1]
+        g22 += w * rule.shear[j, 2]
+    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    e13, e23 = a * g1 + c * g2, f * g2
+    s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
+    stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
+    n = (volume * n[0], volume * n[1], volume * n[2])
+    m = (volume * m[0], volume * m[1], volume * m[2])
+    quarter = 0.25 * volume
+    r = _add_resultants(
+        r,
+        _turn_back(a, c, f, n),
+        _turn_back(a, c, f, m),
+        quarter * (a * s13),
+        quarter * (c * s13 + f * s23),
+        xi,
+        eta,
+    )
+    return r, stored
+
+
+@always_inline
 def flat_point_resultants(
     s: Sixteen,
     frame: Floats,
@@ -160,52 +220,68 @@ def flat_point_resultants(
     frame : (n_block, 16, 8).  old, new : (n_block, 4 n_point n_history, 8), the histories at
     t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.
     """
+    # One call a point, not a loop: with xi and eta known most of their products vanish.
+    r = _sixteen(zero(lane))
+    r, w0 = _flat_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, lane)
+    r, w1 = _flat_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, lane)
+    r, w2 = _flat_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, lane)
+    r, w3 = _flat_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, lane)
+    return r, (w0 + w1) + (w2 + w3)
+
+
+@always_inline
+def _full_gauss_point(
+    q: int,
+    xi: float,
+    eta: float,
+    r: Sixteen,
+    s: Sixteen,
+    frame: Floats,
+    rule: PointRule,
+    old: Floats,
+    new: Floats,
+    b: int,
+    b_new: int,
+    block: int,
+    lane: int | None,
+) -> tuple[Sixteen, Number]:
+    """Return r with the part of one Gauss point, and its stored energy."""
     n_point = rule.place.shape[0]
     none = zero(lane)
-    r = _sixteen(none)
     stored = none
-    for q in range(4):
-        xi, eta = GAUSS[q]
-        # A quarter on the frame makes the sixteenth that the strains of the modes carry.
-        a = 0.25 * pick(frame, b, 4 * q, lane)
-        c = 0.25 * pick(frame, b, 4 * q + 1, lane)
-        f = 0.25 * pick(frame, b, 4 * q + 2, lane)
-        volume = pick(frame, b, 4 * q + 3, lane)
-        e = _turn(a, c, f, _strain_at(s, 0, xi, eta))
-        k = _turn(a, c, f, _strain_at(s, 6, xi, eta))
-        n, m = (none, none, none), (none, none, none)
-        density, g11, g12, g22 = none, 0.0, 0.0, 0.0
-        for j in range(n_point):
-            z, w = rule.place[j], rule.weight[j]
-            first = (q * n_point + j) * rule.n_history
-            strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
-            stress, energy = point_stress(
-                rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
-            )
-            n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
-            zw = z * w
-            m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
-            density = density + w * energy
-            g11 += w * rule.shear[j, 0]
-            g12 += w * rule.shear[j, 1]
-            g22 += w * rule.shear[j, 2]
-        g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
-        e13, e23 = a * g1 + c * g2, f * g2
-        s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
-        stored = stored + volume * (density + 0.5 * (s13 * e13 + s23 * e23))
-        n = (volume * n[0], volume * n[1], volume * n[2])
-        m = (volume * m[0], volume * m[1], volume * m[2])
-        quarter = 0.25 * volume
-        r = _add_resultants(
-            r,
-            _turn_back(a, c, f, n),
-            _turn_back(a, c, f, m),
-            quarter * (a * s13),
-            quarter * (c * s13 + f * s23),
-            xi,
-            eta,
+    e, k = _strain_at(s, 0, xi, eta), _strain_at(s, 6, xi, eta)
+    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    n, m = (none, none, none), (none, none, none)
+    q1, q2 = none, none
+    for j in range(n_point):
+        z, at = rule.place[j], 7 * (q * n_point + j)
+        a = 0.25 * pick(frame, block, at, lane)
+        c = 0.25 * pick(frame, block, at + 1, lane)
+        p = pick(frame, block, at + 2, lane)
+        f = 0.25 * pick(frame, block, at + 3, lane)
+        t = pick(frame, block, at + 4, lane)
+        d = pick(frame, block, at + 5, lane)
+        w = pick(frame, block, at + 6, lane)
+        e1, e2, e12 = _turn(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
+        ag, fg = a * g1 + c * g2, f * g2
+        strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
+        e13, e23 = d * ag, d * fg
+        first = (q * n_point + j) * rule.n_history
+        (s1, s2, s12), density = point_stress(
+            rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
         )
-    return r, stored
+        s13 = rule.shear[j, 0] * e13 + rule.shear[j, 1] * e23
+        s23 = rule.shear[j, 1] * e13 + rule.shear[j, 2] * e23
+        stored = stored + w * (density + 0.5 * (s13 * e13 + s23 * e23))
+        back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
+        n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
+        m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])
+        # dW/d(ag) and dW/d(fg), with their quarter.
+        to_ag = (0.25 * w) * (p * s1 + t * s12 + d * s13)
+        to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
+        q1 = q1 + a * to_ag
+        q2 = q2 + c * to_ag + f * to_fg
+    return _add_resultants(r, n, m, q1, q2, xi, eta), stored
 
 
 @always_inline
@@ -217,51 +293,17 @@ def full_point_resultants(
     new: Floats,
     b: int,
     b_new: int,
-    first_block: int,
+    block: int,
     lane: int | None,
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of any quads, and their stored energy [N·mm].
 
-    frame : (n_block - first_block, 4 n_point 7, 8); the other arguments as for flat quads.
+    frame : (n_block, 4 n_point 7, 8), of which ``block`` is read; the other arguments as for flat
+    quads.
     """
-    n_point = rule.place.shape[0]
-    none = zero(lane)
-    r = _sixteen(none)
-    stored = none
-    for q in range(4):
-        xi, eta = GAUSS[q]
-        e, k = _strain_at(s, 0, xi, eta), _strain_at(s, 6, xi, eta)
-        g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
-        n, m = (none, none, none), (none, none, none)
-        q1, q2 = none, none
-        for j in range(n_point):
-            z, at = rule.place[j], 7 * (q * n_point + j)
-            block = b - first_block
-            a = 0.25 * pick(frame, block, at, lane)
-            c = 0.25 * pick(frame, block, at + 1, lane)
-            p = pick(frame, block, at + 2, lane)
-            f = 0.25 * pick(frame, block, at + 3, lane)
-            t = pick(frame, block, at + 4, lane)
-            d = pick(frame, block, at + 5, lane)
-            w = pick(frame, block, at + 6, lane)
-            e1, e2, e12 = _turn(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
-            ag, fg = a * g1 + c * g2, f * g2
-            strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
-            e13, e23 = d * ag, d * fg
-            first = (q * n_point + j) * rule.n_history
-            (s1, s2, s12), density = point_stress(
-                rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
-            )
-            s13 = rule.shear[j, 0] * e13 + rule.shear[j, 1] * e23
-            s23 = rule.shear[j, 1] * e13 + rule.shear[j, 2] * e23
-            stored = stored + w * (density + 0.5 * (s13 * e13 + s23 * e23))
-            back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
-            n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
-            m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])
-            # dW/d(ag) and dW/d(fg), with their quarter.
-            to_ag = (0.25 * w) * (p * s1 + t * s12 + d * s13)
-            to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
-            q1 = q1 + a * to_ag
-            q2 = q2 + c * to_ag + f * to_fg
-        r = _add_resultants(r, n, m, q1, q2, xi, eta)
-    return r, stored
+    r = _sixteen(zero(lane))
+    r, w0 = _full_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, block, lane)
+    r, w1 = _full_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, block, lane)
+    r, w2 = _full_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, block, lane)
+    r, w3 = _full_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, block, lane)
+    return r, (w0 + w1) + (w2 + w3)
