@@ -14,6 +14,7 @@ Places that no quad fills repeat the last quad of the strip, with a stiffness of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -54,12 +55,12 @@ class QuadBlocks:
     flat_start: Ints
     full_start: Ints
 
-    @property
+    @cached_property
     def n_flat(self) -> int:
         """Number of blocks of flat quads, the first ones."""
         return int(self.flat_start[-1])
 
-    @property
+    @cached_property
     def n_strip(self) -> int:
         """Number of strips."""
         return int(self.flat_start.size - 1)

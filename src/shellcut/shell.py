@@ -90,23 +90,26 @@ class MITC4Shell:
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
         self.tables, self.points = _build_tables(mesh, material, self.blocks)
-        kernels: tuple[Any, ...] = (add_flat_quads, add_full_quads)
-        if self.has_points:
-            kernels = (add_flat_point_quads, add_full_point_quads)
-        starts = (self.blocks.flat_start, self.blocks.full_start)
-        self._kernels = [
-            (kernel, start)
-            for kernel, start in zip(kernels, starts, strict=True)
-            if start[0] < start[-1]
-        ]
+        self.has_points = bool(self.points.rule.place.size)
+        """Whether the thickness is integrated by points, at every step."""
+        self._kernels = self._choose_kernels()
         self._centre_stress = CentreStress(mesh, material)
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
 
-    @property
-    def has_points(self) -> bool:
-        """Whether the thickness is integrated by points, at every step."""
-        return bool(self.points.rule.place.size)
+    def _choose_kernels(self) -> list[tuple[Any, Ints, tuple[Any, ...]]]:
+        """Return a kernel for each kind of quads there is, its blocks and its tables."""
+        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
+        tables: tuple[Any, ...] = (self.blocks.corner, self.tables)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+            tables += (self.points,)
+        starts = (self.blocks.flat_start, self.blocks.full_start)
+        return [
+            (kernel, start, tables)
+            for kernel, start in zip(kernels, starts, strict=True)
+            if start[0] < start[-1]
+        ]
 
     @property
     def added_inertia_factor(self) -> float:
@@ -157,21 +160,30 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        node, blocks, threads = state.node, self.blocks, self._workers.count
-        damped = self.damping_beta > 0.0
+        node, threads, damped = state.node, self._workers.count, self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
-        sums = np.zeros((blocks.n_strip, 3))
-        arguments: tuple[Any, ...] = (node.x, node.t, blocks.corner, self.tables)
-        arguments += (self.points,) if self.has_points else ()
-        arguments += (damped, rho, state.strain, state.strain_before)
-        arguments += (state.history,) if self.has_points else ()
-        arguments += (node.force_rows, sums, self._lane)
+        sums = np.zeros((self.blocks.n_strip, 3))
+        strains: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
+        if self.has_points:
+            strains += (state.history,)
+
         # Strips of one parity have no node in common (see quad_blocks).
-        for parity in range(min(2, blocks.n_strip)):
+        for parity in range(min(2, len(sums))):
 
             def part(thread: int, parity: int = parity) -> None:
-                for kernel, start in self._kernels:
-                    kernel(parity + 2 * thread, 2 * threads, start, *arguments)
+                for kernel, start, tables in self._kernels:
+                    kernel(
+                        parity + 2 * thread,
+                        2 * threads,
+                        start,
+                        node.x,
+                        node.t,
+                        *tables,
+                        *strains,
+                        node.force_rows,
+                        sums,
+                        self._lane,
+                    )
 
             self._workers.run(part)
         if damped:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -198,7 +199,7 @@ class Simulation:
             book.cohesive_start_work += self.cable_forces.start_work
         if self.motion is not None:
             self._work_of_tool()
-        if not np.isfinite(book.strain):
+        if not math.isfinite(book.strain):
             self._blown_up()
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
