@@ -105,9 +105,10 @@ def _cut_nodes(
         reach = np.sqrt(4.0 * contact_area[n]) * (
             _PASSED_REACH if nearest_row[n] else _PIERCED_REACH
         )
+        deepest = CUT_DEPTH if nearest_row[n] else reach
         shallowest = np.inf
         for k in range(start.shape[0]):
             _, lateral, depth, owns = strip_coordinates(p, k, start, vector, normal, back)
-            if owns and depth < shallowest and abs(lateral) <= reach:
+            if owns and depth < min(shallowest, deepest) and abs(lateral) <= reach:
                 shallowest = depth
                 edge_of[n] = k
