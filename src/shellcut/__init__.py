@@ -13,6 +13,7 @@ from importlib.metadata import version
 from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
+from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
@@ -34,9 +35,12 @@ __all__ = [
     "EdgeTraction",
     "Fracture",
     "Gravity",
+    "ImprintError",
+    "ImprintResult",
     "Mesh",
     "NodalForce",
     "NodalMoment",
+    "PathCurve",
     "Pressure",
     "Recorder",
     "ScrewMotion",
@@ -48,7 +52,9 @@ __all__ = [
     "Support",
     "TableMotion",
     "Tool",
+    "blade_path",
     "guillotine",
+    "imprint",
     "opening_test",
     "warmup",
 ]

@@ -1,7 +1,9 @@
 """The chain of mesh edges that is moved onto a path: a shortest way over directed edges.
 
-Near the path every edge is directed forward, along the path. An edge of length l with its ends d_1
-and d_2 beside the path, advancing by a along it, costs, with h the edge length of the mesh there,
+Near the path every edge is directed forward, along the path; edges across it may go either way, up
+to 20 degrees backward, as mesh lines may cross the path aslant. An edge of length l with its ends
+d_1 and d_2 beside the path, advancing by a along it, costs, with h the edge length of the mesh
+there,
 
     l/h ( (d_1² + d_1 d_2 + d_2²) / (3 h²) + 0.05 )  +  0.3 max(0, 0.7 - a/h)²,
 
@@ -30,7 +32,8 @@ _SHORT_PRICE, _SHORT = 0.3, 0.7
 _TURN_PRICE = 0.15
 _PINNED_PRICE = 1.0  # a node of a named set would have to move
 _SHARP_TURN = np.cos(np.radians(100.0))  # edges that turn by more are no way on
-_FORWARD = 0.1  # an edge advances by this part of its length at least
+_BACKWARD = 0.35  # an edge may go back by this part of its length
+_LEAST_ADVANCE = 0.3  # of the nodes once they lie on the path, in edge lengths
 _LEAST_EDGES = 3
 _STARTS = 10  # nodes tried as the seam of a closed chain
 _LEAD = (0.6, 2.6)  # the chain of an inner end starts so many edges before it
@@ -48,7 +51,7 @@ class Chain:
     nodes: Ints
     """In order; of a closed chain the first is not repeated."""
     u: Floats
-    """Parameters of their nearest points, growing, shape (n_node,), [mm]."""
+    """Parameters of their first places on the path, growing, shape (n_node,), [mm]."""
 
     @property
     def closed(self) -> bool:
@@ -143,12 +146,11 @@ class _EdgeGraph:
         edges = film.mesh.edges()
         rows = (edges.n_quad == 2) & ok[edges.nodes].all(axis=1)
         tail, head = edges.nodes[rows].T
+        tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
+        quads = np.concatenate([edges.quads[rows], edges.quads[rows]])
         advance = self.u[head] - self.u[tail]
         if course.closed:
             advance -= course.length * np.round(advance / course.length)
-        back = advance < 0.0
-        tail, head = np.where(back, head, tail), np.where(back, tail, head)
-        advance = np.abs(advance)
         length = np.linalg.norm(film.x[head] - film.x[tail], axis=1)
         h = 0.5 * (film.edge_length[tail] + film.edge_length[head])
         # signed sides: an edge that crosses the path has d of both signs
@@ -157,10 +159,10 @@ class _EdgeGraph:
         cost = length / h * (mean_square + _LENGTH_PRICE)
         cost += _SHORT_PRICE * np.maximum(0.0, _SHORT - advance / h) ** 2
         cost += _PINNED_PRICE * film.pinned[head]
-        forward = advance > _FORWARD * length
+        forward = advance > -_BACKWARD * length
         self.tail, self.head = tail[forward], head[forward]
         self.advance, self.cost = advance[forward], cost[forward]
-        self.quads = edges.quads[rows][forward]
+        self.quads = quads[forward]
         self.way = (film.x[self.head] - film.x[self.tail]) / length[forward][:, None]
 
     def _signed(self, nodes: Ints) -> Floats:
@@ -214,10 +216,10 @@ class _EdgeGraph:
         graph = csr_array((prices, (rows, columns)), shape=(n + 2, n + 2))
         total, before = dijkstra(graph, indices=n, return_predecessors=True)
         if not np.isfinite(total[n + 1]):
-            raise self._no_way()
+            raise self._no_way(total[:n])
         edges = _follow(before, n + 1)[1:-1]
         nodes = np.append(self.tail[edges], self.head[edges[-1]])
-        return nodes, self.u[nodes]
+        return nodes, _growing(self.u[nodes], self._gap(nodes))
 
     def closed_way(self) -> tuple[Ints, Floats]:
         """Return nodes and parameters of the cheapest way round."""
@@ -227,14 +229,17 @@ class _EdgeGraph:
         again = self._round(int(nodes[len(nodes) // 2]))
         assert again is not None  # the first round is one
         nodes = again
-        u = self.u[nodes]
-        u = u[0] + np.cumsum(np.concatenate([[0.0], self._steps(nodes)]))
-        return nodes, u
-
-    def _steps(self, nodes: Ints) -> Floats:
         period = self.course.length
-        step: Floats = np.diff(self.u[nodes])
-        return step - period * np.round(step / period)
+        steps = np.diff(self.u[nodes], append=self.u[nodes[0]])
+        steps -= period * np.round(steps / period)
+        # the seam after the longest edge, where there is no need to push nodes apart
+        seam = int(steps.argmax()) + 1
+        nodes, steps = np.roll(nodes, -seam), np.roll(steps, -seam)
+        u = self.u[nodes[0]] + np.cumsum(np.concatenate([[0.0], steps[:-1]]))
+        return nodes, _growing(u, self._gap(nodes))
+
+    def _gap(self, nodes: Ints) -> float:
+        return _LEAST_ADVANCE * float(self.film.edge_length[nodes].min())
 
     def _first_round(self) -> Ints:
         candidates = np.intersect1d(self.tail, self.head)
@@ -243,19 +248,22 @@ class _EdgeGraph:
             nodes = self._round(start)
             if nodes is not None:
                 return nodes
-        raise self._no_way()
+        raise self._no_way(np.zeros(0))
 
     def _round(self, start: int) -> Ints | None:
-        # unroll: places along the path from 0 at the start node to one period; edges that would
-        # step over the start belong to no round
+        # unroll: places along the path from 0 at the start node to one period; edges over the seam
+        # belong to no round
         period = self.course.length
         at = np.mod(self.u[self.tail] - self.u[start], period)
+        to = at + self.advance
+        kept = (to >= 0.0) & (to <= period * (1.0 + 1e-9))
+        kept &= (self.head != start) | (at > 0.5 * period)
         n = len(self.tail)
         one, two, price = self._turns()
-        ahead = at[two] > at[one]
-        one, two, price = one[ahead], two[ahead], price[ahead]
-        begins = np.flatnonzero(self.tail == start)
-        finals = np.flatnonzero(self.head == start)
+        follows = kept[one] & kept[two] & (np.abs(at[two] - to[one]) < 0.5 * period)
+        one, two, price = one[follows], two[follows], price[follows]
+        begins = np.flatnonzero((self.tail == start) & kept)
+        finals = np.flatnonzero((self.head == start) & kept)
         rows = np.concatenate([one, np.full(len(begins), n), finals])
         columns = np.concatenate([two, begins, np.full(len(finals), n + 1)])
         prices = np.concatenate([price, self.cost[begins], np.full(len(finals), 1e-12)])
@@ -270,17 +278,34 @@ class _EdgeGraph:
         gap = np.linalg.norm(self.film.x[nodes] - end.x, axis=1) / self.film.edge_length[nodes]
         return np.asarray(gap**2)
 
-    def _no_way(self) -> ImprintError:
-        where = "somewhere"
-        u = np.linspace(self.course.start, self.course.end, 400)
-        reached = np.sort(self.course.unrolled(self.u[self.tail]))
+    def _no_way(self, price: Floats) -> ImprintError:
+        # `price` of reaching each edge; the last one reached is where the line breaks off
+        where = "near it"
+        reached = np.flatnonzero(np.isfinite(price))
         if len(reached):
-            gap = np.abs(u[:, None] - reached[None, :]).min(axis=1)
-            where = f"near {self.film.place(self.course.curve.point(u[gap.argmax()])[0])}"
+            last = self.head[reached[self.u[self.head[reached]].argmax()]]
+            where = f"that ends at {self.film.place(self.film.x[last])}"
+        elif not self.course.closed:
+            first = self.course.curve.point(self.course.start)[0]
+            where = f"that starts at {self.film.place(first)}"
         return ImprintError(
-            f"a line of inner edges must run along the path, got a gap {where}; refine the mesh "
+            f"a line of inner edges must run along the path, got none {where}; refine the mesh "
             "there or keep the path off the rim, pre-cracks and other paths"
         )
+
+
+def _growing(u: Floats, gap: float) -> Floats:
+    # the nearest sequence that grows by `gap` at least from node to node: pool what does not
+    gap = min(gap, 0.5 * abs(float(u[-1] - u[0])) / max(len(u) - 1, 1))
+    ramp = gap * np.arange(len(u))
+    blocks: list[tuple[float, int]] = []
+    for value in (u - ramp).tolist():
+        total, count = value, 1
+        while blocks and blocks[-1][0] / blocks[-1][1] >= total / count:
+            before = blocks.pop()
+            total, count = total + before[0], count + before[1]
+        blocks.append((total, count))
+    return np.concatenate([np.full(n, t / n) for t, n in blocks]) + ramp
 
 
 def _follow(before: Ints, last: int) -> Ints:

@@ -219,6 +219,8 @@ class _Surroundings:
         best, v, distance = 0, 0.0, np.inf
         for k, piece in enumerate(pieces):
             at = float(piece.curve.nearest(x[None])[0])
+            if not piece.curve.closed:  # straight on from it lies the next piece
+                at = min(max(at, 0.0), piece.curve.length)
             d = float(np.linalg.norm(piece.curve.point(at)[0] - x))
             if d < distance:
                 best, v, distance = k, at, d

@@ -11,7 +11,8 @@ import numpy as np
 from shellcut._jit import Bools, Floats, Ints
 from shellcut.material import Elastic
 from shellcut.mesh import Mesh
-from shellcut.view.path_picture import draw_path
+from shellcut.mesh_checks import some
+from shellcut.view import draw_path
 
 from .chain import Chain, find_chain
 from .course import find_courses
@@ -222,8 +223,12 @@ def _chains(film: FilmPlane, curves: Sequence[PathCurve]) -> tuple[list[Chain], 
 
 
 def _deviation(film: FilmPlane, chain: Chain) -> float:
-    nodes = chain.nodes[chain.on_path]
-    off = film.x[nodes] - chain.course.curve.point(chain.u[chain.on_path])
+    # of the nodes within the course: beyond an inner end it goes on straight, the mesh may not
+    course = chain.course
+    margin = 1e-6 * course.length
+    within = (chain.u >= course.start - margin) & (chain.u <= course.end + margin)
+    nodes = chain.nodes[within | course.closed]
+    off = film.x[nodes] - course.curve.point(course.curve.nearest(film.x[nodes]))
     return float((np.linalg.norm(off, axis=1) / film.edge_length[nodes]).max())
 
 
@@ -335,5 +340,5 @@ def _set_notes(film: FilmPlane, moved: Ints) -> list[str]:
     for name, members in film.mesh.node_sets.items():
         hit = np.intersect1d(pinned, members)
         if len(hit):
-            notes.append(f"node set {name!r}: nodes {hit.tolist()} were moved onto the path")
+            notes.append(f"node set {name!r}: nodes {some(hit.tolist())} were moved onto the path")
     return notes

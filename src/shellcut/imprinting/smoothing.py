@@ -20,10 +20,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from shellcut._jit import Bools, Floats, Ints, kernel
 
+from .descent import minimise
 from .path_curve import PathCurve
 
 STAGES = (1.0, 2.0, 4.0)
@@ -38,7 +38,8 @@ _UNTANGLE_STEPS = 40
 _QUALITY_STEPS = 400
 _CLEAR = 0.02  # untangled: every determinant above this part of the target area
 _QUALITY_EPS = 1e-3  # keeps the cost finite where a line search overshoots
-_TOLERANCE = 3e-3  # a minimisation ends when a step lowers the cost by this part of one quad's
+_TOLERANCE = 3e-3  # a minimisation ends when a step lowers the cost by less; a square costs 4
+_FIRST_MOVE = 0.02  # of the least target size
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,20 +135,16 @@ class Smoother:
             slope = s.curve.derivative(unknowns[n : n + len(s.nodes)])
             parts.append((gradient[s.nodes] * slope).sum(axis=1))
             n += len(s.nodes)
-        scale = 1.0 / len(self._quads)
-        return value * scale, np.concatenate(parts) * scale
+        return value, np.concatenate(parts)
 
     def _minimise(self, unknowns: Floats, power: float, eps: float, n_step: int) -> Floats:
-        result = minimize(
-            self._cost,
+        return minimise(
+            lambda v: self._cost(v, power, eps),
             unknowns,
-            args=(power, eps),
-            jac=True,
-            method="L-BFGS-B",
-            options={"maxiter": n_step, "ftol": _TOLERANCE / len(self._quads), "maxcor": 20},
+            n_step=n_step,
+            tolerance=_TOLERANCE,
+            first_move=_FIRST_MOVE * float(self._size.min()),
         )
-        found: Floats = result.x
-        return found
 
     def _untangle(self, unknowns: Floats) -> Floats:
         for _ in range(_UNTANGLE_ROUNDS):
