@@ -13,12 +13,12 @@ the spline through points half an edge length apart.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from shellcut._jit import Bools, Floats, Ints
+from shellcut._jit import Bools, Floats
 from shellcut.mesh import Mesh
 from shellcut.motion import Motion
 from shellcut.tool import Tool
@@ -28,6 +28,10 @@ from .path_curve import PathCurve
 
 N_TIME = 400
 """Equal times at which the edges are looked at."""
+
+AHEAD = 3.0
+"""A path is led on beyond the blade's last place by so much [mm], because the crack runs ahead of
+the blade: by 1.4 mm in the guillotine."""
 
 FIT = 5e-3
 """Points this near to a line or circle (in edge lengths) lie on it."""
@@ -39,7 +43,13 @@ _ENOUGH_VERTICES = 5  # crossings of vertices that fix a circle without those of
 
 
 def blade_path(
-    tool: Tool, motion: Motion, mesh: Mesh, duration: float, *, n_time: int = N_TIME
+    tool: Tool,
+    motion: Motion,
+    mesh: Mesh,
+    duration: float,
+    *,
+    ahead: float = AHEAD,
+    n_time: int = N_TIME,
 ) -> list[PathCurve]:
     """Return where the cutting edges pass through the film's mid-surface, curves in space.
 
@@ -51,6 +61,8 @@ def blade_path(
         Flat; the film in its reference state.
     duration : float
         End of the motion that counts [s]; it starts at t = 0.
+    ahead : float
+        How far the path goes on beyond the blade's last place [mm].
     n_time : int
         Steps of the motion that are looked at.
 
@@ -68,7 +80,7 @@ def blade_path(
         segments = tool.edges[tool.edge_chain == k]
         vertices = tool.vertices[np.append(segments[:, 0], segments[-1, 1])]
         stretches += _Crossings(film, vertices, motion, times, poses).stretches()
-    found = [_simplest(x, is_vertex, h) for x, is_vertex in stretches if _extent(x) > h]
+    found = [_simplest(x, is_vertex, h, ahead) for x, is_vertex in stretches if _extent(x) > h]
     if not found:
         raise ImprintError(
             "a cutting edge must pass through the film's plane, got none that moves in it from "
@@ -117,13 +129,13 @@ class _Crossings:
             for key in way:
                 if not links.get(key, True):
                     del links[key]
+            if way[-1][1] < way[0][1]:  # towards later times
+                way.reverse()
             points = np.array([self._point(*key) for key in way])
             stretches.append((points, np.array([key[0] == 1 for key in way])))
         return stretches
 
-    def _pairs(
-        self, i: int, j: int
-    ) -> list[tuple[tuple[int, int, int], tuple[int, int, int]]]:
+    def _pairs(self, i: int, j: int) -> list[tuple[tuple[int, int, int], tuple[int, int, int]]]:
         # sides of the cell between times i, i+1 and vertices j, j+1 that the line joins; a side is
         # (0, i, j): time i, between two vertices; (1, i, j): vertex j, between two times
         a = self._above
@@ -186,21 +198,28 @@ class _Arc:
     radius: float
     start: float  # [rad]; end - start in (0, 2 pi]
     end: float
+    backward: bool  # whether the blade came from ``end``
+
+    def led_on(self, ahead: float) -> _Arc:
+        angle = min(ahead / self.radius, 2.0 * np.pi - (self.end - self.start))
+        if self.backward:
+            return replace(self, start=self.start - angle)
+        return replace(self, end=self.end + angle)
 
 
 def _extent(x: Floats) -> float:
     return float(np.linalg.norm(np.ptp(x, axis=0)))
 
 
-def _simplest(x: Floats, is_vertex: Bools, h: float) -> _Line | _Arc | PathCurve:
+def _simplest(x: Floats, is_vertex: Bools, h: float, ahead: float) -> _Line | _Arc | PathCurve:
     line = _line(x)
     if np.abs((x - line.origin) @ np.array([-line.way[1], line.way[0]])).max() <= FIT * h:
-        return line
+        return replace(line, end=line.end + ahead)
     # vertices of a polygon lie on the true edge, points between them on its chords
     arc = _arc(x, x[is_vertex] if is_vertex.sum() >= _ENOUGH_VERTICES else x)
     if np.abs(np.linalg.norm(x - arc.centre, axis=1) - arc.radius).max() <= FIT * h:
-        return arc
-    return _spline(x, h)
+        return arc.led_on(ahead)
+    return _spline(x, h, ahead)
 
 
 def _line(x: Floats) -> _Line:
@@ -223,10 +242,11 @@ def _arc(x: Floats, on_it: Floats) -> _Arc:
     radius = float(np.sqrt(max(solution[2] + solution[:2] @ solution[:2], 0.0)))
     angle = np.unwrap(np.arctan2(*(x - centre).T[::-1]))
     start, end = float(angle.min()), float(angle.max())
-    return _Arc(centre, radius, start, min(end, start + 2.0 * np.pi))
+    backward = bool(angle[-1] < angle[0])
+    return _Arc(centre, radius, start, min(end, start + 2.0 * np.pi), backward)
 
 
-def _spline(x: Floats, h: float) -> PathCurve:
+def _spline(x: Floats, h: float, ahead: float) -> PathCurve:
     kept = [0]
     for k in range(1, len(x)):
         if np.linalg.norm(x[k] - x[kept[-1]]) >= 0.5 * h:
@@ -243,7 +263,9 @@ def _spline(x: Floats, h: float) -> PathCurve:
             off = (points[end] - points[0]) @ np.array([-way[1], way[0]]) / np.linalg.norm(way)
             if abs(off) < 0.05 * h:
                 return PathCurve.through(points[:end], closed=True)
-    return PathCurve.through(points)
+    curve = PathCurve.through(points)
+    beyond = curve.point(curve.length + np.arange(0.0, ahead, 0.5 * h)[1:])
+    return PathCurve.through(np.concatenate([points, beyond]))
 
 
 def _joined_lines(lines: list[_Line], h: float) -> list[PathCurve]:

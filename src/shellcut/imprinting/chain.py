@@ -31,7 +31,7 @@ _LENGTH_PRICE = 0.05
 _SHORT_PRICE, _SHORT = 0.3, 0.7
 _TURN_PRICE = 0.15
 _PINNED_PRICE = 1.0  # a node of a named set would have to move
-_SHARP_TURN = np.cos(np.radians(100.0))  # edges that turn by more are no way on
+_SHARP_TURN = np.cos(np.radians(130.0))  # edges that turn by more are no way on
 _BACKWARD = 0.35  # an edge may go back by this part of its length
 _LEAST_ADVANCE = 0.3  # of the nodes once they lie on the path, in edge lengths
 _LEAST_EDGES = 3
@@ -139,7 +139,8 @@ class _EdgeGraph:
         nodes = self.film.pieces[end.piece].nodes
         film = self.film
         gap = np.linalg.norm(film.x[nodes] - end.x, axis=1) / film.edge_length[nodes]
-        return nodes[(gap < 1.5) & ~film.corner[nodes] & self.usable[nodes]]
+        near: Ints = nodes[(gap < 1.5) & ~film.corner[nodes] & self.usable[nodes]]
+        return near
 
     def _direct(self, ok: Bools) -> None:
         film, course = self.film, self.course
@@ -305,7 +306,8 @@ def _growing(u: Floats, gap: float) -> Floats:
             before = blocks.pop()
             total, count = total + before[0], count + before[1]
         blocks.append((total, count))
-    return np.concatenate([np.full(n, t / n) for t, n in blocks]) + ramp
+    grown: Floats = np.concatenate([np.full(n, t / n) for t, n in blocks]) + ramp
+    return grown
 
 
 def _follow(before: Ints, last: int) -> Ints:

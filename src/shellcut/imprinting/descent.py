@@ -1,4 +1,4 @@
-"""Limited-memory BFGS ([NocedalWright2006], algorithm 7.4) with a bisecting line search.
+"""Limited-memory BFGS ([NocedalWright2006]) with a bisecting line search.
 
 Written out because SciPy's calls threaded linear algebra on vectors of a few thousand entries: on a
 busy machine that took ten times as long, and sums whose order depends on the number of threads do

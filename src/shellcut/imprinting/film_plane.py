@@ -8,7 +8,6 @@ membership in a named set changes, and all nodes of a pre-crack.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,8 +60,6 @@ class FilmPlane:
         Rim nodes that do not slide.
     pinned : ndarray of bool, shape (n_node,)
         Inner nodes that mark the border of a named set, and nodes of pre-cracks.
-    node_membership : ndarray of int, shape (n_node,)
-        A number that tells the node sets a node belongs to.
 
     Raises
     ------
@@ -99,17 +96,14 @@ class FilmPlane:
         self.boundary: Bools = np.zeros(mesh.n_node, np.bool_)
         self.boundary[ends[edges.n_quad == 1]] = True
         self.cracked = _cracked(mesh)
-        self.node_membership = _membership(mesh.n_node, mesh.node_sets.values())
-        self._in_a_set = np.zeros(mesh.n_node, np.bool_)
-        for members in mesh.node_sets.values():
-            self._in_a_set[members] = True
         self.pieces, self.corner = self._rim()
         self.pinned: Bools = self._borders() | self.cracked
 
     @property
     def normal(self) -> Floats:
         """Unit normal on the directors' side, shape (3,)."""
-        return self._axes[2]
+        normal: Floats = self._axes[2]
+        return normal
 
     @property
     def level(self) -> float:
@@ -168,19 +162,21 @@ class FilmPlane:
         before = arriving[tail]
         cross = before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0]
         turn = np.abs(np.arctan2(cross, (before * way).sum(axis=1)))
-        # a set ends where neighbouring nodes differ in it: both stay where they are
-        member = self.node_membership
         corner = self.cracked.copy()
         corner[tail[turn > CORNER_TURN]] = True
-        changes = member[tail] != member[head]
-        corner[tail[changes]] = True
-        corner[head[changes]] = True
+        for members in self.mesh.node_sets.values():
+            within = self._within(members)
+            corner[tail[within[tail] & ~within[head]]] = True
+            corner[head[within[head] & ~within[tail]]] = True
         return np.asarray(corner | self._between_quad_sets())
 
     def _between_quad_sets(self) -> Bools:
         # nodes whose quads differ in the sets they belong to
         mesh = self.mesh
-        member = _membership(mesh.n_quad, mesh.quad_sets.values())
+        table = np.zeros((mesh.n_quad, len(mesh.quad_sets) + 1), np.bool_)
+        for k, ids in enumerate(mesh.quad_sets.values()):
+            table[ids, k] = True
+        member = np.unique(table, axis=0, return_inverse=True)[1].reshape(-1)
         low = np.full(mesh.n_node, len(mesh.quads))
         high = np.zeros(mesh.n_node, np.int64)
         np.minimum.at(low, mesh.quads.ravel(), np.repeat(member, 4))
@@ -188,18 +184,19 @@ class FilmPlane:
         return np.asarray(low != high)
 
     def _borders(self) -> Bools:
-        # inner nodes that mark where a named set lies
-        mesh, member = self.mesh, self.node_membership
-        mixed = (member[mesh.quads] != member[mesh.quads[:, :1]]).any(axis=1)
-        border = np.zeros(mesh.n_node, np.bool_)
-        border[mesh.quads[mixed]] = True
-        border &= self._in_a_set
-        return np.asarray((border | self._between_quad_sets()) & ~self.boundary)
+        # inner nodes that mark where a named set lies: not all around them is in it
+        mesh = self.mesh
+        border = self._between_quad_sets()
+        for members in mesh.node_sets.values():
+            within = self._within(members)
+            partly = mesh.quads[~within[mesh.quads].all(axis=1)]
+            border[partly[within[partly]]] = True
+        return np.asarray(border & ~self.boundary)
 
-
-def _membership(n: int, sets: Iterable[Ints]) -> Ints:
-    table = np.stack([np.isin(np.arange(n), members) for members in (*sets, ())], axis=1)
-    return np.unique(table, axis=0, return_inverse=True)[1].reshape(-1)
+    def _within(self, members: Ints) -> Bools:
+        within = np.zeros(self.mesh.n_node, np.bool_)
+        within[members] = True
+        return within
 
 
 def _cracked(mesh: Mesh) -> Bools:

@@ -107,7 +107,10 @@ class ImprintResult:
         draw_path(
             film.x,
             self.mesh.quads,
-            [np.append(c, c[:1]) if e else c for c, e in zip(self.chains, self.closed, strict=True)],
+            [
+                np.append(c, c[:1]) if e else c
+                for c, e in zip(self.chains, self.closed, strict=True)
+            ],
             self.worst,
             path,
             title=self.report().splitlines()[0],
@@ -299,9 +302,7 @@ def _straight_corners(film: FilmPlane, layers: Pillowed, rim: Bools) -> Bools:
     return np.asarray(single[layers.quads])
 
 
-def _rim_sliders(
-    film: FilmPlane, layers: Pillowed, slides: Bools, x: Floats
-) -> list[Sliders]:
+def _rim_sliders(film: FilmPlane, layers: Pillowed, slides: Bools, x: Floats) -> list[Sliders]:
     sliders = []
     for piece in film.pieces:
         ids = piece.nodes

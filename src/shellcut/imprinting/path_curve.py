@@ -52,9 +52,7 @@ class PathCurve:
         self.closed = closed
         if len(points) == 2:
             slope = np.diff(points, axis=0) / self.length
-            self._spline = CubicSpline(
-                self._knots, points, bc_type=((1, slope[0]), (1, slope[0]))
-            )
+            self._spline = CubicSpline(self._knots, points, bc_type=((1, slope[0]), (1, slope[0])))
         else:
             ends = "periodic" if closed else "not-a-knot"
             self._spline = CubicSpline(self._knots, points, bc_type=ends)
@@ -104,8 +102,7 @@ class PathCurve:
         same = np.flatnonzero(steps <= 1e-12 * np.ptp(p, axis=0).max())
         if len(same):
             raise ValueError(
-                f"neighbouring points must differ, point {same[0] + 1} repeats {same[0]}; "
-                "remove it"
+                f"neighbouring points must differ, point {same[0] + 1} repeats {same[0]}; remove it"
             )
         return cls(p, closed=closed)
 
@@ -233,8 +230,9 @@ class PathCurve:
         reach = np.diff(self._sample_u).max()
         low, high = u - reach, u + reach
         if not self.closed:
-            low, high = np.where(near == 0, -np.inf, low), np.where(
-                near == len(self._sample_u) - 1, np.inf, high
+            low, high = (
+                np.where(near == 0, -np.inf, low),
+                np.where(near == len(self._sample_u) - 1, np.inf, high),
             )
         for _ in range(_NEWTON_STEPS):
             inside, beyond = self._split(u)

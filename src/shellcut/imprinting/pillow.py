@@ -1,4 +1,4 @@
-"""A layer of quads on both sides of a chain of edges ("pillowing").
+"""A layer of quads on both sides of a chain of edges: "pillowing" ([MitchellTautges1995]).
 
 Every node c_k of the chain gets a copy L_k on its left and R_k on its right; the quads that met c_k
 on the left now meet L_k, those on the right R_k; and the gap is filled by the quads
@@ -61,7 +61,8 @@ class _Layers:
         nodes = chain.nodes.tolist()
         n = len(nodes)
         fans = _Fans(self.film.mesh.quads, touched)
-        left, right = {}, {}
+        left: dict[int, int] = {}
+        right: dict[int, int] = {}
         kept = range(n)[chain.on_path]
         at = chain.course.curve.point(chain.u)
         t = chain.course.curve.tangent(chain.u)
@@ -144,9 +145,7 @@ def pillowed_mesh(film: FilmPlane, layers: Pillowed, x: Floats, moved: Ints) -> 
         within = np.zeros(old, np.bool_)
         within[members] = True
         around = np.ones(old, np.bool_)  # all nodes of the quads around are in the set
-        np.logical_and.at(
-            around, mesh.quads.ravel(), np.repeat(within[mesh.quads].all(axis=1), 4)
-        )
+        np.logical_and.at(around, mesh.quads.ravel(), np.repeat(within[mesh.quads].all(axis=1), 4))
         joins = around[parents]
         for copy, neighbour in layers.rim_neighbour.items():
             joins[copy - old] = within[parents[copy - old]] and within[neighbour]

@@ -64,7 +64,7 @@ def draw_path(
         axes = figure.add_axes((0.04 + 0.49 * k, 0.12, 0.45, 0.80))
         axes.add_collection(LineCollection(edges, colors="0.45", linewidths=0.35 + 0.5 * k))
         marked = PolyCollection(
-            x[quads[worst]], facecolors=_WORST_COLOR, edgecolors="0.2", linewidths=0.6
+            list(x[quads[worst]]), facecolors=_WORST_COLOR, edgecolors="0.2", linewidths=0.6
         )
         marked.set_label(f"{len(worst)} worst quads near the path")
         axes.add_collection(marked)
