@@ -37,7 +37,7 @@ class PathCurve:
     --------
     >>> circle = PathCurve.circle((0, 0, 0), 9.4)
     >>> round(circle.length, 3), circle.closed
-    (59.061, True)
+    (59.062, True)
     >>> line = PathCurve.line((0, 0), (10, 0))
     >>> u = line.nearest([[4.0, 3.0], [-1.0, 0.0]])
     >>> u.tolist(), line.point(u).tolist()
