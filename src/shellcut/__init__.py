@@ -14,6 +14,7 @@ from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
 from .film_file import read_film
+from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
@@ -39,9 +40,12 @@ __all__ = [
     "EdgeTraction",
     "Fracture",
     "Gravity",
+    "ImprintError",
+    "ImprintResult",
     "Mesh",
     "NodalForce",
     "NodalMoment",
+    "PathCurve",
     "Pressure",
     "Recorder",
     "ScrewMotion",
@@ -53,7 +57,9 @@ __all__ = [
     "Support",
     "TableMotion",
     "Tool",
+    "blade_path",
     "guillotine",
+    "imprint",
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",

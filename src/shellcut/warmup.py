@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .criterion import Fracture
+from .imprinting import PathCurve, imprint
+from .meshing import rectangle
 from .models.guillotine import guillotine
 
 
 def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, splits.
+    """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
 
     Parameters
     ----------
@@ -30,3 +32,4 @@ def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
             fracture=Fracture(criterion=criterion),
         )
         case.simulation.run(case.duration)
+    imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))

@@ -226,6 +226,8 @@ def at(x, y):
         ((3.01, 0.29), [17]),  # within 0.3 of the edge length, beside
         ((3.01, -0.29), [17]),
         ((3.01, 0.31), []),  # beyond
+        ((3.29, 0.0), [17]),  # the edge is 0.3 of the edge length past the node
+        ((3.31, 0.0), []),  # farther: it came beside the mid-plane behind the edge, uncut
     ],
 )
 def test_pierced_node_splits_along_the_trace_whatever_the_stress(edge, expected):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+from shellcut.imprinting import ImprintResult
 from shellcut.recorder import Recorder
 from shellcut.simulation import Simulation
 
@@ -21,11 +22,14 @@ class Case:
         At t = 0.
     duration : float
         End of the run [s].
+    imprint : ImprintResult or None
+        What putting the blade's path into the mesh did; None where it was not asked for.
     """
 
     name: str
     simulation: Simulation
     duration: float
+    imprint: ImprintResult | None = None
 
     def run(
         self,

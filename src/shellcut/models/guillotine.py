@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut._jit import Ints
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.material import ShellMaterial
 from shellcut.mesh import Mesh
@@ -23,6 +24,7 @@ from shellcut.support import Support
 from shellcut.tool import Tool
 from shellcut.tool_shapes import straight_blade
 
+from ._path import with_path
 from .case import Case
 
 # Gap between the cutting edge and the film's end at the start [mm].
@@ -44,6 +46,8 @@ def notched_strip(length: float, width: float, size: float, notch: float) -> Mes
 def guillotine(
     size: float = 0.4,
     *,
+    mesh: Mesh | None = None,
+    imprint: bool = True,
     length: float = 30.0,
     width: float = 8.0,
     notch: float = 2.0,
@@ -60,8 +64,16 @@ def guillotine(
     ----------
     size : float
         Edge length of the quads [mm].
+    mesh : Mesh, optional
+        A flat strip of one's own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
+        long sides; ``size``, ``length`` and ``width`` are then not used. The blade enters where
+        the strip begins, on y = 0.
+    imprint : bool
+        Put the blade's path into a mesh of one's own; otherwise a line of its edges must lie on
+        y = 0. The outcome is ``Case.imprint``.
     length, width, notch : float
-        Of the strip and of the cut at its end [mm]; the long sides are clamped.
+        Of the strip and of the cut at its end [mm]; the long sides are clamped. In a mesh of one's
+        own the notch ends at the last node of the path within ``notch``; 0 makes none.
     travel : float, optional
         Way of the blade [mm]; up to 2.5 mm before the end of the strip by default.
     speed : float
@@ -78,17 +90,49 @@ def guillotine(
     Returns
     -------
     Case
+
+    Raises
+    ------
+    ImprintError
+        If the path cannot be put into the mesh.
     """
     ramp = 1e-4
-    way = length - 2.5 if travel is None else travel
-    blade = tool or straight_blade(length=length, height=3.0)
+    section = material or ShellMaterial.homogeneous()
+    film = notched_strip(length, width, size, notch) if mesh is None else mesh
+    start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
+    way = extent - 2.5 if travel is None else travel
+    blade = tool or straight_blade(length=extent, height=3.0)
+    blade = blade.translated((start - _CLEARANCE, 0.0, 0.0))
+    motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp)
+    duration = way / speed + 0.5 * ramp
+    result = None
+    if mesh is not None and imprint:
+        result = with_path(mesh, blade, motion, duration, section)
+        film = _notched(result.mesh, result.chains[0], notch)
+    elif mesh is not None:
+        on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < 1e-9)
+        film = _notched(mesh, on_line[np.argsort(mesh.nodes[on_line, 0])], notch)
     simulation = Simulation(
-        notched_strip(length, width, size, notch),
-        material or ShellMaterial.homogeneous(),
+        film,
+        section,
         supports=[Support.clamped("bottom"), Support.clamped("top")],
-        tool=blade.translated((-_CLEARANCE, 0.0, 0.0)),
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        tool=blade,
+        motion=motion,
         law=law or CohesiveLaw(),
         **options,
     )
-    return Case("guillotine", simulation, way / speed + 0.5 * ramp)
+    return Case("guillotine", simulation, duration, result)
+
+
+def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:
+    # cut along the first nodes of the path, which begins at the strip's end
+    x = mesh.nodes[line, 0]
+    within = line[x <= mesh.nodes[:, 0].min() + notch + 1e-9]
+    if notch == 0.0:
+        return mesh
+    if len(within) < 2:
+        raise ValueError(
+            f"the notch of {notch} mm must be at least one edge of the path long, got nodes on "
+            f"the path at x = {np.array2string(x[:2], precision=4)} mm; lengthen it, or pass 0"
+        )
+    return mesh.cut(within)

@@ -27,6 +27,7 @@ from shellcut.support import Support
 from shellcut.tool import Tool
 from shellcut.tool_shapes import tooth_ring
 
+from ._path import with_path
 from .case import Case
 
 
@@ -37,6 +38,7 @@ def opening_test(
     pitch: float = 12.0,
     angle_deg: float = 95.0,
     duration: float = 6.0e-3,
+    imprint: bool = True,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
@@ -46,13 +48,16 @@ def opening_test(
     Parameters
     ----------
     mesh : {"quick", "M1", "M2"} or Mesh
-        A disc of the package, or a film of one's own with a node set ``rim``.
+        A disc of the package, or a flat film of one's own with a node set ``rim``.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     pitch : float
         Advance of the screw a turn, downwards [mm].
     angle_deg, duration : float
         Angle [degrees] and time [s] of the whole motion.
+    imprint : bool
+        Put the path of the cutting edges into the mesh, unless a line of edges is there; the
+        outcome is ``Case.imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
         The film of the paper by default.
     **options
@@ -61,17 +66,27 @@ def opening_test(
     Returns
     -------
     Case
+
+    Raises
+    ------
+    ImprintError
+        If the path cannot be put into the mesh.
     """
+    film = opening_disc(mesh) if isinstance(mesh, str) else mesh
+    cutter = tool or tooth_ring()
+    motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
+    section = material or ShellMaterial.homogeneous()
+    result = with_path(film, cutter, motion, duration, section) if imprint else None
     simulation = Simulation(
-        opening_disc(mesh) if isinstance(mesh, str) else mesh,
-        material or ShellMaterial.homogeneous(),
+        result.mesh if result else film,
+        section,
         supports=[Support.clamped("rim")],
-        tool=tool or tooth_ring(),
-        motion=ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch),
+        tool=cutter,
+        motion=motion,
         law=law or CohesiveLaw(),
         **options,
     )
-    return Case("opening", simulation, duration)
+    return Case("opening", simulation, duration, result)
 
 
 def steady_work_per_radian(

@@ -1,0 +1,8 @@
+"""The imprint: a blade's path put into any flat mesh as a line of edges."""
+
+from .blade_path import blade_path
+from .film_plane import ImprintError
+from .imprint import ImprintResult, imprint
+from .path_curve import PathCurve
+
+__all__ = ["ImprintError", "ImprintResult", "PathCurve", "blade_path", "imprint"]

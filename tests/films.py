@@ -1,0 +1,75 @@
+"""Unstructured quad meshes that know nothing of the blade's path, made without a mesher."""
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from shellcut import Mesh
+
+
+def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0) -> Mesh:
+    """Return a disc of some 2,600 quads: jittered triangles, each cut into three quads."""
+    n_rim = round(2.0 * np.pi * radius / spacing)
+    angle = 2.0 * np.pi * np.arange(n_rim) / n_rim
+    rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    n = int(np.ceil(1.25 * radius / spacing))
+    lattice = jittered_lattice(spacing, (-n, n), (-n, n), np.random.default_rng(seed))
+    inner = lattice[np.hypot(*lattice.T) < radius - 0.6 * spacing]
+    points = np.concatenate([rim, inner])
+    nodes, quads, middles = three_quads_a_triangle(points, Delaunay(points).simplices)
+    on_rim = (middles < n_rim).all(axis=1) & (
+        np.abs(middles[:, 0] - middles[:, 1]) % (n_rim - 2) == 1
+    )
+    middle = np.flatnonzero(on_rim) + len(points)
+    nodes[middle] *= radius / np.hypot(*nodes[middle].T)[:, None]
+    rim_nodes = np.flatnonzero(np.hypot(*nodes.T) > radius - 1e-6)
+    return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
+
+
+def unstructured_strip(
+    length: float = 30.0, width: float = 8.0, spacing: float = 0.93, seed: int = 0
+) -> Mesh:
+    """Return a strip of jittered triangles, each cut into three quads, sets at its long sides."""
+    n_x, n_y = round(length / spacing), round(width / spacing)
+    x, y = np.linspace(0.0, length, n_x + 1), np.linspace(-0.5 * width, 0.5 * width, n_y + 1)
+    sides = [np.stack([x, np.full_like(x, end)], axis=1) for end in (y[0], y[-1])]
+    sides += [np.stack([np.full(n_y - 1, end), y[1:-1]], axis=1) for end in (x[0], x[-1])]
+    n = round(length / spacing) + round(width / spacing)
+    lattice = jittered_lattice(spacing, (-n, n), (-n, n), np.random.default_rng(seed))
+    room = 0.6 * spacing
+    inside = (lattice > [room, y[0] + room]) & (lattice < [length - room, y[-1] - room])
+    points = np.concatenate([*sides, lattice[inside.all(axis=1)]])
+    nodes, quads, _ = three_quads_a_triangle(points, Delaunay(points).simplices)
+    ends = {
+        "bottom": np.flatnonzero(nodes[:, 1] < y[0] + 1e-9),
+        "top": np.flatnonzero(nodes[:, 1] > y[-1] - 1e-9),
+    }
+    return Mesh.from_arrays(nodes, quads, node_sets=ends)
+
+
+def jittered_lattice(spacing, columns, rows, rng):
+    """Return the points of a triangular lattice, each moved by up to 0.12 of the spacing."""
+    i, j = np.meshgrid(
+        np.arange(columns[0], columns[1] + 1), np.arange(rows[0], rows[1] + 1), indexing="xy"
+    )
+    lattice = spacing * np.stack([i + 0.5 * j, np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
+    return lattice + rng.uniform(-0.12, 0.12, lattice.shape) * spacing
+
+
+def three_quads_a_triangle(points, triangles):
+    """Return nodes, quads and the ends of the sides at whose middles the new nodes stand."""
+    triangles = triangles.copy()
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    ccw = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) > (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    triangles[~ccw] = triangles[~ccw][:, ::-1]
+    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    unique, side_of = np.unique(sides, axis=0, return_inverse=True)
+    side_of = side_of.reshape(-1, 3) + len(points)
+    centre = np.arange(len(triangles)) + len(points) + len(unique)
+    nodes = np.concatenate([points, points[unique].mean(axis=1), points[triangles].mean(axis=1)])
+    quads = np.concatenate(
+        [
+            np.stack([triangles[:, k], side_of[:, k], centre, side_of[:, k - 1]], axis=1)
+            for k in range(3)
+        ]
+    )
+    return nodes, quads, unique

@@ -1,0 +1,91 @@
+"""Discs meshed by Gmsh as a user would: quads by several algorithms, triangles, sizes, a hole."""
+
+import numpy as np
+
+from films import three_quads_a_triangle
+from shellcut import Mesh
+
+RADIUS = 10.2
+
+# Algorithm, recombination and size [mm] for about 2,600 quads; seeds disturb and turn the disc.
+DISCS = {
+    "frontal, blossom": (6, 1, 0.37),
+    "frontal, full quad": (6, 3, 0.38),
+    "quads, full quad": (8, 3, 0.37),
+    "quads, blossom full quad": (8, 2, 0.37),
+    "packing": (11, 3, 1.2),
+    "delaunay, full quad": (5, 3, 0.40),
+}
+
+
+def gmsh_disc(algorithm, recombination, size, *, seed=0, hole=None, field=None, triangles=False):
+    """Return a disc with the set "rim", its whole boundary circle.
+
+    Parameters
+    ----------
+    hole : (float, float, float), optional
+        Centre and radius [mm].
+    field : str, optional
+        Size by a formula in x, y.
+    triangles : bool
+        Mesh with triangles and cut each into three quads.
+    """
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("disc")
+        gmsh.option.setNumber("Mesh.RandomSeed", seed + 1)
+        gmsh.option.setNumber("Mesh.RandomFactor", 1e-9 if seed == 0 else 1e-4 * seed)
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+        shape = gmsh.model.occ
+        disc = shape.addDisk(0.0, 0.0, 0.0, RADIUS, RADIUS)
+        if hole is not None:
+            x, y, r = hole
+            shape.cut([(2, disc)], [(2, shape.addDisk(x, y, 0.0, r, r))])
+        shape.rotate(shape.getEntities(2), 0, 0, 0, 0, 0, 1, 0.37 * seed)
+        shape.synchronize()
+        if field is not None:
+            gmsh.model.mesh.field.add("MathEval", 1)
+            gmsh.model.mesh.field.setString(1, "F", field)
+            gmsh.model.mesh.field.setAsBackgroundMesh(1)
+            gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+            gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+        else:
+            gmsh.option.setNumber("Mesh.MeshSizeMin", size)
+            gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+            # an odd number of nodes on a rim leaves triangles
+            for _, curve in gmsh.model.getEntities(1):
+                n_pair = round(shape.getMass(1, curve) / size / 2)
+                gmsh.model.mesh.setTransfiniteCurve(curve, 2 * n_pair + 1)
+        if not triangles:
+            gmsh.option.setNumber("Mesh.RecombinationAlgorithm", recombination)
+            for _, surface in gmsh.model.getEntities(2):
+                gmsh.model.mesh.setRecombine(2, surface)
+        gmsh.model.mesh.generate(2)
+        tags, places, _ = gmsh.model.mesh.getNodes()
+        types, _, corners = gmsh.model.mesh.getElements(2)
+    finally:
+        gmsh.finalize()
+    (kind,) = types
+    assert kind == (2 if triangles else 3), "triangles were left"
+    row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    row[tags.astype(np.int64)] = np.arange(len(tags))
+    nodes = places.reshape(-1, 3)[:, :2]
+    quads = row[corners[0].astype(np.int64).reshape(-1, 3 if triangles else 4)]
+    if triangles:
+        nodes, quads, _ = three_quads_a_triangle(nodes, quads)
+    used, quads = np.unique(quads, return_inverse=True)
+    return _with_rim(nodes[used], quads.reshape(-1, 4))
+
+
+def _with_rim(nodes, quads):
+    p, q = nodes[quads[:, 2]] - nodes[quads[:, 0]], nodes[quads[:, 3]] - nodes[quads[:, 1]]
+    clockwise = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] < 0.0
+    quads[clockwise] = quads[clockwise][:, ::-1]
+    boundary = Mesh.from_arrays(nodes, quads).boundary_nodes()
+    rim = boundary[np.hypot(*nodes[boundary].T) > 0.97 * RADIUS]
+    nodes = nodes.copy()
+    nodes[rim] *= (RADIUS / np.hypot(*nodes[rim].T))[:, None]  # middles of sides stood inside
+    return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim})
