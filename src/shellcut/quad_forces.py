@@ -420,38 +420,50 @@ add_full_point_quads = _make_point_kernel(flat=False)
 # ---------------------------------------------------------------- single quads
 
 
-@kernel
-def write_corner_forces(
-    slot: Ints,
-    nodes: Ints,
-    x: Floats,
-    t: Floats,
-    corner: SmallIds,
-    tables: LinearTables,
-    points: PointTables,
-    damped: bool,
-    rho: float,
-    last: Floats,
-    history: Floats,
-    force: Floats,
-) -> None:
-    """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
-    work = np.empty((2, N_STRAIN, WIDTH))
-    trial = np.empty((1, history.shape[1], WIDTH))
-    for i in range(slot.shape[0]):
-        b, lane = slot[i] // WIDTH, slot[i] % WIDTH
-        flat = b < tables.n_flat
-        xm, tm = quad_modes(x, t, corner, b, lane)
-        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
-        if points.rule.place.shape[0] > 0:
-            r, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane)
-        else:
-            r = stiffness_product(tables, flat, b, lane, s, work)
-        if damped:
-            step = _minus(s, pick16(last, b, lane))
-            r = plus_scaled(r, rho, stiffness_product(tables, flat, b, lane, step, work))
-        forces = nodal_forces(xm, tm, r)
-        for a in range(4):
-            if corner[b, a, lane] == nodes[i]:
-                for c in range(3):
-                    force[i, c] = forces[a][c]
+def _make_corner_kernel(by_points: bool) -> Any:
+    @kernel
+    def write_corner_forces(
+        slot: Ints,
+        nodes: Ints,
+        x: Floats,
+        t: Floats,
+        corner: SmallIds,
+        tables: LinearTables,
+        points: PointTables,
+        damped: bool,
+        rho: float,
+        last: Floats,
+        history: Floats,
+        force: Floats,
+    ) -> None:
+        """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
+        work = np.empty((2, N_STRAIN, WIDTH))
+        trial = np.empty((1, history.shape[1], WIDTH))
+        for i in range(slot.shape[0]):
+            b, lane = slot[i] // WIDTH, slot[i] % WIDTH
+            flat = b < tables.n_flat
+            xm, tm = quad_modes(x, t, corner, b, lane)
+            if flat:
+                s = flat_strain(tables, b, lane, xm, tm)
+            else:
+                s = full_strain(tables, b, lane, xm, tm)
+            if by_points:
+                r, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane)
+            else:
+                r = stiffness_product(tables, flat, b, lane, s, work)
+            if damped:
+                step = _minus(s, pick16(last, b, lane))
+                r = plus_scaled(r, rho, stiffness_product(tables, flat, b, lane, step, work))
+            forces = nodal_forces(xm, tm, r)
+            for a in range(4):
+                if corner[b, a, lane] == nodes[i]:
+                    for c in range(3):
+                        force[i, c] = forces[a][c]
+
+    return write_corner_forces
+
+
+write_corner_forces = _make_corner_kernel(by_points=False)
+"""Of linear material."""
+write_point_corner_forces = _make_corner_kernel(by_points=True)
+"""Of any material."""

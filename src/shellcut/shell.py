@@ -22,6 +22,7 @@ from .quad_forces import (
     add_full_point_quads,
     add_full_quads,
     write_corner_forces,
+    write_point_corner_forces,
 )
 from .quad_frequency import QuadFrequencies
 from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
@@ -210,7 +211,8 @@ class MITC4Shell:
         ndarray, shape (n, 3)
         """
         force = np.empty((quads.size, 3))
-        write_corner_forces(
+        write = write_point_corner_forces if self.has_points else write_corner_forces
+        write(
             slot=self.blocks.slot[quads],
             nodes=nodes,
             x=state.node.x,
