@@ -21,6 +21,7 @@ from .mesh import Mesh
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
 from .outline_mesh import mesh_from_outline
+from .preview import preview
 from .quality import mesh_quality
 from .recorder import Recorder
 from .simulation import Simulation
@@ -63,6 +64,7 @@ __all__ = [
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
+    "preview",
     "read_film",
     "read_tool",
     "warmup",

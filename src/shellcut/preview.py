@@ -1,0 +1,89 @@
+"""A look at a model before its run."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from .simulation import Simulation
+from .view.model_picture import ModelView, draw_model
+
+_LISTED = 10  # quads marked as those of the shortest steps
+
+
+def preview(
+    simulation: Simulation, path: str | os.PathLike[str], *, time: float | None = None
+) -> str:
+    """Draw film, held nodes, the quads that set the step, tool and cutting edges; return a report.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Not changed.
+    path : path-like
+        Picture to write; the ending tells the format.
+    time : float, optional
+        A later pose of the tool that is drawn beside the first [s].
+
+    Returns
+    -------
+    str
+        What the model has and the step it starts with, a line each.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If ``time`` is not a finite number that is not negative.
+
+    Examples
+    --------
+    >>> from shellcut import opening_test
+    >>> case = opening_test("quick")
+    >>> print(preview(case.simulation, "model.png", time=case.duration))  # doctest: +SKIP
+    """
+    if time is not None and not 0.0 <= time < np.inf:
+        raise ValueError(f"time must be finite and not negative in s, got {time!r}")
+    sim, mesh, tool = simulation, simulation.mesh, simulation.tool
+    times = [0.0] if time is None or tool is None else [0.0, time]
+    poses, titles = [], []
+    for at in times:
+        title = f"t = {1e3 * at:.4g} ms"
+        if tool is not None and sim.motion is not None:
+            rotation, translation = sim.motion.pose(at)
+            poses.append(tool.vertices @ rotation.T + translation)
+            unit = sim.motion.coordinate_unit
+            place = sim.motion.coordinate(at)
+            title += f", {np.degrees(place):.4g}°" if unit == "rad" else f", {place:.4g} {unit}"
+        titles.append(title)
+    squared = sim.shell.frequencies.squared
+    worst = np.argsort(-squared, kind="stable")[:_LISTED]
+    held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
+    lines = [
+        f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {mesh.quad_areas().sum():.5g} mm², "
+        f"{held.size} nodes held",
+        f"step   {sim.dt:.4g} s; shortest in quads {worst.tolist()}",
+    ]
+    if tool is not None:
+        lines.append(
+            f"tool   {tool.n_body} bodies, {tool.n_triangle} triangles, "
+            f"{tool.n_chain} cutting edges"
+        )
+    draw_model(
+        ModelView(
+            nodes=mesh.nodes,
+            quads=np.asarray(mesh.quads, np.int64),
+            held=held,
+            worst=worst,
+            tool=poses,
+            triangles=np.zeros((0, 3), np.int64) if tool is None else np.asarray(tool.triangles),
+            edges=np.zeros((0, 2), np.int64) if tool is None else np.asarray(tool.edges),
+            titles=titles,
+        ),
+        path,
+        title="the model before its run",
+        caption="\n".join(lines),
+    )
+    return "\n".join(lines)

@@ -1,0 +1,118 @@
+"""Picture of a model before its run: film, supports, worst quads, tool and cutting edges."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.frame import Floats, Ints
+
+from ._figure import new_figure, save
+
+_FILM_COLOR = "0.55"
+_HELD_COLOR = "#1d3557"
+_WORST_COLOR = "#f4a259"
+_TOOL_COLOR = "#a8b0ba"
+_EDGE_COLOR = "#c1121f"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelView:
+    """What is drawn, all in one system of axes [mm]."""
+
+    nodes: Floats
+    """Reference positions, shape (n_node, 3)."""
+    quads: Ints
+    """Node ids, shape (n_quad, 4)."""
+    held: Ints
+    """Supported nodes."""
+    worst: Ints
+    """Quads to mark."""
+    tool: Sequence[Floats]
+    """Vertices of the tool in every pose that is shown, shape (n_vertex, 3) each."""
+    triangles: Ints
+    """Vertex ids of the tool, shape (n_triangle, 3)."""
+    edges: Ints
+    """Vertex ids of its cutting segments, shape (n_edge, 2)."""
+    titles: Sequence[str]
+    """Of every pose."""
+
+
+def draw_model(
+    model: ModelView,
+    path: str | os.PathLike[str],
+    *,
+    title: str,
+    caption: str = "",
+    size: tuple[float, float] = (13.0, 8.6),
+    dpi: float = 110.0,
+) -> None:
+    """Draw every pose seen along the film's normal and, below, from the side.
+
+    Parameters
+    ----------
+    model : ModelView
+        The film's two longest axes are drawn across, the third one upwards.
+    path : path-like
+        File to write; the ending tells the format.
+    title, caption : str
+    size : (float, float)
+        Width and height [inch].
+    dpi : float
+        Pixels per inch.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    figure = new_figure(size, dpi)
+    figure.suptitle(title, fontsize=13)
+    figure.text(0.5, 0.01, caption, ha="center", va="bottom", fontsize=9, family="monospace")
+    across = np.argsort(-np.ptp(model.nodes, axis=0), kind="stable")
+    n_pose = len(model.titles)
+    for k in range(n_pose):
+        left, width = 0.06 + 0.94 / n_pose * k, 0.94 / n_pose - 0.07
+        for axes_ids, bottom, height in (
+            ((across[0], across[1]), 0.40, 0.50),
+            ((across[0], across[2]), 0.14, 0.20),
+        ):
+            axes = figure.add_axes((left, bottom, width, height))
+            _draw_pose(axes, model, k, axes_ids)
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.autoscale_view()
+            axes.set_xlabel(f"{'xyz'[axes_ids[0]]} [mm]", fontsize=8)
+            axes.set_ylabel(f"{'xyz'[axes_ids[1]]} [mm]", fontsize=8)
+            axes.tick_params(labelsize=8)
+            if bottom > 0.3:
+                axes.set_title(model.titles[k], fontsize=10)
+                axes.legend(loc="upper right", fontsize=8)
+    save(figure, path)
+
+
+def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, int]) -> None:
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    i, j = axes_ids
+    x = model.nodes[:, [i, j]]
+    sides = np.stack([model.quads, np.roll(model.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+    film = x[np.unique(np.sort(sides, axis=1), axis=0)]
+    add = axes.add_collection  # type: ignore[attr-defined]
+    add(LineCollection(film, colors=_FILM_COLOR, linewidths=0.4))
+    if len(model.worst):
+        worst = PolyCollection(list(x[model.quads[model.worst]]), facecolors=_WORST_COLOR)
+        worst.set_label(f"{len(model.worst)} quads of the shortest steps")
+        add(worst)
+    if len(model.held):
+        axes.plot(  # type: ignore[attr-defined]
+            *x[model.held].T, ".", ms=3, color=_HELD_COLOR, label=f"{len(model.held)} held nodes"
+        )
+    if len(model.tool):
+        tool = model.tool[pose][:, [i, j]]
+        add(PolyCollection(list(tool[model.triangles]), facecolors=_TOOL_COLOR, alpha=0.25))
+        edges = LineCollection(list(tool[model.edges]), colors=_EDGE_COLOR, linewidths=1.8)
+        edges.set_label(f"{len(model.edges)} cutting segments")
+        add(edges)
