@@ -19,9 +19,9 @@ from .tool import Tool
 # Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a node no
 # crack has reached must lie nearly on the edge (well below half the distance to the next row); a
 # tip, or a node of a free edge where the blade comes in, belongs to the nearest row. The first kind
-# is caught when the edge goes through it, so it lies no deeper behind the edge either: farther back a
-# flank that is drawn under the tooth brings nodes of the next row near the mid-plane, and splitting
-# those opens cracks beside the cut (six in an opening test with rows 0.16 mm apart).
+# is caught when the edge goes through it, so it lies no deeper behind the edge either: farther back
+# a flank that is drawn under the tooth brings nodes of the next row near the mid-plane, and
+# splitting those opens cracks beside the cut (six in an opening test with rows 0.16 mm apart).
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
 
