@@ -25,10 +25,7 @@ from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kern
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .lanes import WIDTH, along, at, clear_rows, put_at, row_columns, total, zero
 from .state import State
-from .threads import Workers
-
-# Nodes that one part of the loop takes; its sums are added in order, whoever computed them.
-_CHUNK = 16_384
+from .threads import NODE_CHUNK, Workers
 
 
 class KickResult(NamedTuple):
@@ -112,7 +109,7 @@ class CentralDifference:
     def _find_supported(self, state: State) -> None:
         n = state.node
         self._supported = np.flatnonzero(n.supported[: n.count])
-        chunks = np.arange(0, n.count + _CHUNK, _CHUNK)
+        chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
         self._first_supported = np.searchsorted(self._supported, chunks)
         self._revision = state.revision
 
@@ -238,7 +235,7 @@ def _kick(
     mirror = dt_last == 0.0
     moved = np.empty((supported.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
-        start, stop = chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for i in range(first_supported[chunk], first_supported[chunk + 1]):
             n = supported[i]
             force = rows[n, 0], rows[n, 1], rows[n, 2]
@@ -329,8 +326,8 @@ def _drift(
     rows: Floats,
 ) -> None:
     """Advance x and t : (n_node, 3) by dt, clear rows : (n_node, 8), of every stride-th chunk."""
-    for chunk in range(first, (n_node + _CHUNK - 1) // _CHUNK, stride):
-        start, stop = chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)
+    for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for n in range(start, stop - WIDTH + 1, WIDTH):
             _drift_nodes(n, None, dt, velocity, spin, x, t, rows)
         for n in range(stop - (stop - start) % WIDTH, stop):

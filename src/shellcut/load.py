@@ -1,7 +1,7 @@
 """Loads: gravity, pressure (dead or following), edge traction, nodal forces ([Frangi2010] 17).
 
-Loads on quads and edges are kept by quad, so that each half of a split node takes the share of its
-own quads; a nodal force stays with the node that keeps the id.
+Dead loads are summed to the nodes once; when a node splits, the loads of its two halves are found
+again from their own quads. A nodal force stays with the node that keeps the id.
 """
 
 from __future__ import annotations
@@ -16,12 +16,9 @@ from ._vec3 import add, combine, cross, dot, load, scale, sub
 from .mesh import Mesh
 from .state import State, columns
 from .support import NodeChoice, choose_nodes
-from .threads import Workers
+from .threads import NODE_CHUNK, Workers
 
 _G = 1.0 / np.sqrt(3.0)
-
-# Nodes that one part of the loop takes; its sums are added in order, whoever computed them.
-_CHUNK = 16_384
 
 Factor = Callable[[float], float]
 
@@ -165,7 +162,7 @@ class LoadSet:
     def _add_dead(self, state: State, dead: _DeadLoad, now: float, before: float) -> float:
         n, stride = state.node, self._workers.count
         dead.follow(state)
-        sums = np.zeros(-(-n.count // _CHUNK))
+        sums = np.zeros(-(-n.count // NODE_CHUNK))
 
         def part(thread: int) -> None:
             _add_dead_force(
@@ -340,7 +337,7 @@ def _add_dead_force(
     """
     for chunk in range(first, sums.shape[0], stride):
         power = 0.0
-        for n in range(chunk * _CHUNK, min(n_node, (chunk + 1) * _CHUNK)):
+        for n in range(chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)):
             force = load(dead, n)
             rows[n, 0] += factor * force[0]
             rows[n, 1] += factor * force[1]

@@ -28,7 +28,14 @@ from .quad_frequency import QuadFrequencies
 from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
 from .tangent import N_FREEDOM, quad_tangents, reference_products
-from .thickness_points import PointRule, build_rule, flat_frames, full_frames
+from .thickness_points import (
+    N_FLAT_FRAME,
+    N_FULL_FRAME,
+    PointRule,
+    build_rule,
+    flat_frames,
+    full_frames,
+)
 from .threads import Workers
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
@@ -316,8 +323,8 @@ def _build_tables(
         aligned_zeros((n_full, N_FULL, WIDTH)),
     )
     points = PointTables(
-        aligned_zeros((n_flat if n_point else 0, 16, WIDTH)),
-        aligned_zeros((n_full if n_point else 0, 28 * n_point, WIDTH)),
+        aligned_zeros((n_flat if n_point else 0, 4 * N_FLAT_FRAME, WIDTH)),
+        aligned_zeros((n_full if n_point else 0, 4 * n_point * N_FULL_FRAME, WIDTH)),
         rule,
     )
     for first in range(0, n_block, _BLOCKS_AT_A_TIME):

@@ -163,10 +163,10 @@ def _flat_gauss_point(
     n_point = rule.place.shape[0]
     none = zero(lane)
     # A quarter on the frame makes the sixteenth that the strains of the modes carry.
-    a = 0.25 * pick(frame, b, 4 * q, lane)
-    c = 0.25 * pick(frame, b, 4 * q + 1, lane)
-    f = 0.25 * pick(frame, b, 4 * q + 2, lane)
-    volume = pick(frame, b, 4 * q + 3, lane)
+    a = 0.25 * pick(frame, b, N_FLAT_FRAME * q, lane)
+    c = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 1, lane)
+    f = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 2, lane)
+    volume = pick(frame, b, N_FLAT_FRAME * q + 3, lane)
     e = _turn(a, c, f, _strain_at(s, 0, xi, eta))
     k = _turn(a, c, f, _strain_at(s, 6, xi, eta))
     n, m = (none, none, none), (none, none, none)
@@ -254,7 +254,7 @@ def _full_gauss_point(
     n, m = (none, none, none), (none, none, none)
     q1, q2 = none, none
     for j in range(n_point):
-        z, at = rule.place[j], 7 * (q * n_point + j)
+        z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
         a = 0.25 * pick(frame, block, at, lane)
         c = 0.25 * pick(frame, block, at + 1, lane)
         p = pick(frame, block, at + 2, lane)

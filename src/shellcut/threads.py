@@ -13,6 +13,10 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+NODE_CHUNK = 16_384
+"""Nodes that one part of a loop over nodes takes. Sums over a chunk are added in the order of the
+chunks, whichever thread computed them, so the number belongs to the result."""
+
 _PAYS_FROM = 50_000
 """Quads from which on a second thread pays: a step then takes over a millisecond."""
 _MOST = 8
