@@ -1,0 +1,5 @@
+"""The ``shellcut`` command: one file a subcommand, each of them calls of the Python face."""
+
+from .main import main
+
+__all__ = ["main"]
