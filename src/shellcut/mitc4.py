@@ -39,7 +39,7 @@ The strain terms in (xi³)² are dropped: of relative size (thickness / radius o
 from __future__ import annotations
 
 from math import sqrt
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from ._jit import Floats, Number, Numbers, SmallIds, Vector, always_inline
 from ._vec3 import add, add_scaled, dot, scale, sub
@@ -48,8 +48,11 @@ from .lanes import corner_node, gather, pick, put
 N_STRAIN = 16
 """Strains of a quad, and resultants."""
 
-N_MEMBRANE, N_SHEAR, N_FULL = 21, 10, 136
-"""Numbers in the upper triangles of the 6 x 6 membrane, 4 x 4 shear and 16 x 16 stiffness."""
+N_FLAT_PRODUCT, N_FLAT = 6, 10
+"""Products on the reference surface of a flat quad that do not vanish, and all of its numbers."""
+
+N_FULL = 136
+"""Numbers in the upper triangle of the 16 x 16 stiffness."""
 
 G = 1.0 / sqrt(3.0)
 GAUSS = ((-G, -G), (G, -G), (G, G), (-G, G))
@@ -59,6 +62,8 @@ Modes: TypeAlias = tuple[Vector, Vector, Vector, Vector]
 Sixteen: TypeAlias = tuple[Number, ...]
 Six: TypeAlias = tuple[Number, Number, Number, Number, Number, Number]
 Four: TypeAlias = tuple[Number, Number, Number, Number]
+Three: TypeAlias = tuple[Number, Number, Number]
+Pair: TypeAlias = tuple[Number, Number]
 
 
 @always_inline
@@ -207,61 +212,134 @@ def pick16(table: Numbers, b: int, lane: int | None) -> Sixteen:
     return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
 
 
+class FlatModuli(NamedTuple):
+    """What the stiffness of flat quads has in common, see :func:`flat_resultants`."""
+
+    bending: float
+    """Bending over membrane stiffness [mm²]."""
+    lateral: float
+    """Twice the shear modulus in the plane over C_11: 1 - nu where there is one nu."""
+    shear: float
+    """Transverse shear stiffness over 8 C_11."""
+
+
 @always_inline
-def symmetric6(h: Floats, b: int, lane: int | None, v: Six) -> Six:
-    """Return A v of a symmetric 6 x 6 matrix, the first 21 numbers of a block, row by row."""
-    a00, a01, a02, a03, a04, a05 = pick6(h, b, 0, lane)
-    a11, a12, a13, a14, a15, a22 = pick6(h, b, 6, lane)
-    a23, a24, a25, a33, a34, a35 = pick6(h, b, 12, lane)
-    a44, a45, a55 = pick(h, b, 18, lane), pick(h, b, 19, lane), pick(h, b, 20, lane)
-    v0, v1, v2, v3, v4, v5 = v
+def _at_gauss_points(c: Six) -> tuple[Pair, Pair, Four]:
+    """Return 16 E_11 at eta = -G, G, 16 E_22 at xi = -G, G and 16 2E_12 at the Gauss points."""
+    even = (1.0 / 3.0) * c[2]
+    e11, e22 = c[0] + even, c[1] + even
+    alike, apart = c[3] + 2.0 * even, c[3] - 2.0 * even
+    by_eta, by_xi = G * c[4], G * c[5]
+    on, off = by_eta + by_xi, by_eta - by_xi
     return (
-        a00 * v0 + a01 * v1 + a02 * v2 + a03 * v3 + a04 * v4 + a05 * v5,
-        a01 * v0 + a11 * v1 + a12 * v2 + a13 * v3 + a14 * v4 + a15 * v5,
-        a02 * v0 + a12 * v1 + a22 * v2 + a23 * v3 + a24 * v4 + a25 * v5,
-        a03 * v0 + a13 * v1 + a23 * v2 + a33 * v3 + a34 * v4 + a35 * v5,
-        a04 * v0 + a14 * v1 + a24 * v2 + a34 * v3 + a44 * v4 + a45 * v5,
-        a05 * v0 + a15 * v1 + a25 * v2 + a35 * v3 + a45 * v4 + a55 * v5,
+        (e11 - by_eta, e11 + by_eta),
+        (e22 - by_xi, e22 + by_xi),
+        (alike - on, apart + off, alike + on, apart - off),
     )
 
 
 @always_inline
-def symmetric4(h: Floats, b: int, lane: int | None, v: Four) -> Four:
-    """Return A v of a symmetric 4 x 4 matrix, the ten numbers after those 21, row by row."""
-    a00, a01, a02, a03 = pick4(h, b, N_MEMBRANE, lane)
-    a11, a12, a13, a22 = pick4(h, b, N_MEMBRANE + 4, lane)
-    a23, a33 = pick(h, b, N_MEMBRANE + 8, lane), pick(h, b, N_MEMBRANE + 9, lane)
-    v0, v1, v2, v3 = v
+def _from_gauss_points(n0: Three, n1: Three, n2: Three, n3: Three) -> Six:
+    """Return the resultants of what n11, n22, n12 at the Gauss points do: the transpose."""
+    low11, high11, low22, high22 = n0[0] + n1[0], n2[0] + n3[0], n0[1] + n3[1], n1[1] + n2[1]
+    sum11, sum22 = low11 + high11, low22 + high22
+    alike, apart = n0[2] + n2[2], n1[2] + n3[2]
+    on, off = n2[2] - n0[2], n1[2] - n3[2]
     return (
-        a00 * v0 + a01 * v1 + a02 * v2 + a03 * v3,
-        a01 * v0 + a11 * v1 + a12 * v2 + a13 * v3,
-        a02 * v0 + a12 * v1 + a22 * v2 + a23 * v3,
-        a03 * v0 + a13 * v1 + a23 * v2 + a33 * v3,
+        sum11,
+        sum22,
+        (1.0 / 3.0) * (sum11 + sum22) + (2.0 / 3.0) * (alike - apart),
+        alike + apart,
+        G * ((high11 - low11) + (on + off)),
+        G * ((high22 - low22) + (on - off)),
     )
 
 
 @always_inline
-def flat_resultants(h: Floats, bending: float, b: int, lane: int | None, s: Sixteen) -> Sixteen:
-    """Return r = H s of flat quads: membrane, bending and shear stand apart.
+def _plane_stress(k: Number, by: Number, a: Three, e11: Number, e22: Number, e12: Number) -> Three:
+    """Return k (a:e a - adj e ``by`` / k), the stress at a Gauss point."""
+    pressure = k * (a[0] * e11 + a[1] * e22 + a[2] * e12)
+    return (
+        pressure * a[0] - by * e22,
+        pressure * a[1] - by * e11,
+        pressure * a[2] + 0.5 * by * e12,
+    )
 
-    h : (n_block, 31, 8), the upper triangles of the membrane and of the shear stiffness.
-    bending : bending over membrane stiffness [mm²], the same matrix in other strains.
+
+@always_inline
+def _plane_resultants(k: Four, by: Four, metric: tuple[Three, ...], v: Six) -> Six:
+    """Return the resultants of six strains, of the membrane or of bending."""
+    e11, e22, e12 = _at_gauss_points(v)
+    return _from_gauss_points(
+        _plane_stress(k[0], by[0], metric[0], e11[0], e22[0], e12[0]),
+        _plane_stress(k[1], by[1], metric[1], e11[0], e22[1], e12[1]),
+        _plane_stress(k[2], by[2], metric[2], e11[1], e22[1], e12[2]),
+        _plane_stress(k[3], by[3], metric[3], e11[1], e22[0], e12[3]),
+    )
+
+
+@always_inline
+def _shear_resultants(k: Four, metric: tuple[Three, ...], v: Four) -> Four:
+    """Return the resultants of the four strains of transverse shear."""
+    low1, high1 = v[0] - G * v[1], v[0] + G * v[1]
+    low2, high2 = v[2] - G * v[3], v[2] + G * v[3]
+    a0, a1, a2, a3 = metric
+    q0 = k[0] * (a0[0] * low1 + a0[2] * low2), k[0] * (a0[2] * low1 + a0[1] * low2)
+    q1 = k[1] * (a1[0] * low1 + a1[2] * high2), k[1] * (a1[2] * low1 + a1[1] * high2)
+    q2 = k[2] * (a2[0] * high1 + a2[2] * high2), k[2] * (a2[2] * high1 + a2[1] * high2)
+    q3 = k[3] * (a3[0] * high1 + a3[2] * low2), k[3] * (a3[2] * high1 + a3[1] * low2)
+    down1, up1, down2, up2 = q0[0] + q1[0], q2[0] + q3[0], q0[1] + q3[1], q1[1] + q2[1]
+    return down1 + up1, G * (up1 - down1), down2 + up2, G * (up2 - down2)
+
+
+@always_inline
+def flat_resultants(
+    table: Numbers, moduli: FlatModuli, b: int, lane: int | None, s: Sixteen
+) -> Sixteen:
+    """Return r = H s of flat quads, from the metric at the Gauss points.
+
+    With A = adj G_ab of the reference surface, J² = det A, and the isotropic law of plane stress,
+    C_11 and mu integrated over the thickness, membrane and transverse shear have at a Gauss point
+
+        n^ab = J (C_11 - 2 mu) G^ab G^cd E_cd + 2 mu J G^ac G^bd E_cd
+             = C_11 J⁻³ (A:E) A - 2 mu J⁻¹ adj E,                        q = shear J⁻¹ A gamma
+
+    because G^ab = A / J² and A E A = (A:E) A - det A adj E for symmetric 2 x 2 matrices (Cayley and
+    Hamilton). Bending is the membrane's law in the strains K. The products on the reference surface
+    give the metric as the strains give E.
+
+    table : (n_block, 10, 8), the first six products on the reference surface and, at the Gauss
+    points, C_11 J⁻³ / 2¹⁴: the factors 16 and 8 of strains and metric, once.
     """
-    n = symmetric6(h, b, lane, s[0:6])
-    m = symmetric6(
-        h,
-        b,
-        lane,
-        (
-            bending * s[6],
-            bending * s[7],
-            bending * s[8],
-            bending * s[9],
-            bending * s[10],
-            bending * s[11],
-        ),
+    g11, g22, g12 = _at_gauss_points(pick6(table, b, 0, lane))
+    metric = (
+        (g22[0], g11[0], -0.5 * g12[0]),
+        (g22[1], g11[0], -0.5 * g12[1]),
+        (g22[1], g11[1], -0.5 * g12[2]),
+        (g22[0], g11[1], -0.5 * g12[3]),
     )
-    return n + m + symmetric4(h, b, lane, s[12:16])
+    k = pick4(table, b, N_FLAT_PRODUCT, lane)
+    j = (
+        k[0] * _determinant(metric[0]),
+        k[1] * _determinant(metric[1]),
+        k[2] * _determinant(metric[2]),
+        k[3] * _determinant(metric[3]),
+    )
+    by = scale4(moduli.lateral, j)
+    n = _plane_resultants(k, by, metric, s[0:6])
+    m = _plane_resultants(scale4(moduli.bending, k), scale4(moduli.bending, by), metric, s[6:12])
+    return n + m + _shear_resultants(scale4(moduli.shear, j), metric, s[12:16])
+
+
+@always_inline
+def _determinant(a: Three) -> Number:
+    return a[0] * a[1] - a[2] * a[2]
+
+
+@always_inline
+def scale4(factor: float, v: Four) -> Four:
+    """Return factor v."""
+    return factor * v[0], factor * v[1], factor * v[2], factor * v[3]
 
 
 @always_inline

@@ -24,9 +24,9 @@ import numpy as np
 from ._jit import Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
 from .lanes import WIDTH, make_prefetch, nth, pick, put, scatter_add, total, turns, zero
 from .mitc4 import (
-    N_MEMBRANE,
-    N_SHEAR,
+    N_FLAT,
     N_STRAIN,
+    FlatModuli,
     Modes,
     Sixteen,
     flat_resultants,
@@ -38,7 +38,7 @@ from .mitc4 import (
 )
 from .thickness_points import PointRule, flat_point_resultants, full_point_resultants
 
-_prefetch_flat = make_prefetch(N_MEMBRANE + N_SHEAR)
+_prefetch_flat = make_prefetch(N_FLAT)
 _prefetch_strain = make_prefetch(N_STRAIN)
 
 # Blocks from which on the tables lie in memory, beyond any cache: there asking ahead saves a fifth,
@@ -51,12 +51,11 @@ class LinearTables(NamedTuple):
 
     n_flat: int
     """Number of blocks of flat quads."""
-    flat_reference: Floats
-    """The first six products on the reference surface; the others vanish. (n_flat, 6, 8)."""
-    flat_stiffness: Floats
-    """(n_flat, 31, 8), see :mod:`shellcut.section`."""
-    bending: float
-    """Bending over membrane stiffness of flat quads [mm²]."""
+    flat: Floats
+    """The first six products on the reference surface, the others vanish, and four stiffnesses,
+    (n_flat, 10, 8), see :func:`shellcut.mitc4.flat_resultants`."""
+    flat_moduli: FlatModuli
+    """What flat quads have in common."""
     full_reference: Floats
     """The products on the reference surface, (n_block - n_flat, 16, 8)."""
     full_stiffness: Floats
@@ -77,7 +76,7 @@ class PointTables(NamedTuple):
 def flat_strain(tables: LinearTables, b: int, lane: int | None, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of flat quads."""
     m = products(x, t)
-    ref = tables.flat_reference
+    ref = tables.flat
     membrane = (
         m[0] - pick(ref, b, 0, lane),
         m[1] - pick(ref, b, 1, lane),
@@ -101,7 +100,7 @@ def stiffness_product(
 ) -> Sixteen:
     """Return H u; work : (2, 16, 8) is overwritten."""
     if flat:
-        return flat_resultants(tables.flat_stiffness, tables.bending, b, lane, u)
+        return flat_resultants(tables.flat, tables.flat_moduli, b, lane, u)
     return full_resultants(tables.full_stiffness, b - tables.n_flat, lane, u, work)
 
 
@@ -203,7 +202,7 @@ def _ask_for_block(
 ) -> None:
     """Fetch what block ``b`` will need, while the block before it is worked on."""
     if flat:
-        _prefetch_flat(tables.flat_stiffness, b)
+        _prefetch_flat(tables.flat, b)
     if damped:
         _prefetch_strain(last, b)
         _prefetch_strain(before, b)

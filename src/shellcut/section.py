@@ -18,8 +18,8 @@ The strains at a Gauss point are v = B s, with s the sixteen strains of the quad
     H = sum over the four Gauss points of Bᵀ h B:
 
 136 numbers. Where the reference quad is flat (T constant and normal to it) and bending is to
-membrane stiffness in one ratio, as in any homogeneous or evenly layered film, the same 6 x 6 matrix
-serves both, the shear stands apart, and 31 numbers are left.
+membrane stiffness in one ratio, as in any homogeneous or evenly layered film, four numbers are left
+besides the metric of the reference surface (:func:`shellcut.mitc4.flat_resultants`).
 
 Between nodes the interpolated director is a little shorter than one: on a curved quad that turns by
 10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it
@@ -34,7 +34,7 @@ import numpy as np
 
 from ._jit import Bools, Floats
 from .material import ShellMaterial
-from .mitc4 import GAUSS, N_STRAIN
+from .mitc4 import GAUSS, N_STRAIN, FlatModuli
 
 # A quad counts as flat when its directors agree and stand normal to its corners' edges to this
 # relative size: round-off of normalised normals, far below any curvature that matters.
@@ -87,7 +87,9 @@ def flat_quads(X: Floats, T: Floats) -> Bools:
 
 
 def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
-    """Return upper triangles of the membrane and of the shear stiffness, shape (n_quad, 31).
+    """Return C_11 J⁻³ / 2¹⁴ at the Gauss points of flat quads, shape (n_quad, 4).
+
+    See :func:`shellcut.mitc4.flat_resultants`.
 
     Parameters
     ----------
@@ -96,19 +98,36 @@ def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     material : ShellMaterial
         With a ``bending_ratio``.
     """
+    plane, _ = _integrated_laws(material)
+    points = gauss_geometry(X, T)
+    volume = [np.einsum("ei,ei->e", np.cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
+    return np.asarray(plane[0, 0] / 2**14 / np.stack(volume, axis=1) ** 3)
+
+
+def flat_moduli(material: ShellMaterial) -> FlatModuli:
+    """Return what all flat quads have in common.
+
+    Raises
+    ------
+    ValueError
+        If bending is to membrane stiffness not in one ratio.
+    """
+    if material.bending_ratio is None:
+        raise ValueError("flat quads need a material with a bending_ratio, this one has none")
+    plane, shear = _integrated_laws(material)
+    return FlatModuli(
+        material.bending_ratio,
+        float(2.0 * plane[2, 2] / plane[0, 0]),
+        float(material.shear_factor * shear[0, 0] / (8.0 * plane[0, 0])),
+    )
+
+
+def _integrated_laws(material: ShellMaterial) -> tuple[Floats, Floats]:
+    """Return C, shape (3, 3), and the transverse shear moduli over the thickness [N/mm]."""
     _, weight, layers = material.thickness_points()
-    plane = sum(w * one.plane_stress() for w, one in zip(weight, layers, strict=True))
-    shear = sum(w * one.transverse_shear() for w, one in zip(weight, layers, strict=True))
-    membrane, transverse = np.zeros((len(X), 6, 6)), np.zeros((len(X), 4, 4))
-    for point, (_, A1, A2, T0, _, _) in zip(GAUSS, gauss_geometry(X, T), strict=True):
-        volume = np.einsum("ei,ei->e", np.cross(A1, A2), T0)[:, None, None]
-        Q, _ = cartesian_map(A1, A2, T0)
-        B = strain_map(*point)
-        q = Q[:, :3, :3] @ B[:3, :6]
-        membrane += volume * (q.transpose(0, 2, 1) @ plane @ q)
-        q = Q[:, 3:, 3:] @ B[6:, 12:]
-        transverse += volume * (q.transpose(0, 2, 1) @ (material.shear_factor * shear) @ q)
-    return np.concatenate([_upper(membrane), _upper(transverse)], axis=1)
+    plane = np.sum([w * one.plane_stress() for w, one in zip(weight, layers, strict=True)], axis=0)
+    shear = [w * one.transverse_shear() for w, one in zip(weight, layers, strict=True)]
+    return plane, np.sum(shear, axis=0)
 
 
 def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:

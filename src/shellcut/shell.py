@@ -11,7 +11,7 @@ from .centre_stress import CentreStress
 from .lanes import WIDTH, aligned_zeros
 from .material import ShellMaterial
 from .mesh import Mesh
-from .mitc4 import N_FULL, N_MEMBRANE, N_SHEAR, N_STRAIN
+from .mitc4 import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
 from .point_law import N_PARAMETER
 from .quad_blocks import QuadBlocks, build_blocks
 from .quad_forces import (
@@ -25,7 +25,7 @@ from .quad_forces import (
     write_point_corner_forces,
 )
 from .quad_frequency import QuadFrequencies
-from .section import flat_quads, flat_stiffness, full_stiffness, lumped_mass
+from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
 from .tangent import N_FREEDOM, quad_tangents, reference_products
 from .thickness_points import (
@@ -316,9 +316,8 @@ def _build_tables(
     n_point = rule.place.size
     linear = LinearTables(
         n_flat,
-        aligned_zeros((n_flat, 6, WIDTH)),
-        aligned_zeros((n_flat, N_MEMBRANE + N_SHEAR, WIDTH)),
-        material.bending_ratio or 0.0,
+        aligned_zeros((n_flat, N_FLAT, WIDTH)),
+        flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
         aligned_zeros((n_full, N_STRAIN, WIDTH)),
         aligned_zeros((n_full, N_FULL, WIDTH)),
     )
@@ -351,8 +350,8 @@ def _build_tables(
             # Places that repeat a quad pull at nothing.
             filled = blocks.filled[start:stop].reshape(-1, 1)
             if flat:
-                fill(linear.flat_reference, products[:, :6])
-                fill(linear.flat_stiffness, filled * flat_stiffness(X, T, material))
+                stiffness = filled * flat_stiffness(X, T, material)
+                fill(linear.flat, np.hstack([products[:, :N_FLAT_PRODUCT], stiffness]))
             else:
                 fill(linear.full_reference, products)
                 fill(linear.full_stiffness, filled * full_stiffness(X, T, material))

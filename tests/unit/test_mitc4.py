@@ -16,7 +16,8 @@ from shellcut.mitc4 import (
     nodal_forces,
     products,
 )
-from shellcut.section import flat_stiffness, full_stiffness, strain_map
+from shellcut.section import flat_moduli, flat_stiffness, full_stiffness, strain_map
+from shellcut.tangent import reference_products
 
 EPS = np.finfo(float).eps
 
@@ -103,10 +104,11 @@ def test_resultants_are_the_gradient_of_the_quadratic_energy():
 def test_flat_and_full_stiffness_agree_on_a_flat_quad():
     mesh = cases.skewed_flat(1, 1, seed=4)
     X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
-    h = np.repeat(flat_stiffness(X, T, cases.FILM)[:, :, None], 8, axis=2)
+    numbers = np.hstack([reference_products(X, T)[:, :6], flat_stiffness(X, T, cases.FILM)])
+    table = np.repeat(numbers[:, :, None], 8, axis=2)
     s = np.random.default_rng(2).uniform(-1, 1, N_STRAIN)
     s[6:12] /= cases.FILM.thickness  # so that bending weighs as much as stretching
-    r = np.array(flat_resultants(h, cases.FILM.bending_ratio, 0, 0, tuple(s.tolist())))
+    r = np.array(flat_resultants(table, flat_moduli(cases.FILM), 0, 0, tuple(s.tolist())))
     H = np.zeros((16, 16))
     H[np.triu_indices(16)] = full_stiffness(X, T, cases.FILM)[0]
     H += np.triu(H, 1).T
