@@ -31,12 +31,13 @@ contact entry of the ledger, like all contact work, by forces and increments.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallInts, inline, kernel
+from ._jit import Bools, Floats, Ints, SmallInts, bound, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
 from .near_nodes import NearNodes
@@ -142,6 +143,7 @@ class PenaltyContact:
         self._listed: Ints = self.near.ids
         self._pose = np.eye(3), np.zeros(3)
         self._arguments: tuple[Any, ...] = ()
+        self._call: Callable[..., Any] = _add_contact_forces
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -151,7 +153,7 @@ class PenaltyContact:
         wrench = np.zeros((self._n_body, 6))
         return ContactForces(
             wrench,
-            *_add_contact_forces(rotation, translation, state.dt, wrench, *self._arguments),
+            *self._call(rotation, translation, state.dt, wrench, *self._arguments),
         )
 
     def near_nodes(self, state: State) -> Ints:
@@ -198,6 +200,8 @@ class PenaltyContact:
             n.contact_force,
             n.force,
         )
+        pose = (*self._pose, state.dt, np.zeros((self._n_body, 6)))
+        self._call = bound(_add_contact_forces, *pose, *self._arguments)
 
 
 @inline

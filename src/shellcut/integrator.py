@@ -25,7 +25,7 @@ from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kern
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .lanes import WIDTH, along, at, clear_rows, put_at, row_columns, total, zero
 from .state import State
-from .threads import NODE_CHUNK, Workers
+from .threads import NODE_CHUNK, Workers, in_order
 
 
 class KickResult(NamedTuple):
@@ -91,7 +91,7 @@ class CentralDifference:
             )
 
         self._workers.run(part)
-        translation, rotation, mean, support_work = np.add.reduce(sums).tolist()
+        translation, rotation, mean, support_work = in_order(sums)
         damping = 0.25 * self.damping_alpha * dt * mean
         return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
 

@@ -95,10 +95,14 @@ class NearNodes:
 @inline
 def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
     """Return whether a point lies inside box b of low, high : (n_box, 3)."""
+    # Without branches: which comparison fails first nobody can foretell, the processor neither.
     return bool(
-        low[b, 0] < p[0] < high[b, 0]
-        and low[b, 1] < p[1] < high[b, 1]
-        and low[b, 2] < p[2] < high[b, 2]
+        (low[b, 0] < p[0])
+        & (p[0] < high[b, 0])
+        & (low[b, 1] < p[1])
+        & (p[1] < high[b, 1])
+        & (low[b, 2] < p[2])
+        & (p[2] < high[b, 2])
     )
 
 
@@ -141,9 +145,9 @@ def _inside(
     count = 0
     for n in range(n_node):
         p = to_body(load(x, n), rotation, translation)
+        hit = False
         for b in range(low.shape[0]):
-            if in_box(p, low, high, b):
-                found[count] = n
-                count += 1
-                break
+            hit |= in_box(p, low, high, b)
+        found[count] = n
+        count += hit
     return count

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints
+from ._jit import Floats, Ints, bound
 from .centre_stress import CentreStress
 from .lanes import WIDTH, aligned_zeros
 from .material import ShellMaterial
@@ -36,7 +36,7 @@ from .thickness_points import (
     flat_frames,
     full_frames,
 )
-from .threads import Workers
+from .threads import Workers, in_order
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
 # set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
@@ -100,24 +100,12 @@ class MITC4Shell:
         self.tables, self.points = _build_tables(mesh, material, self.blocks)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated by points, at every step."""
-        self._kernels = self._choose_kernels()
+        self._calls: list[tuple[Any, ...]] = []
+        self._state: State | None = None
+        self._revision = -1
         self._centre_stress = CentreStress(mesh, material)
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
-
-    def _choose_kernels(self) -> list[tuple[Any, Ints, tuple[Any, ...]]]:
-        """Return a kernel for each kind of quads there is, its blocks and its tables."""
-        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
-        tables: tuple[Any, ...] = (self.blocks.corner, self.tables)
-        if self.has_points:
-            kernels = (add_flat_point_quads, add_full_point_quads)
-            tables += (self.points,)
-        starts = (self.blocks.flat_start, self.blocks.full_start)
-        return [
-            (kernel, start, tables)
-            for kernel, start in zip(kernels, starts, strict=True)
-            if start[0] < start[-1]
-        ]
 
     @property
     def added_inertia_factor(self) -> float:
@@ -171,35 +159,43 @@ class MITC4Shell:
         node, threads, damped = state.node, self._workers.count, self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         sums = np.zeros((self.blocks.n_strip, 3))
-        strains: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
+        # In the order of the kernels, as in _bind.
+        changing: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
         if self.has_points:
-            strains += (state.history,)
+            changing += (state.history,)
+        changing += (node.force_rows, sums, self._lane)
+        if self._state is not state or self._revision != state.revision:
+            self._bind(state, changing)
 
         # Strips of one parity have no node in common (see quad_blocks).
         for parity in range(min(2, len(sums))):
 
             def part(thread: int, parity: int = parity) -> None:
-                for kernel, start, tables in self._kernels:
-                    kernel(
-                        parity + 2 * thread,
-                        2 * threads,
-                        start,
-                        node.x,
-                        node.t,
-                        *tables,
-                        *strains,
-                        node.force_rows,
-                        sums,
-                        self._lane,
-                    )
+                for call, lasting in self._calls:
+                    call(parity + 2 * thread, 2 * threads, *lasting, *changing)
 
             self._workers.run(part)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
-        p0, p1, p2 = np.add.reduce(sums).tolist()
+        p0, p1, p2 = in_order(sums)
         if self.has_points:
             return Work(p0, 0.5 * rho * p1)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
+
+    def _bind(self, state: State, changing: tuple[Any, ...]) -> None:
+        """Choose a kernel for each kind of quads, and what it is given until the next split."""
+        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
+        tables: tuple[Any, ...] = (state.node.x, state.node.t, self.blocks.corner, self.tables)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+            tables += (self.points,)
+        starts = (self.blocks.flat_start, self.blocks.full_start)
+        self._calls = [
+            (bound(kernel, 0, 1, start, *tables, *changing), (start, *tables))
+            for kernel, start in zip(kernels, starts, strict=True)
+            if start[0] < start[-1]
+        ]
+        self._state, self._revision = state, state.revision
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].

@@ -13,6 +13,10 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
+
+from ._jit import Floats
+
 NODE_CHUNK = 16_384
 """Nodes that one part of a loop over nodes takes. Sums over a chunk are added in the order of the
 chunks, whichever thread computed them, so the number belongs to the result."""
@@ -20,6 +24,13 @@ chunks, whichever thread computed them, so the number belongs to the result."""
 _PAYS_FROM = 50_000
 """Quads from which on a second thread pays: a step then takes over a millisecond."""
 _MOST = 8
+
+
+def in_order(sums: Floats) -> list[float]:
+    """Return the totals of sums : (n_part, n), the parts added in their order."""
+    # A film of one part is not worth a call of NumPy's reduction, 2 µs amid a step.
+    row: list[float] = (sums[0] if len(sums) == 1 else np.add.reduce(sums)).tolist()
+    return row
 
 
 def available_cores() -> int:
