@@ -17,6 +17,7 @@ eight, as lanes:
 :func:`at`, :func:`along`              values at consecutive nodes, and
 :func:`put_at`                         how they are written
 :func:`row_columns`,                   the first six columns of consecutive force rows,
+:func:`add_row_columns`,               what is added to the first three,
 :func:`clear_rows`                     and how the rows are cleared
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
 :func:`make_prefetch`                  a function that asks for a block needed soon
@@ -46,7 +47,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, overload, register_model
 
-from ._jit import Floats, Number, SmallIds
+from ._jit import Floats, Number, SmallIds, Vector
 
 WIDTH = 8
 """Numbers in one vector."""
@@ -314,6 +315,20 @@ def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
 
 
 @intrinsic
+def _add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        given = cgutils.unpack_tuple(builder, args[2], columns.count)
+        nothing = [ir.Constant(_LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
+        for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
+            index = builder.add(args[1], ir.Constant(_I64, lane))
+            where = _row_address(context, builder, rows, args[0], index)
+            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, columns), generate
+
+
+@intrinsic
 def _zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         for lane in range(WIDTH):
@@ -508,6 +523,24 @@ def _row_columns(rows, n, lane):
         return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5]
 
     return one
+
+
+def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
+    """Add to the first three columns of rows : (m, 8) at node ``n``, or at the eight from ``n``."""
+    for c, column in enumerate(columns):
+        rows[n : n + (WIDTH if lane is None else 1), c] += column
+
+
+@overload(add_row_columns, jit_options=_OPTIONS)
+def _add_row_columns(rows, n, lane, columns):
+    if _all(lane):
+        return lambda rows, n, lane, columns: _add_to_rows(rows, n, columns)
+
+    def add(rows, n, lane, columns):
+        for c in range(3):
+            rows[n, c] += columns[c]
+
+    return add
 
 
 def clear_rows(rows: Floats, n: int, lane: int | None) -> None:

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, inline, kernel
+from ._jit import Bools, Floats, Ints, Number, always_inline, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, sub
+from .lanes import WIDTH, add_row_columns, at, total, zero
 from .mesh import Mesh
 from .state import State, columns
 from .support import NodeChoice, choose_nodes
@@ -141,16 +142,16 @@ class LoadSet:
             mean = 0.5 * (factor(now) + factor(before)) * force
             work += dt * float((n.velocity_half[ids] @ mean).sum())
         if self._following:
-            total = np.zeros((n.count, 3))
+            pushed = np.zeros((n.count, 3))
             for pressed, value, factor in self._following:
                 quads = np.flatnonzero(pressed)
                 rows = np.empty((quads.size, 4, 3))
                 _pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
-                _scatter_rows(state.quads, quads, rows, total)
+                _scatter_rows(state.quads, quads, rows, pushed)
             step = dt * n.velocity_half[: n.count]
-            work += 0.5 * float(((n.load_force[: n.count] + total) * step).sum())
-            n.load_force[: n.count] = total
-            n.force[: n.count] += total
+            work += 0.5 * float(((n.load_force[: n.count] + pushed) * step).sum())
+            n.load_force[: n.count] = pushed
+            n.force[: n.count] += pushed
         for ids, moment, factor in self._moment:
             # The force conjugate to t whose moment t x g is the part of M normal to t.
             m = np.broadcast_to(factor(now) * moment, (ids.size, 3))
@@ -175,13 +176,13 @@ class LoadSet:
     def largest(self, state: State) -> float:
         """Return the largest component of the nodal loads, moments left out [N]."""
         n = state.node.count
-        total = state.node.load_force[:n].copy()
+        every = state.node.load_force[:n].copy()
         for dead in self._dead:
             dead.follow(state)
-            total += dead.factor(state.time) * dead.force[:n]
+            every += dead.factor(state.time) * dead.force[:n]
         for ids, force, factor in self._nodal:
-            np.add.at(total, ids, factor(state.time) * force)
-        return float(np.abs(total).max(initial=0.0))
+            np.add.at(every, ids, factor(state.time) * force)
+        return float(np.abs(every).max(initial=0.0))
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
         """Add the load on a node that comes through a single quad, gravity left out [N].
@@ -256,9 +257,9 @@ class _Drawn:
         self._quads, self._rows = quads, rows
 
     def on(self, state: State, nodes: Ints) -> Floats:
-        total = np.zeros((state.n_node, 3))
-        _scatter_rows(state.quads, self._quads, self._rows, total)
-        return np.asarray(total[nodes])
+        force = np.zeros((state.n_node, 3))
+        _scatter_rows(state.quads, self._quads, self._rows, force)
+        return np.asarray(force[nodes])
 
     def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         force = np.zeros((quads.size, 3))
@@ -336,14 +337,25 @@ def _add_dead_force(
     sums : (n_chunk,), the power of ``dead``, is written.
     """
     for chunk in range(first, sums.shape[0], stride):
-        power = 0.0
-        for n in range(chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)):
-            force = load(dead, n)
-            rows[n, 0] += factor * force[0]
-            rows[n, 1] += factor * force[1]
-            rows[n, 2] += factor * force[2]
-            power += dot(force, load(velocity, n))
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        powers = zero(None)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            powers = powers + _add_dead_at(n, None, dead, factor, velocity, rows)
+        power = total(powers)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            power += _add_dead_at(n, 0, dead, factor, velocity, rows)
         sums[chunk] = power
+
+
+@always_inline
+def _add_dead_at(
+    n: int, lane: int | None, dead: Floats, factor: float, velocity: Floats, rows: Floats
+) -> Number:
+    """Add factor dead at node ``n``, or at the eight from ``n``; return the power of ``dead``."""
+    force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)
+    v = at(velocity, n, 0, lane), at(velocity, n, 1, lane), at(velocity, n, 2, lane)
+    add_row_columns(rows, n, lane, scale(factor, force))
+    return dot(force, v)
 
 
 @kernel

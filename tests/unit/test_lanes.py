@@ -8,6 +8,7 @@ import numpy as np
 
 from shellcut._jit import kernel
 from shellcut.lanes import (
+    add_row_columns,
     aligned_zeros,
     along,
     at,
@@ -61,13 +62,15 @@ def _corners(corner, x, rows, out, lane):
 
 
 @kernel
-def _nodes(x, mass, rows, first, out, lane):
+def _nodes(x, mass, rows, more, first, out, lane):
     for turn in range(turns(lane)):
         n = first + turn
         r = row_columns(rows, n, lane)
         put_at(out, n, 0, lane, at(x, n, 0, lane) + along(mass, n, lane) * r[0])
         put_at(out, n, 1, lane, r[1] * r[2] + r[3])
         put_at(out, n, 2, lane, r[4] - r[5])
+        v = at(x, n, 0, lane), at(x, n, 1, lane), at(x, n, 2, lane)
+        add_row_columns(more, n, lane, v)
         clear_rows(rows, n, lane)
 
 
@@ -126,11 +129,15 @@ def test_consecutive_nodes():
     )
     for lane in (None, 0):
         rows, out = full.copy(), np.full((20, 3), np.nan, order="F")
-        _nodes(x, mass, rows, 5, out, lane)
+        more = full.copy()
+        _nodes(x, mass, rows, more, 5, out, lane)
         np.testing.assert_allclose(out[some], wanted, rtol=0, atol=1e-15)
         assert np.isnan(out[:5]).all()
         assert np.isnan(out[13:]).all()
         assert not rows[some].any()
+        np.testing.assert_array_equal(more[some, :3], full[some, :3] + x[some])
+        more[some, :3] = full[some, :3]
+        np.testing.assert_array_equal(more, full)
         np.testing.assert_array_equal(rows[13:], full[13:])
 
 
