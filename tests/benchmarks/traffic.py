@@ -24,7 +24,7 @@ _TRIAL_SIDE = 8  # quads along the core's side of the disc on which it is tried
 def arrays_of(sim: Simulation) -> dict[str, Array]:
     """Return the arrays of shell and state by their path, each piece of memory once."""
     found: dict[str, Array] = {}
-    for root in ("shell", "state"):
+    for root in ("state", "shell"):  # the shell keeps hold of the state
         _collect(getattr(sim, root), root, found, set())
     owners = {_owner_id(array) for array in found.values() if array.base is None}
     seen: set[tuple[Any, ...]] = set()
