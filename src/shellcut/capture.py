@@ -45,7 +45,7 @@ def capture(
         director=s.node.t[:n],
         velocity=s.node.velocity_half[:n],
         quads=s.quads.astype(np.int64),
-        held=s.node.support[:n].any(axis=1),
+        held=s.node.supported[:n],
         quad_stress=faces.stress[:, 0],
         quad_stress_top=faces.stress[:, 1],
         quad_stress_bottom=faces.stress[:, 2],
