@@ -246,3 +246,15 @@ def test_a_branched_crack_is_one_along_its_longest_way():
     (line,) = quality.cracks
     assert len(line) == 7
     assert abs(line[0, 0] - line[-1, 0]) == pytest.approx(6.0, rel=EXACT)
+
+
+def test_two_loops_joined_by_a_crack_are_followed_around_one():
+    def around(x):
+        ring = [(x + i, 2) for i in range(3)] + [(x + 2, 3), (x + 2, 4), (x + 1, 4), (x, 4), (x, 3)]
+        return [*ring, ring[0]]
+
+    quality = cut_quality(frame_of(cut(straight(3, 7, y=3), around(1), around(7)), held=[0]))
+    assert len(quality.cracks) == 1
+    assert quality.crack_length == pytest.approx(4.0 + 2 * 8.0, rel=EXACT)
+    assert quality.cutout.area == pytest.approx(4.0, rel=EXACT)
+    assert quality.figures()["n_loose"] == 2
