@@ -97,7 +97,7 @@ def gather(folder: Path) -> Gathered:
     )
     if not there:
         raise FileNotFoundError(
-            f"{folder} must be the folder of a run (with history.csv, NAME.vtkhdf or summary.json); "
+            f"{folder} must be the folder of a run, with history.csv, NAME.vtkhdf or summary.json; "
             + ("none of them is there" if folder.is_dir() else "there is no such folder")
         )
     run = Gathered(folder, folder.resolve().name)

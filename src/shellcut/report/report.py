@@ -43,7 +43,7 @@ def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None =
     >>> report("no/such/folder")
     Traceback (most recent call last):
         ...
-    FileNotFoundError: no/such/folder must be the folder of a run (...); there is no such folder
+    FileNotFoundError: no/such/folder must be the folder of a run, ...; there is no such folder
     """
     run = gather(Path(folder))
     out = run.folder / "report.html" if path is None else Path(path)
@@ -94,6 +94,7 @@ def _body(run: Gathered, out: Path) -> str:
         ("The cut", strip),
         ("Snapshots", sections.snapshots(run)),
         ("Crack map", crack),
+        ("Quality of the cut", sections.quality(run)),
         ("Energy ledger", sections.energy_curve(run)),
         ("Splits", sections.splits(run)),
         ("Tool", sections.tool(run, last)),

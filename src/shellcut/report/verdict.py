@@ -73,7 +73,8 @@ def verdict(summary: Mapping[str, Any], edge_length: float | None) -> list[Line]
         judge(
             share,
             DAMPING_LIMIT,
-            f"Damping takes {_percent(share)} of the tool's work (limit {_percent(DAMPING_LIMIT)}).",
+            f"Damping takes {_percent(share)} of the tool's work (limit "
+            f"{_percent(DAMPING_LIMIT)}).",
             f"Damping takes {_percent(share)} of the tool's work, more than "
             f"{_percent(DAMPING_LIMIT)}: the torque is that much too high.",
         )
