@@ -195,5 +195,5 @@ def _rounded(values: Floats) -> list[float]:
 
 
 def _json(data: Mapping[str, object]) -> str:
-    # "</" would end the script element.
-    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
+    # "</script" in a name would end the script element.
+    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
