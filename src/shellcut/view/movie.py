@@ -151,8 +151,11 @@ def _ffmpeg() -> str:
 def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
     from PIL import Image as Pillow
 
-    # A palette of each frame's own; hundreds of frames in full colour would fill the memory.
-    pictures = [Pillow.fromarray(image).quantize(160) for image in images]
+    # Palettes keep rare colours such as those of the cables; frames in full colour would fill the
+    # memory.
+    pictures = [
+        Pillow.fromarray(image).quantize(method=Pillow.Quantize.MAXCOVERAGE) for image in images
+    ]
     pictures[0].save(
         path, save_all=True, append_images=pictures[1:], duration=round(1000.0 / fps), loop=0
     )
