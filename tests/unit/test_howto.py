@@ -1,4 +1,4 @@
-"""The code of the how-to pages on films and tools runs as it stands."""
+"""The code of the how-to pages on films, tools and results runs as it stands."""
 
 import logging
 import re
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from shellcut import opening_test
 from shellcut.tool_shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
@@ -41,3 +42,24 @@ def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
     assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+
+
+def test_read_results(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.chdir(tmp_path)
+    case = opening_test("quick", angle_deg=6.0, duration=4e-4)
+    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    names = {}
+    (code,) = blocks("read-results.md", "python")
+    exec(compile(code, "read-results.md", "exec"), names)
+    told = capsys.readouterr().out
+    assert "Results of 'opening' in out" in told
+    assert "N*mm" in told
+    assert Path("torque.png").exists()
+    results, tool = names["results"], case.simulation.tool
+    assert results.frame(0).tool_tooth.tolist() == (tool.triangle_body + 1).tolist()
+    assert results.frame(0).edge_tooth.tolist() == (tool.edge_body + 1).tolist()
+    rotation, translation = results.tool_pose(-1)
+    wanted = case.simulation.motion.pose(results.times[-1])
+    assert (rotation == wanted[0]).all()
+    assert (translation == wanted[1]).all()
