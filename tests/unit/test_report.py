@@ -168,8 +168,18 @@ class TestWhatIsMissing:
         (folder / "history.csv").write_text("time [s],path [mm]\n0.0,0.0\n")
         page = report(folder).read_text(encoding="utf-8")
         said = " ".join(text for kind, text in sentences(page) if kind == "doubt")
-        assert "The frames cannot be read" in said
+        assert "The frames cannot be shown" in said
         assert "fewer than two rows" in said
+
+    def test_a_section_that_fails_costs_no_other(self, out, tmp_path):
+        folder = copy_without(out, tmp_path)
+        text = (folder / "history.csv").read_text()
+        (folder / "history.csv").write_text(text.replace("force_contact [N]", "other [N]", 1))
+        page = report(folder).read_text(encoding="utf-8")
+        said = [text for _, text in sentences(page) if "cannot be shown" in text]
+        assert len(said) == 1
+        assert said[0].startswith("The force cannot be shown: there is no &#x27;force_contact")
+        assert Outline(page).titles == [title for title in SECTIONS if title != "Force"]
 
     def test_without_matplotlib_there_are_curves_but_no_pictures(self, out, tmp_path):
         script = (

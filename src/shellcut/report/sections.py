@@ -22,7 +22,7 @@ from shellcut.view import draw_crack_map, draw_film_strip, edge_length
 
 from .chart import Curve, chart
 from .figures import key_figures
-from .gathered import Gathered, run_or_say
+from .gathered import Gathered
 from .verdict import verdict
 
 _N_MAP = 100  # frames that the crack map takes its times from
@@ -297,9 +297,7 @@ def quality(run: Gathered) -> str:
     frames = run.frames(_N_QUALITY)
     if not frames:
         return missing("No figures of the cut: there are no frames.")
-    rows = run_or_say(run, "cracks", lambda: [cut_quality(frame).figures() for frame in frames])
-    if not rows:
-        return ""
+    rows = [cut_quality(frame).figures() for frame in frames]
     coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
     head = [f"at {coordinate}", *(_figure_of(frame.coordinate, unit) for frame in frames)]
     lines = [
@@ -370,7 +368,7 @@ def crack_map(run: Gathered) -> str:
         where = np.stack([run.splits[axis] for axis in "XYZ"], axis=1)
         kinds = run.splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
-    picture = _picture(run, lambda path: draw_crack_map(path, frames, splits=places, width=8.0))
+    picture = _picture(lambda path: draw_crack_map(path, frames, splits=places, width=8.0))
     name = frames[-1].coordinate_name
     return _figure(
         picture,
@@ -385,7 +383,7 @@ def film_strip(run: Gathered) -> str:
     frames = run.frames(_N_STRIP)
     if not frames:
         return missing("No film strip: there are no frames.")
-    picture = _picture(run, lambda path: draw_film_strip(path, frames))
+    picture = _picture(lambda path: draw_film_strip(path, frames))
     way = f"{frames[0].coordinate_name} {frames[0].coordinate:.3g} to {frames[-1].coordinate:.3g}"
     return _figure(
         picture,
@@ -410,15 +408,15 @@ def snapshots(run: Gathered) -> str:
     return f'<figure class="slides">{slider}<div class="wide">{"".join(images)}</div></figure>'
 
 
-def _picture(run: Gathered, draw: Callable[[Path], None]) -> bytes | None:
+def _picture(draw: Callable[[Path], None]) -> bytes | None:
     # Bytes of a PNG; None where Matplotlib is missing.
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
         try:
-            run_or_say(run, "frames", lambda: draw(path))
+            draw(path)
         except ImportError:
             return None
-        return path.read_bytes() if path.exists() else None
+        return path.read_bytes()
 
 
 def _figure(picture: bytes | None, alt: str, caption: str) -> str:
