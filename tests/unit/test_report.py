@@ -12,7 +12,7 @@ import pytest
 
 import shellcut
 from shellcut.command_line import main
-from shellcut.report import report, sections
+from shellcut.report import pictures, report
 from shellcut.report.chart import Curve, _columns, _ticks, chart
 from shellcut.report.figures import key_figures, with_unit
 from shellcut.report.verdict import verdict
@@ -134,7 +134,7 @@ def undrawn(monkeypatch, out):
     """Pictures that take no time, for tests of the words around them."""
     picture = (out / "snapshot_00.png").read_bytes()
     for name in ("draw_film_strip", "draw_crack_map"):
-        monkeypatch.setattr(sections, name, lambda path, *_, **__: path.write_bytes(picture))
+        monkeypatch.setattr(pictures, name, lambda path, *_, **__: path.write_bytes(picture))
 
 
 @pytest.mark.usefixtures("undrawn")

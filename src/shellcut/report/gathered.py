@@ -10,12 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.frame import Floats, Frame
+from shellcut.frame import Bools, Floats, Frame
 from shellcut.history import read_history
 from shellcut.results import Results, read
 
 T = TypeVar("T")
 
+_TRUSTED_FROM_DEG = 10.0  # before that next to no work has been done to compare with
 _SIGNS = ("history.csv", "summary.json", "used.toml")
 
 
@@ -67,6 +68,34 @@ class Gathered:
         """Name and unit of what the drive has to overcome, the history's third column."""
         name = list(self.history)[2]
         return name, self.units[name]
+
+    @property
+    def trusted(self) -> Bools:
+        """Rows in which the tool has done enough work to compare with, as the recorder takes them.
+
+        Shape (n_row,).
+        """
+        name, unit = self.coordinate
+        x = self.history[name]
+        return np.asarray(x >= (_TRUSTED_FROM_DEG if unit == "deg" else 0.1 * x[-1]))
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The summary; of a run that has not ended what it would have said of judged figures."""
+        h = self.history
+        if self.summary or "tool_work" not in h:
+            return self.summary
+        work = np.abs(h["tool_work"][self.trusted]).clip(np.finfo(float).tiny)
+        kinetic = h["kinetic_translation"] + h["kinetic_rotation"]
+        missed, moving = np.abs(h["imbalance"]), np.abs(kinetic)
+        return {
+            "tool_work_Nmm": float(h["tool_work"][-1]),
+            "imbalance_rel": float((missed[self.trusted] / work).max(initial=0.0)),
+            "kinetic_rel": float((moving[self.trusted] / work).max(initial=0.0)),
+            "contact_Nmm": float(h["contact_work"][-1]),
+            "damping_Nmm": float((h["damping_stiffness"] + h["damping_mass"])[-1]),
+            "crack_length_mm": float(h["crack_length"][-1]),
+        }
 
     @property
     def last_frame(self) -> Frame | None:

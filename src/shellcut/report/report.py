@@ -11,9 +11,9 @@ from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
-from . import sections
+from . import curves, pictures, words
 from .gathered import Gathered, gather, run_or_say
-from .sections import section
+from .markup import section
 
 
 def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:
@@ -85,21 +85,21 @@ def _body(run: Gathered, out: Path) -> str:
     last = run_or_say(run, "last frame", lambda: run.last_frame)
     resistance = run.resistance[0].capitalize() if run.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
-        "Key figures": lambda: sections.figures(run),
-        resistance: lambda: sections.resistance_curve(run),
-        "The cut": lambda: sections.film_strip(run),
-        "Snapshots": lambda: sections.snapshots(run),
-        "Crack map": lambda: sections.crack_map(run),
-        "Quality of the cut": lambda: sections.quality(run),
-        "Energy ledger": lambda: sections.energy_curve(run),
-        "Splits": lambda: sections.splits(run),
-        "Tool": lambda: sections.tool(run, last),
-        "Time step": lambda: sections.step_curve(run),
-        "What was run": lambda: sections.what_was_run(run),
-        "Versions": sections.versions,
-        "Files": lambda: sections.files(run, out),
+        "Key figures": lambda: words.figures(run),
+        resistance: lambda: curves.resistance(run),
+        "The cut": lambda: pictures.film_strip(run),
+        "Snapshots": lambda: pictures.snapshots(run),
+        "Crack map": lambda: pictures.crack_map(run),
+        "Quality of the cut": lambda: words.quality(run),
+        "Energy ledger": lambda: curves.energy(run),
+        "Splits": lambda: words.splits(run),
+        "Tool": lambda: words.tool(run, last),
+        "Time step": lambda: curves.step(run),
+        "What was run": lambda: words.what_was_run(run),
+        "Versions": words.versions,
+        "Files": lambda: words.files(run, out),
     }
     made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
     # Last, since it tells what went wrong in the others.
-    verdict = sections.judgement(run, last)
+    verdict = words.judgement(run, last)
     return "".join(section(title, body) for title, body in {"Verdict": verdict, **made}.items())
