@@ -70,15 +70,15 @@ def _part(name: str) -> str:
 
 
 def _lead(run: Gathered) -> str:
-    words = [f"Report of the run in {run.folder.resolve()}"]
+    parts = [f"Report of the run in {run.folder.resolve()}"]
     if run.history:
         name, unit = run.coordinate
         end = run.history[name][-1]
         gap = "" if unit == "deg" else " "
-        words.append(f"up to {name} {end:.4g}{gap}{unit.replace('deg', '°')}")
+        parts.append(f"up to {name} {end:.4g}{gap}{unit.replace('deg', '°')}")
     if run.results is not None:
-        words.append(f"{run.results.n_frame} frames")
-    return ", ".join(words) + "."
+        parts.append(f"{run.results.n_frame} frames")
+    return ", ".join(parts) + "."
 
 
 def _body(run: Gathered, out: Path) -> str:

@@ -74,10 +74,30 @@ def figures(run: Gathered) -> str:
     return f'<div class="beside">{tables}</div>' if tables else ""
 
 
+def quality(run: Gathered) -> str:
+    """Return the quality of the cut at a few frames."""
+    frames = run.frames(_N_QUALITY)
+    if not frames:
+        return missing("No figures of the cut: there are no frames.")
+    rows = [cut_quality(frame).figures() for frame in frames]
+    coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
+    head = [f"at {coordinate}", *(figure_of(frame.coordinate, unit) for frame in frames)]
+    lines = [
+        [label, *(figure_of(row[name], CUT_UNITS[name]) for row in rows)]
+        for name, label in _QUALITY.items()
+    ]
+    return table(lines, head) + (
+        '<p class="caption">Counted in the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece that the cut is to free.</p>"
+    )
+
+
 def splits(run: Gathered) -> str:
     """Return how many nodes were split by what, when, and how large the jumps of force were."""
     if not run.splits:
-        return missing("No splits.csv: it is written when a run ends.")
+        return missing(
+            "No splits: splits.csv is written when a run ends, or the frames are missing."
+        )
     kinds = run.splits["kind"]
     if not len(kinds):
         return "<p>No node was split.</p>"
@@ -159,21 +179,3 @@ def _link(path: Path, report: Path) -> str:
 
 def _bytes(size: int) -> str:
     return f"{size / 1e6:.1f} MB" if size >= 100_000 else f"{size / 1e3:.1f} kB"
-
-
-def quality(run: Gathered) -> str:
-    """Return the quality of the cut at a few frames."""
-    frames = run.frames(_N_QUALITY)
-    if not frames:
-        return missing("No figures of the cut: there are no frames.")
-    rows = [cut_quality(frame).figures() for frame in frames]
-    coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
-    head = [f"at {coordinate}", *(figure_of(frame.coordinate, unit) for frame in frames)]
-    lines = [
-        [label, *(figure_of(row[name], CUT_UNITS[name]) for row in rows)]
-        for name, label in _QUALITY.items()
-    ]
-    return table(lines, head) + (
-        '<p class="caption">Counted in the frames; cables are not film. A bridge is film between '
-        "two crack ends that face each other; the cut-out is the piece that the cut is to free.</p>"
-    )
