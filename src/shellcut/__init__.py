@@ -24,6 +24,7 @@ from .outline_mesh import mesh_from_outline
 from .preview import preview
 from .quality import mesh_quality
 from .recorder import Recorder
+from .report import report
 from .results import Results, read
 from .simulation import Simulation
 from .statics import Statics
@@ -70,5 +71,6 @@ __all__ = [
     "read",
     "read_film",
     "read_tool",
+    "report",
     "warmup",
 ]

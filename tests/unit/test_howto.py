@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shellcut import opening_test
+from shellcut import guillotine, opening_test
 from shellcut.tool_shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
@@ -63,3 +63,15 @@ def test_read_results(tmp_path, monkeypatch, capsys):
     wanted = case.simulation.motion.pose(results.times[-1])
     assert (rotation == wanted[0]).all()
     assert (translation == wanted[1]).all()
+
+
+def test_pictures(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
+    case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    (code,) = blocks("pictures.md", "python")
+    exec(compile(code, "pictures.md", "exec"), {})
+    for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
+        assert Path(name).stat().st_size > 1000

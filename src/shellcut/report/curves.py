@@ -1,0 +1,115 @@
+"""Sections with curves: resistance, energy ledger, time step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shellcut.frame import Bools
+
+from .chart import Curve, chart
+from .gathered import Gathered
+from .markup import figure_of, missing, pretty, table
+
+
+def resistance(run: Gathered) -> str:
+    """Return torque (or force) over the tool's way."""
+    if not run.history:
+        return missing("No curve: the history is missing.")
+    first, unit = run.resistance
+    teeth = [name for name in run.history if name.startswith(f"{first}_tooth_")]
+    curves = []
+    if len(teeth) > 1:
+        label = f"each of {len(teeth)} teeth"
+        curves += [Curve(label, run.history[name], "tooth") for name in teeth]
+    curves += [
+        Curve("from contact", run.history[f"{first}_contact"], "contact"),
+        Curve("from cables at the edge", run.history[f"{first}_joints"], "joints"),
+        Curve("total", run.history[first], "total"),
+    ]
+    return _chart(run, curves, first, pretty(unit), f"{first} over {run.coordinate[0]}")
+
+
+def energy(run: Gathered) -> str:
+    """Return the ledger: the work put in and where it went, and what it misses."""
+    h = run.history
+    if "tool_work" not in h:
+        return missing("No ledger: the history is missing.")
+    shares = {
+        "cables": h["cohesive_work"] + h["cohesive_start_work"],
+        "damping": h["damping_stiffness"] + h["damping_mass"],
+        "strain": h["strain"],
+        "kinetic": h["kinetic_translation"] + h["kinetic_rotation"],
+        "contact": h["contact_work"],
+    }
+    largest = max(float(np.abs(share).max()) for share in shares.values())
+    stacked = all(share.min() >= -0.01 * largest for share in shares.values())
+    curves = [
+        Curve(name, share, f"a{k}", area=stacked) for k, (name, share) in enumerate(shares.items())
+    ]
+    work = h["tool_work"] + h["load_work"] + h["support_work"]
+    curves.append(Curve("work put in", work, "work"))
+    ledger = _chart(run, curves, "energy", "N·mm", "energies and the work put in")
+    trusted = run.trusted
+    if trusted.sum() < 2:
+        return ledger
+    missed = [Curve("imbalance", 100.0 * h["imbalance_rel"][trusted], "total")]
+    name, unit = run.coordinate
+    start = figure_of(h[name][trusted][0], unit)
+    return ledger + _chart(
+        run,
+        missed,
+        f"imbalance of the ledger from {start} on",
+        "%",
+        "what the ledger misses",
+        height=170.0,
+        rows=trusted,
+    )
+
+
+def step(run: Gathered) -> str:
+    """Return the time step, in numbers and over the tool's way."""
+    if "dt" not in run.history:
+        return ""
+    steps = 1e9 * run.history["dt"][1:]  # the first row stands before the first step
+    rows = [("smallest", f"{steps.min():.4g} ns"), ("largest", f"{steps.max():.4g} ns")]
+    if "n_step" in run.summary:
+        rows.append(("steps", f"{run.summary['n_step']:,}"))
+        rows.append(("mean", f"{1e9 * run.summary['dt_s']:.4g} ns"))
+    step = np.concatenate((steps[:1], steps))
+    return table(rows) + _chart(
+        run, [Curve("step", step, "contact")], "time step", "ns", "the time step", height=190.0
+    )
+
+
+def _chart(
+    run: Gathered,
+    curves: Sequence[Curve],
+    name: str,
+    unit: str,
+    of: str,
+    height: float = 300.0,
+    rows: Bools | slice = slice(None),
+) -> str:
+    coordinate, coordinate_unit = run.coordinate
+    x = run.history[coordinate][rows]
+    # A motion may rest or go back; a curve read by its coordinate must not.
+    ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
+    if ahead.sum() < 2:
+        return missing(f"No curve of {name}: the tool has not moved.")
+    last = ", ".join(f"{curve.name} {curve.values[-1]:.4g} {unit}" for curve in curves[-3:])
+    shown = [
+        Curve(c.name, np.nan_to_num(c.values[ahead], posinf=0.0, neginf=0.0), c.style, c.area)
+        for c in curves
+    ]
+    return chart(
+        x[ahead],
+        shown,
+        x_name=coordinate,
+        x_unit=pretty(coordinate_unit),
+        name=name,
+        unit=unit,
+        described=f"Curve: {of}; at the end {last}.",
+        height=height,
+    )

@@ -1,0 +1,181 @@
+"""Sections in words and numbers: verdict, figures, quality, splits, tool, versions, files."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import platform
+import urllib.parse
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.cut_quality import UNITS as CUT_UNITS
+from shellcut.cut_quality import cut_quality
+from shellcut.frame import Frame
+from shellcut.view import edge_length
+
+from .figures import key_figures
+from .gathered import Gathered
+from .markup import figure_of, missing, table
+from .verdict import verdict
+
+_N_QUALITY = 5  # frames whose cut is described
+_DIGEST_LIMIT = 200_000_000  # bytes of a file whose digest is worth the wait
+
+_KINDS = {"good": "holds", "doubt": "distrust", "note": "note"}
+_QUALITY = {
+    "crack_length": "crack length",
+    "cut_share": "share of the line that is cut",
+    "n_bridge": "uncut bridges",
+    "bridge_width": "bridges, all together",
+    "bridge_width_least": "narrowest bridge",
+    "slit_width_mean": "slit, mean width",
+    "n_flap": "flaps",
+    "flap_angle_largest": "opening of a flap, largest",
+    "cutout_angle": "tipping of the cut-out",
+    "n_loose": "loose pieces",
+    "loose_area": "loose area",
+}
+
+
+def what_was_run(run: Gathered) -> str:
+    """Return the model file, or that there is none."""
+    if not run.model:
+        return missing("No used.toml: the model was built in Python, or the file was removed.")
+    return (
+        "<p>The model with all defaults filled in, as it ran (<code>used.toml</code>):</p>"
+        f"<details><summary>used.toml, {len(run.model.splitlines())} lines</summary>"
+        f"<pre>{escape(run.model)}</pre></details>"
+    )
+
+
+def judgement(run: Gathered, last: Frame | None) -> str:
+    """Return the verdict, doubts first, with all that is missing."""
+    figures = run.figures
+    lines = verdict(figures, edge_length(last) if last is not None else None)
+    order = {"doubt": 0, "good": 1, "note": 2}
+    said = [("doubt", "missing", problem) for problem in run.problems]
+    said += [(line.kind, _KINDS[line.kind], line.text) for line in lines]
+    said.sort(key=lambda item: order[item[0]])
+    items = "".join(
+        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>' for kind, word, text in said
+    )
+    return f'<ul class="verdict">{items}</ul>'
+
+
+def figures(run: Gathered) -> str:
+    """Return the summary as a table."""
+    rows = key_figures(run.figures)
+    half = -(-len(rows) // 2)
+    tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
+    return f'<div class="beside">{tables}</div>' if tables else ""
+
+
+def quality(run: Gathered) -> str:
+    """Return the quality of the cut at a few frames."""
+    frames = run.frames(_N_QUALITY)
+    if not frames:
+        return missing("No figures of the cut: there are no frames.")
+    rows = [cut_quality(frame).figures() for frame in frames]
+    coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
+    head = [f"at {coordinate}", *(figure_of(frame.coordinate, unit) for frame in frames)]
+    lines = [
+        [label, *(figure_of(row[name], CUT_UNITS[name]) for row in rows)]
+        for name, label in _QUALITY.items()
+    ]
+    return table(lines, head) + (
+        '<p class="caption">Counted in the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece that the cut is to free.</p>"
+    )
+
+
+def splits(run: Gathered) -> str:
+    """Return how many nodes were split by what, when, and how large the jumps of force were."""
+    if not run.splits:
+        return missing(
+            "No splits: splits.csv is written when a run ends, or the frames are missing."
+        )
+    kinds = run.splits["kind"]
+    if not len(kinds):
+        return "<p>No node was split.</p>"
+    rows = []
+    for kind in dict.fromkeys(kinds.tolist()):
+        chosen = kinds == kind
+        times = 1e3 * run.splits["time"][chosen]
+        jump = np.abs(run.splits["force_jump"][chosen]).max()
+        rows.append(
+            (
+                f"by {kind}",
+                f"{chosen.sum():,}",
+                f"{times.min():.4g} ms",
+                f"{times.max():.4g} ms",
+                f"{jump:.3g} N",
+            )
+        )
+    return table(rows, ("split", "nodes", "first at", "last at", "largest jump of force"))
+
+
+def tool(run: Gathered, last: Frame | None) -> str:
+    """Return the tool's size, edges and last place."""
+    if last is None or not len(last.tool_triangles):
+        return ""
+    edges = np.linalg.norm(last.edge_points[:, 1] - last.edge_points[:, 0], axis=1)
+    extent = " × ".join(f"{length:.4g}" for length in np.ptp(last.tool_points, axis=0))
+    first = run.resistance[0] if run.history else ""
+    n_tooth = sum(name.startswith(f"{first}_tooth_") for name in run.history)
+    rows = [
+        ("teeth", str(n_tooth) if n_tooth else "-"),
+        ("cutting edges", f"{edges.sum():.4g} mm in {len(edges)} segments"),
+        ("extent in x, y, z at the last frame", f"{extent} mm"),
+        ("surface", f"{len(last.tool_triangles):,} triangles"),
+    ]
+    return table(rows)
+
+
+def versions() -> str:
+    """Return what the report was written by."""
+    rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
+    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
+        try:
+            rows.append((package, importlib.metadata.version(package)))
+        except importlib.metadata.PackageNotFoundError:
+            rows.append((package, "not installed"))
+    return table(rows) + '<p class="caption">Of the installation that wrote this report.</p>'
+
+
+def files(run: Gathered, report: Path) -> str:
+    """Return links to all that is in the folder, with sizes and digests."""
+    rows = []
+    for path in sorted(run.folder.iterdir()):
+        if not path.is_file() or path.resolve() == report.resolve():
+            continue
+        size = path.stat().st_size
+        digest = "-"
+        if size <= _DIGEST_LIMIT:
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+        rows.append(
+            f'<tr><th scope="row"><a href="{escape(_link(path, report))}">{escape(path.name)}</a>'
+            f'</th><td class="n">{_bytes(size)}</td><td class="n"><code>{digest}</code></td></tr>'
+        )
+    head = "".join(
+        f'<th scope="col">{cell}</th>' for cell in ("file", "size", "SHA-256, first 16 digits")
+    )
+    return (
+        f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table></div>"
+    )
+
+
+def _link(path: Path, report: Path) -> str:
+    try:
+        relative = os.path.relpath(path.resolve(), report.resolve().parent)
+    except ValueError:  # on another drive
+        return path.resolve().as_uri()
+    return urllib.parse.quote(Path(relative).as_posix())
+
+
+def _bytes(size: int) -> str:
+    return f"{size / 1e6:.1f} MB" if size >= 100_000 else f"{size / 1e3:.1f} kB"
