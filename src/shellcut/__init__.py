@@ -24,6 +24,7 @@ from .outline_mesh import mesh_from_outline
 from .preview import preview
 from .quality import mesh_quality
 from .recorder import Recorder
+from .results import Results, read
 from .simulation import Simulation
 from .statics import Statics
 from .support import Support
@@ -49,6 +50,7 @@ __all__ = [
     "PathCurve",
     "Pressure",
     "Recorder",
+    "Results",
     "ScrewMotion",
     "ShellMaterial",
     "Simulation",
@@ -65,6 +67,7 @@ __all__ = [
     "mesh_quality",
     "opening_test",
     "preview",
+    "read",
     "read_film",
     "read_tool",
     "warmup",

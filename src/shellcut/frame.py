@@ -18,6 +18,7 @@ import numpy.typing as npt
 Floats: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int64]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
+Bools: TypeAlias = npt.NDArray[np.bool_]
 
 STRAIGHT = 0
 """State of a cable that the cutting edge has not met."""
@@ -68,10 +69,30 @@ class Frame:
     """Node ids of the quads, shape (n_quad, 4)."""
 
     quad_stress: Floats
-    """Cauchy membrane stress s11, s22, s12 in the lamina frame, shape (n_quad, 3), [MPa]."""
+    """Cauchy membrane stress s11, s22, s12 in the lamina frame, shape (n_quad, 3), [MPa]: the mean
+    over the thickness. The frame's first axis runs from the middle of the quad's edge 3-0 to that
+    of its edge 1-2."""
 
     quad_principal: Floats
     """Largest and smallest principal membrane stress, shape (n_quad, 2), [MPa]."""
+
+    quad_stress_top: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    """As ``quad_stress``, at the outer face of the top layer; left out: the membrane's."""
+
+    quad_principal_top: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """As ``quad_principal``, at the outer face of the top layer; left out: the membrane's."""
+
+    quad_stress_bottom: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    """As ``quad_stress``, at the outer face of the bottom layer; left out: the membrane's."""
+
+    quad_principal_bottom: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """As ``quad_principal``, at the outer face of the bottom layer; left out: the membrane's."""
+
+    quad_thickness: Floats = field(default_factory=lambda: np.zeros(0))
+    """Present thickness at the centre, shape (n_quad,), [mm]; left out: 0."""
+
+    held: Bools = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    """Whether a support prescribes any motion of the node, shape (n_node,); left out: none."""
 
     crack_edges: Ints = field(default_factory=lambda: np.zeros((0, 2, 2), dtype=np.int64))
     """Node ids ((a_minus, b_minus), (a_plus, b_plus)) of the two flanks of each crack edge,
@@ -87,15 +108,32 @@ class Frame:
     cable_traction: Floats = field(default_factory=lambda: np.zeros(0))
     """Traction that the cable of each segment carries, shape (n_segment,), [MPa]."""
 
+    cable_opening: Floats = field(default_factory=lambda: np.zeros(0))
+    """Opening of the cable of each segment, the length that its law sees, shape (n_segment,),
+    [mm]; of a jointed one that of both branches together. Left out: 0."""
+
     tool_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     """Vertices of the tool in their present position, shape (n_vertex, 3), [mm]."""
 
     tool_triangles: Ints = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
     """Vertex ids of the tool's triangles, normals outward, shape (n_triangle, 3)."""
 
+    tool_tooth: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Tooth of each triangle, counted from 1 as in the history, shape (n_triangle,); left out:
+    0, not told."""
+
+    tool_rotation: Floats = field(default_factory=lambda: np.eye(3))
+    """Rotation R of the tool, x = R X + r from its body frame, shape (3, 3)."""
+
+    tool_translation: Floats = field(default_factory=lambda: np.zeros(3))
+    """Translation r of the tool, shape (3,), [mm]."""
+
     edge_points: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
     """End points of the segments of the cutting edges in their present position, shape
     (n_edge, 2, 3), [mm]."""
+
+    edge_tooth: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Tooth of each of these segments, as ``tool_tooth``, shape (n_edge,)."""
 
     scalars: Mapping[str, float] = field(default_factory=dict)
     """Figures of the whole model by name, e.g. ``{"torque": 143.6}``."""
@@ -110,6 +148,8 @@ class Frame:
         n_segment = len(self.cable_segments)
         n_vertex = len(self.tool_points)
         n_triangle = len(self.tool_triangles)
+        n_edge = len(self.edge_points)
+        self._fill_in(n_node, n_quad, n_segment, n_triangle, n_edge)
         self._cast("points", np.float64, (n_node, 3))
         self._cast("reference", np.float64, (n_node, 3))
         self._cast("director", np.float64, (n_node, 3))
@@ -117,13 +157,23 @@ class Frame:
         self._cast("quads", np.int64, (n_quad, 4))
         self._cast("quad_stress", np.float64, (n_quad, 3))
         self._cast("quad_principal", np.float64, (n_quad, 2))
+        for side in ("top", "bottom"):
+            self._cast(f"quad_stress_{side}", np.float64, (n_quad, 3))
+            self._cast(f"quad_principal_{side}", np.float64, (n_quad, 2))
+        self._cast("quad_thickness", np.float64, (n_quad,))
+        self._cast("held", np.bool_, (n_node,))
         self._cast("crack_edges", np.int64, (n_crack, 2, 2))
         self._cast("cable_segments", np.float64, (n_segment, 2, 3))
         self._cast("cable_state", np.int8, (n_segment,))
         self._cast("cable_traction", np.float64, (n_segment,))
+        self._cast("cable_opening", np.float64, (n_segment,))
         self._cast("tool_points", np.float64, (n_vertex, 3))
         self._cast("tool_triangles", np.int64, (n_triangle, 3))
-        self._cast("edge_points", np.float64, (len(self.edge_points), 2, 3))
+        self._cast("tool_tooth", np.int64, (n_triangle,))
+        self._cast("tool_rotation", np.float64, (3, 3))
+        self._cast("tool_translation", np.float64, (3,))
+        self._cast("edge_points", np.float64, (n_edge, 2, 3))
+        self._cast("edge_tooth", np.int64, (n_edge,))
         self._check_ids("quads", n_node)
         self._check_ids("crack_edges", n_node)
         self._check_ids("tool_triangles", n_vertex)
@@ -134,12 +184,32 @@ class Frame:
                 raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
         self._check_scalars()
 
+    def _fill_in(
+        self, n_node: int, n_quad: int, n_segment: int, n_triangle: int, n_edge: int
+    ) -> None:
+        left_out: dict[str, Any] = {
+            "quad_stress_top": self.quad_stress,
+            "quad_stress_bottom": self.quad_stress,
+            "quad_principal_top": self.quad_principal,
+            "quad_principal_bottom": self.quad_principal,
+            "quad_thickness": np.zeros(n_quad),
+            "held": np.zeros(n_node, dtype=np.bool_),
+            "cable_opening": np.zeros(n_segment),
+            "tool_tooth": np.zeros(n_triangle, dtype=np.int64),
+            "edge_tooth": np.zeros(n_edge, dtype=np.int64),
+        }
+        for name, value in left_out.items():
+            if len(getattr(self, name)) == 0:
+                object.__setattr__(self, name, value)
+
     def _cast(self, name: str, dtype: Any, shape: tuple[int, ...]) -> None:
         given = np.asarray(getattr(self, name))
         if given.shape != shape:
             raise ValueError(f"{name} must have shape {shape}, got {given.shape}")
         if np.issubdtype(dtype, np.integer) and not np.issubdtype(given.dtype, np.integer):
             raise ValueError(f"{name} must hold integers, got {given.dtype}")
+        if dtype == np.bool_ and given.dtype != np.bool_:
+            raise ValueError(f"{name} must hold bools, got {given.dtype}")
         array = np.array(given, dtype=dtype, order="C")
         # A nan anywhere would reach the file and the eyes as a hole without a word.
         if not np.isfinite(array).all():

@@ -1,28 +1,10 @@
 """Frames of a run in one VTKHDF file: ParaView 5.12 or later opens it and plays the time.
 
-One temporal unstructured grid holds everything, told apart by the cell array ``part``: the quads
-of the membrane, the straight branches of the cables as lines, the triangles of the tool. Points
-are deformed positions, so the crack opens without a filter. Nodes and cables may come and go from
-frame to frame.
-
-==================================  ======  ===================================================
-array                               on      holds
-==================================  ======  ===================================================
-``displacement [mm]``               points  3 components; zero on cables and tool
-``velocity [mm per s]``             points  3 components; zero on cables and tool
-``director``                        points  3 components; zero on cables and tool
-``part``                            cells   0 membrane, 1 cable, 2 tool
-``membrane stress [MPa]``           cells   s11, s22, s12 in the lamina; zero elsewhere
-``largest principal stress [MPa]``  cells   of the membrane; zero elsewhere
-``smallest principal stress [MPa]`` cells   of the membrane; zero elsewhere
-``traction [MPa]``                  cells   of the cables; zero elsewhere
-``cable state``                     cells   0 straight, 1 jointed; zero elsewhere
-``time [s]``, ``torque [N*mm]``...  field   time, the frame's coordinate and its scalars
-==================================  ======  ===================================================
-
-Points are stored in single precision (1e-6 mm at 10 mm), the other arrays rounded to 12 bits
-(1.2e-4 of the value), which makes them half as large; field arrays are exact. A "/" in a unit
-becomes "per", because HDF5 reads it as a path.
+One temporal unstructured grid holds everything, as :mod:`shellcut.frame_grid` lays it out; nodes,
+cables and cracks may come and go from frame to frame. Time, the frame's coordinate and its scalars
+are field arrays (``time [s]``, ``torque [N*mm]``), exact. Beside the grid a group ``shellcut``, of
+no interest to VTK, keeps per frame what reading back needs besides: how many of each part there
+are, and the tool's rotation and translation.
 
 How the file counts (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
 takes all frames for one, without a word):
@@ -38,38 +20,44 @@ packed is the matter of :mod:`shellcut.hdf_columns`.
 from __future__ import annotations
 
 import os
-from typing import Any, Literal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, TypeVar
 
 import h5py
 import numpy as np
 
 from .frame import Floats, Frame
+from .frame_grid import (
+    CELL_ARRAYS,
+    POINT_ARRAYS,
+    Counts,
+    FrameGrid,
+    array_name,
+    frame_of,
+    grid_of,
+    series_of,
+)
 from .growing_file import GrowingFile
 from .hdf_columns import Columns
 
-MEMBRANE, CABLE, TOOL = 0, 1, 2
-"""Values of the cell array ``part``."""
-
 _VERSION = (2, 3)
-_LINE, _TRIANGLE, _QUAD = 3, 5, 9  # VTK's numbers of cell types
-
-_POINT_ARRAYS = ("displacement [mm]", "velocity [mm per s]", "director")
-_CELL_ARRAYS: dict[str, tuple[Any, tuple[int, ...]]] = {
-    "part": (np.uint8, ()),
-    "membrane stress [MPa]": (np.float32, (3,)),
-    "largest principal stress [MPa]": (np.float32, ()),
-    "smallest principal stress [MPa]": (np.float32, ()),
-    "traction [MPa]": (np.float32, ()),
-    "cable state": (np.uint8, ()),
-}
 _TIME = "time [s]"
+_BESIDE = "shellcut"  # the group beside VTK's own
 
 # The names under which shared offsets are written; the other arrays' are links to them.
 _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
-_KEPT_BITS = 12  # of the 23 in the mantissa of a single, for all arrays but the points
+# A file is read while its run goes on writing: it must not have changed meanwhile, as told by its
+# time stamp, which the system counts in ticks of up to 10 ms.
+_TICK_S = 0.02
+_MOST_TRIES = 250
+
+
+_Value = TypeVar("_Value")
 
 
 class VtkHdfWriter(GrowingFile):
@@ -130,24 +118,26 @@ class VtkHdfWriter(GrowingFile):
                 f"frames must be appended in order of time, got {frame.time} s after "
                 f"{self._last_time} s"
             )
-        series = _series(frame)
+        series = series_of(frame)
         if not self._series_names:
             self._create_series(tuple(series))
+            self._describe(frame)
         elif set(series) != set(self._series_names):
             raise ValueError(
                 f"every frame must have the scalars {sorted(self._series_names)}, "
                 f"got {sorted(series)}"
             )
 
-        entry = self._append_cells(frame)
+        grid = grid_of(frame)
+        entry = self._append_cells(grid)
         point = self._columns.end("Points")
         entry["PointOffsets"] = point
-        self._columns.write("Points", point, _points(frame), noise=True)
-        for name, rows in _point_arrays(frame).items():
+        self._columns.write("Points", point, grid.points, noise=True)
+        for name, rows in grid.point_arrays.items():
             self._columns.write(f"PointData/{name}", point, rows)
         cell = self._columns.end("CellData/part")
         entry[_CELL_DATA_OFFSETS] = cell
-        for name, rows in _cell_arrays(frame).items():
+        for name, rows in grid.cell_arrays.items():
             self._columns.write(f"CellData/{name}", cell, rows)
         entry[_SERIES_OFFSETS] = self._n_frame
         entry[_SERIES_SIZES] = (1, 1)  # components, tuples
@@ -156,6 +146,9 @@ class VtkHdfWriter(GrowingFile):
         entry["Values"] = frame.time
         for name, value in entry.items():
             self._columns.write(f"Steps/{name}", self._n_frame, np.array([value]))
+        self._beside.write("counts", self._n_frame, np.array([grid.counts]))
+        pose = np.concatenate((frame.tool_rotation.ravel(), frame.tool_translation))
+        self._beside.write("pose", self._n_frame, pose[None])
         # The frame counts only once all of it is in the file.
         self._file.flush()
         self._count(self._n_frame + 1)
@@ -165,9 +158,8 @@ class VtkHdfWriter(GrowingFile):
         """Close the file; a second call does nothing."""
         self._file.close()
 
-    def _append_cells(self, frame: Frame) -> dict[str, Any]:
-        connectivity, types, sizes = _cells(frame)
-        n_point = len(frame.points) + 2 * len(frame.cable_segments) + len(frame.tool_points)
+    def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
+        connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
         if self._cells is not None:
             old_connectivity, old_types, old_n_point = self._cells
             if (
@@ -184,7 +176,7 @@ class VtkHdfWriter(GrowingFile):
         self._columns.write("NumberOfCells", part, np.array([len(types)]))
         self._columns.write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
         self._columns.write("Types", cell, types)
-        self._columns.write("Offsets", cell + part, np.concatenate(([0], np.cumsum(sizes))))
+        self._columns.write("Offsets", cell + part, np.concatenate(([0], np.cumsum(grid.sizes))))
         self._columns.write("Connectivity", first_id, connectivity)
         self._cells_entry = {
             "PartOffsets": part,
@@ -206,6 +198,9 @@ class VtkHdfWriter(GrowingFile):
         kind = b"UnstructuredGrid"
         self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
         self._columns = Columns(self._root)
+        self._beside = Columns(self._file.create_group(_BESIDE))
+        self._beside.create("counts", np.int64, (len(Counts._fields),))
+        self._beside.create("pose", np.float64, (12,))
         create = self._columns.create
         for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
             create(name, np.int64)
@@ -219,10 +214,10 @@ class VtkHdfWriter(GrowingFile):
             create(f"Steps/{name}", np.int64)
         for name in ("CellOffsets", "ConnectivityIdOffsets"):
             create(f"Steps/{name}", np.int64, (1,))
-        for name in _POINT_ARRAYS:
-            create(f"PointData/{name}", np.float32, (3,), packed=True)
+        for name, (dtype, shape) in POINT_ARRAYS.items():
+            create(f"PointData/{name}", dtype, shape, packed=True)
             self._columns.link(f"Steps/PointDataOffsets/{name}", "Steps/PointOffsets")
-        for name, (dtype, shape) in _CELL_ARRAYS.items():
+        for name, (dtype, shape) in CELL_ARRAYS.items():
             create(f"CellData/{name}", dtype, shape, packed=True)
             offsets = f"Steps/{_CELL_DATA_OFFSETS}"
             self._columns.link(f"Steps/CellDataOffsets/{name}", offsets)
@@ -238,17 +233,23 @@ class VtkHdfWriter(GrowingFile):
             link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
         self._series_names = names
 
+    def _describe(self, frame: Frame) -> None:
+        self._file[_BESIDE].attrs.update(
+            coordinate=[frame.coordinate_name, frame.coordinate_unit],
+            scalar_names=list(frame.scalars),
+            scalar_units=[frame.scalar_units[name] for name in frame.scalars],
+        )
+
     def _open_old(self) -> None:
-        root = self._file.get("VTKHDF", {})
-        wanted = ["Steps", "Points", *(f"CellData/{name}" for name in _CELL_ARRAYS)]
-        if not all(name in root for name in wanted):
+        if not _is_ours(self._file):
             self._file.close()
             raise ValueError(
                 f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
             )
-        self._root = root
-        self._columns = Columns(root)
-        self._series_names = tuple(root.get("FieldData", ()))
+        self._root = self._file["VTKHDF"]
+        self._columns = Columns(self._root)
+        self._beside = Columns(self._file[_BESIDE])
+        self._series_names = tuple(self._root.get("FieldData", ()))
 
     def _drop_after(self, until: float) -> None:
         columns = self._columns
@@ -283,71 +284,163 @@ class VtkHdfWriter(GrowingFile):
         }
         for name in columns:
             columns.cut(name, int(ends[name.partition("/")[0]]))
+        for name in self._beside:
+            self._beside.cut(name, n_frame)
         self._count(n_frame)
 
 
-def _cells(frame: Frame) -> tuple[Any, Any, Any]:
-    n_segment = len(frame.cable_segments)
-    first_cable = len(frame.points)
-    first_tool = first_cable + 2 * n_segment
-    connectivity = np.concatenate(
-        (
-            frame.quads.ravel(),
-            np.arange(first_cable, first_tool),
-            frame.tool_triangles.ravel() + first_tool,
+class VtkHdfReader:
+    """Read the frames of a file, also of a killed run and of one that is still writing it.
+
+    What is in the file when it is opened here is read; frames that come later are not seen.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it is not there.
+    ValueError
+        If it was not written by :class:`VtkHdfWriter`.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.times: Floats = np.zeros(0)
+        """Time of every frame, shape (n_frame,), [s]."""
+        self.coordinates: Floats = np.zeros(0)
+        """Coordinate of every frame, shape (n_frame,), in ``coordinate_unit``."""
+        self.coordinate_name = self.coordinate_unit = ""
+        self._scalar_units: dict[str, str] = {}
+        self._settled(self._read_steps)
+
+    @property
+    def n_frame(self) -> int:
+        """Number of complete frames."""
+        return len(self.times)
+
+    def frame(self, k: int) -> Frame:
+        """Return frame ``k``, counted from 0, or from -1 backwards from the end.
+
+        It is the frame that was written: points in single precision, other floating-point arrays
+        of 12 bits, ``reference`` (points minus displacement) accordingly, scalars exact.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame.
+        """
+        k = self._index(k)
+        return self._settled(lambda file: self._read_frame(file, k))
+
+    def pose(self, k: int) -> tuple[Floats, Floats] | None:
+        """Return rotation (3, 3) and translation (3,) [mm] of the tool at frame ``k``, exact.
+
+        None if the frame has no tool.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame.
+        """
+        k = self._index(k)
+
+        def read(file: Any) -> tuple[Any, Any]:
+            return Counts(*file[_BESIDE]["counts"][k].tolist()), file[_BESIDE]["pose"][k]
+
+        counts, row = self._settled(read)
+        return (row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
+
+    def _index(self, k: int) -> int:
+        if not -self.n_frame <= k < self.n_frame:
+            there = f"0 to {self.n_frame - 1}" if self.n_frame else "none yet"
+            raise IndexError(f"frame must be one of those in {self.path}, {there}, got {k}")
+        return k % self.n_frame
+
+    def _settled(self, read: Callable[[Any], _Value]) -> _Value:
+        """Return what ``read`` finds in the open file, none of it half written."""
+        for _ in range(_MOST_TRIES):
+            before = self.path.stat()
+            if time.time() - before.st_mtime < _TICK_S:
+                time.sleep(_TICK_S)
+                before = self.path.stat()
+            failed: Exception | None = None
+            try:
+                with _opened(self.path) as file:
+                    value = read(file)
+            except (OSError, KeyError, RuntimeError) as error:
+                failed = error
+            after = self.path.stat()
+            if (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
+                if failed is not None:
+                    raise ValueError(
+                        f"{self.path} must be a result file of shellcut, and whole; HDF5 says: "
+                        f"{failed}"
+                    ) from failed
+                return value
+        raise ValueError(f"{self.path} is being written without a pause; read it again later")
+
+    def _read_steps(self, file: Any) -> None:
+        if not _is_ours(file):
+            raise ValueError(f"{self.path} was not written by shellcut, or by an older version")
+        steps, beside = file["VTKHDF/Steps"], file[_BESIDE].attrs
+        n_frame = int(steps.attrs["NSteps"])
+        self.times = steps["Values"][:n_frame]
+        if n_frame:
+            self.coordinate_name, self.coordinate_unit = beside["coordinate"]
+            self._scalar_units = dict(
+                zip(beside["scalar_names"], beside["scalar_units"], strict=True)
+            )
+            name = array_name(self.coordinate_name, self.coordinate_unit)
+            self.coordinates = file[f"VTKHDF/FieldData/{name}"][:n_frame]
+
+    def _read_frame(self, file: Any, k: int) -> Frame:
+        root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+        counts = Counts(*file[_BESIDE]["counts"][k].tolist())
+        part = int(steps["PartOffsets"][k])
+
+        def rows(column: Any, begin: Any, count: int) -> Any:
+            return column[int(begin) : int(begin) + count]
+
+        first_id, n_id = steps["ConnectivityIdOffsets"][k, 0], root["NumberOfConnectivityIds"][part]
+        point, n_point = steps["PointOffsets"][k], counts.points[-1]
+        arrays = {name: rows(root["PointData"][name], point, n_point) for name in POINT_ARRAYS} | {
+            name: rows(root["CellData"][name], steps[_CELL_DATA_OFFSETS][k], counts.cells[-1])
+            for name in CELL_ARRAYS
+        }
+        pose = file[_BESIDE]["pose"][k]
+        scalars = {
+            name: float(root[f"FieldData/{array_name(name, unit)}"][k])
+            for name, unit in self._scalar_units.items()
+        }
+        return frame_of(
+            counts,
+            rows(root["Points"], point, n_point),
+            rows(root["Connectivity"], first_id, int(n_id)),
+            arrays,
+            time=float(self.times[k]),
+            coordinate=float(self.coordinates[k]),
+            coordinate_name=self.coordinate_name,
+            coordinate_unit=self.coordinate_unit,
+            tool_rotation=pose[:9].reshape(3, 3),
+            tool_translation=pose[9:],
+            scalars=scalars,
+            scalar_units=self._scalar_units,
         )
-    )
-    counts = (len(frame.quads), n_segment, len(frame.tool_triangles))
-    types = np.repeat(np.array([_QUAD, _LINE, _TRIANGLE], dtype=np.uint8), counts)
-    return connectivity, types, np.repeat((4, 2, 3), counts)
 
 
-def _points(frame: Frame) -> Floats:
-    return np.concatenate((frame.points, frame.cable_segments.reshape(-1, 3), frame.tool_points))
+def _opened(path: Path) -> Any:
+    try:
+        # Without a lock: the run that writes the file holds one.
+        return h5py.File(path, "r", locking=False)
+    except OSError:
+        # That run may be of this very process, in which HDF5 wants a file opened alike each time.
+        return h5py.File(path, "r")
 
 
-def _point_arrays(frame: Frame) -> dict[str, Any]:
-    zeros = np.zeros((2 * len(frame.cable_segments) + len(frame.tool_points), 3), np.float32)
-    values = (frame.displacement, frame.velocity, frame.director)
-    return {
-        name: np.concatenate((_rounded(value), zeros))
-        for name, value in zip(_POINT_ARRAYS, values, strict=True)
-    }
-
-
-def _cell_arrays(frame: Frame) -> dict[str, Any]:
-    n_quad, n_segment = len(frame.quads), len(frame.cable_segments)
-    n_cell = n_quad + n_segment + len(frame.tool_triangles)
-    arrays = {
-        name: np.zeros((n_cell, *shape), dtype) for name, (dtype, shape) in _CELL_ARRAYS.items()
-    }
-    cables = slice(n_quad, n_quad + n_segment)
-    arrays["part"][cables] = CABLE
-    arrays["part"][n_quad + n_segment :] = TOOL
-    arrays["membrane stress [MPa]"][:n_quad] = _rounded(frame.quad_stress)
-    arrays["largest principal stress [MPa]"][:n_quad] = _rounded(frame.quad_principal[:, 0])
-    arrays["smallest principal stress [MPa]"][:n_quad] = _rounded(frame.quad_principal[:, 1])
-    arrays["traction [MPa]"][cables] = _rounded(frame.cable_traction)
-    arrays["cable state"][cables] = frame.cable_state
-    return arrays
-
-
-def _rounded(values: Floats) -> Any:
-    # To nearest, on the bits of the single: half of the last kept bit is added, the rest cut off.
-    dropped = 23 - _KEPT_BITS
-    bits = values.astype(np.float32).view(np.int32)
-    return ((bits + (1 << (dropped - 1))) & -(1 << dropped)).view(np.float32)
-
-
-def _series(frame: Frame) -> dict[str, float]:
-    series = {
-        _TIME: frame.time,
-        _array_name(frame.coordinate_name, frame.coordinate_unit): frame.coordinate,
-    }
-    for name, value in frame.scalars.items():
-        series[_array_name(name, frame.scalar_units[name])] = value
-    return series
-
-
-def _array_name(name: str, unit: str) -> str:
-    return f"{name} [{unit}]".replace("/", " per ")
+def _is_ours(file: Any) -> bool:
+    wanted = [f"VTKHDF/CellData/{name}" for name in CELL_ARRAYS]
+    return all(name in file for name in ("VTKHDF/Steps", f"{_BESIDE}/counts", *wanted))

@@ -80,6 +80,11 @@ def _bend(p, angle):
     return np.stack((r * np.cos(theta), r * np.sin(theta), p[:, 2]), 1)
 
 
+def _turn(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
 def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
     """Return the frame at ``angle`` [deg]; n_side 38 gives 2,204 quads."""
     h = 2.0 * np.pi * RADIUS / (4 * n_side)
@@ -127,11 +132,14 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
             crack.append(((a, b), (twin[a], twin[b])))
 
     tools, triangles, edges, segments, state = [], [], [], [], []
-    for start in starts:
+    teeth, edge_teeth = [], []
+    for number, start in enumerate(starts, start=1):
         p, t, e = tooth(start + cut, dive)
         triangles.append(t + sum(map(len, tools)))
         tools.append(p)
         edges.append(e)
+        teeth += [number] * len(t)
+        edge_teeth += [number] * len(e)
         for i in originals:
             behind = (start + cut - theta[i] + np.pi) % (2.0 * np.pi) - np.pi
             here, there = points[i], points[twin[i]]
@@ -162,13 +170,24 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
         quads=quads,
         quad_stress=stress,
         quad_principal=np.stack((principal, 0.25 * principal), 1),
+        quad_stress_top=1.5 * stress,
+        quad_principal_top=np.stack((1.5 * principal, 0.375 * principal), 1),
+        quad_stress_bottom=0.5 * stress,
+        quad_principal_bottom=np.stack((0.5 * principal, -0.125 * principal), 1),
+        quad_thickness=0.074 - 1e-5 * principal,
+        held=r > 10.19,
         crack_edges=np.array(crack, dtype=np.int64).reshape(-1, 2, 2),
         cable_segments=np.array(segments).reshape(-1, 2, 3),
         cable_state=np.array(state, dtype=np.int8),
         cable_traction=np.linspace(18.0, 12.0, len(segments)),
+        cable_opening=np.linspace(0.0, 4.0, len(segments)),
         tool_points=np.vstack(tools),
         tool_triangles=np.vstack(triangles),
+        tool_tooth=np.array(teeth),
+        tool_rotation=_turn(cut),
+        tool_translation=np.array([0.0, 0.0, -dive]),
         edge_points=np.vstack(edges),
+        edge_tooth=np.array(edge_teeth),
         scalars={"torque": 143.6 * min(1.0, angle / 15.0), "crack length": 4 * RADIUS * cut},
         scalar_units={"torque": "N*mm", "crack length": "mm"},
     )

@@ -168,7 +168,9 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
         cable_segments=frame.cable_segments[none],
         cable_state=frame.cable_state[none],
         cable_traction=frame.cable_traction[none],
+        cable_opening=frame.cable_opening[none],
         tool_triangles=frame.tool_triangles[none],
+        tool_tooth=frame.tool_tooth[none],
         crack_edges=frame.crack_edges[none],
     )
     counts = []

@@ -13,9 +13,10 @@ import pytest
 
 from opening_frame import opening_frame
 from shellcut.frame import Frame
-from shellcut.vtkhdf import CABLE, MEMBRANE, TOOL, VtkHdfWriter
+from shellcut.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
+from shellcut.vtkhdf import VtkHdfReader, VtkHdfWriter
 
-ROUNDING = 2.0**-13  # half of the last of the 12 bits that are kept
+ROUNDING = 2.0 ** -(KEPT_BITS + 1)  # half of the last bit that is kept
 
 
 def frames(n=7):
@@ -66,42 +67,111 @@ class Reading:
 
 def assert_holds(got, frame):
     n_node, n_quad, n_segment = len(frame.points), len(frame.quads), len(frame.cable_segments)
+    n_triangle, n_edge = len(frame.tool_triangles), len(frame.edge_points)
     first_tool = n_node + 2 * n_segment
+    first_edge = first_tool + len(frame.tool_points)
     assert got["time"] == frame.time
     for value in got.values():
         assert np.isfinite(value).all()
-    ends = frame.cable_segments.reshape(-1, 3)
-    points = np.concatenate((frame.points, ends, frame.tool_points))
+    cables, edges = frame.cable_segments.reshape(-1, 3), frame.edge_points.reshape(-1, 3)
+    points = np.concatenate((frame.points, cables, frame.tool_points, edges))
     np.testing.assert_array_equal(got["points"], points.astype(np.float32))
-    n_triangle = len(frame.tool_triangles)
-    assert got["types"].tolist() == [9] * n_quad + [3] * n_segment + [5] * n_triangle
-    np.testing.assert_array_equal(got["connectivity"][: 4 * n_quad], frame.quads.ravel())
-    np.testing.assert_array_equal(
-        got["connectivity"][4 * n_quad :],
-        np.concatenate((np.arange(n_node, first_tool), frame.tool_triangles.ravel() + first_tool)),
+    n_line = 2 * len(frame.crack_edges) + n_edge
+    types = [9] * n_quad + [3] * n_segment + [5] * n_triangle + [3] * n_line
+    assert got["types"].tolist() == types
+    ids = (
+        frame.quads.ravel(),
+        np.arange(n_node, first_tool),
+        frame.tool_triangles.ravel() + first_tool,
+        frame.crack_edges.ravel(),
+        np.arange(first_edge, first_edge + 2 * n_edge),
     )
+    np.testing.assert_array_equal(got["connectivity"], np.concatenate(ids))
     assert got["offsets"][-1] == len(got["connectivity"])
     part = got["part"]
-    np.testing.assert_array_equal(np.bincount(part, minlength=3), [n_quad, n_segment, n_triangle])
+    counts = [n_quad, n_segment, n_triangle, n_line - n_edge, n_edge]
+    assert part.tolist() == np.repeat([MEMBRANE, CABLE, TOOL, FLANK, EDGE], counts).tolist()
     for name, wanted in (
         ("displacement [mm]", frame.displacement),
         ("velocity [mm per s]", frame.velocity),
         ("director", frame.director),
+        ("held", frame.held),
     ):
         np.testing.assert_allclose(got[name][:n_node], wanted, rtol=ROUNDING, atol=1e-30)
         assert not got[name][n_node:].any()
-    for name, p, wanted in (
-        ("membrane stress [MPa]", MEMBRANE, frame.quad_stress),
-        ("largest principal stress [MPa]", MEMBRANE, frame.quad_principal[:, 0]),
-        ("smallest principal stress [MPa]", MEMBRANE, frame.quad_principal[:, 1]),
-        ("traction [MPa]", CABLE, frame.cable_traction),
-        ("cable state", CABLE, frame.cable_state),
+    teeth = np.concatenate((frame.tool_tooth, frame.edge_tooth))
+    for name, parts, wanted in (
+        ("membrane stress [MPa]", [MEMBRANE], frame.quad_stress),
+        ("top stress [MPa]", [MEMBRANE], frame.quad_stress_top),
+        ("bottom stress [MPa]", [MEMBRANE], frame.quad_stress_bottom),
+        ("largest principal stress [MPa]", [MEMBRANE], frame.quad_principal[:, 0]),
+        ("smallest principal stress [MPa]", [MEMBRANE], frame.quad_principal[:, 1]),
+        ("largest principal stress, top [MPa]", [MEMBRANE], frame.quad_principal_top[:, 0]),
+        ("smallest principal stress, top [MPa]", [MEMBRANE], frame.quad_principal_top[:, 1]),
+        ("largest principal stress, bottom [MPa]", [MEMBRANE], frame.quad_principal_bottom[:, 0]),
+        ("smallest principal stress, bottom [MPa]", [MEMBRANE], frame.quad_principal_bottom[:, 1]),
+        ("thickness [mm]", [MEMBRANE], frame.quad_thickness),
+        ("traction [MPa]", [CABLE], frame.cable_traction),
+        ("opening [mm]", [CABLE], frame.cable_opening),
+        ("cable state", [CABLE], frame.cable_state),
+        ("tooth", [TOOL, EDGE], teeth),
     ):
-        np.testing.assert_allclose(got[name][part == p], wanted, rtol=ROUNDING, atol=1e-30)
-        assert not got[name][part != p].any()
-    assert np.all(part[-n_triangle:] == TOOL)
+        there = np.isin(part, parts)
+        np.testing.assert_allclose(got[name][there], wanted, rtol=ROUNDING, atol=1e-30)
+        assert not got[name][~there].any()
     np.testing.assert_array_equal(got["angle [deg]"], [frame.coordinate])
     np.testing.assert_array_equal(got["torque [N*mm]"], [frame.scalars["torque"]])
+
+
+def assert_same(got, frame):
+    """A frame read back is the one written, within the bits that are kept."""
+    for field in dataclasses.fields(Frame):
+        a, b = getattr(got, field.name), getattr(frame, field.name)
+        if field.name in ("points", "cable_segments", "tool_points", "edge_points"):
+            np.testing.assert_array_equal(a, b.astype(np.float32), err_msg=field.name)
+        elif field.name == "reference":  # points minus displacement
+            error = np.spacing(np.float32(20.0)) + ROUNDING * np.abs(frame.displacement)
+            assert (np.abs(a - b) <= error).all()
+        elif isinstance(b, np.ndarray) and b.dtype == float and "tool" not in field.name:
+            np.testing.assert_allclose(a, b, rtol=ROUNDING, atol=1e-30, err_msg=field.name)
+        elif isinstance(b, np.ndarray):
+            np.testing.assert_array_equal(a, b, err_msg=field.name)
+        else:
+            assert a == b, field.name
+
+
+def test_frames_are_read_back_as_they_were_written(tmp_path):
+    path = tmp_path / "run.vtkhdf"
+    written = frames()
+    with VtkHdfWriter(path) as writer:
+        for frame in written[:4]:
+            writer.append(frame)
+        early = VtkHdfReader(path)  # while the run still writes
+        writer.append(written[4])
+        for k in range(4):
+            assert_same(early.frame(k), written[k])
+        assert early.n_frame == 4
+        reading = VtkHdfReader(path)
+    assert reading.n_frame == 5
+    assert reading.times.tolist() == [frame.time for frame in written[:5]]
+    assert reading.coordinates.tolist() == [frame.coordinate for frame in written[:5]]
+    for k in (-1, 0, 3, -5):
+        assert_same(reading.frame(k), written[:5][k])
+    rotation, translation = reading.pose(-1)
+    np.testing.assert_array_equal(rotation, written[4].tool_rotation)
+    np.testing.assert_array_equal(translation, written[4].tool_translation)
+    for k in (5, -6):
+        with pytest.raises(IndexError, match=rf"run.vtkhdf, 0 to 4, got {k}"):
+            reading.frame(k)
+
+
+def test_a_foreign_or_damaged_file_is_not_read(tmp_path):
+    (tmp_path / "text.vtkhdf").write_text("no HDF5 at all")
+    with pytest.raises(ValueError, match=r"text.vtkhdf must be a result file of shellcut, and wh"):
+        VtkHdfReader(tmp_path / "text.vtkhdf")
+    h5py.File(tmp_path / "other.vtkhdf", "w").close()
+    with pytest.raises(ValueError, match="was not written by shellcut"):
+        VtkHdfReader(tmp_path / "other.vtkhdf")
 
 
 def test_vtk_reads_every_frame_in_order_and_jumping_back(tmp_path):
@@ -132,6 +202,8 @@ def test_a_membrane_without_tool_and_with_an_awkward_unit(tmp_path):
     write(tmp_path / "run.vtkhdf", [frame])
     got = Reading(tmp_path / "run.vtkhdf").frame(0)
     np.testing.assert_array_equal(got["speed [mm per s]"], [6e3])
+    assert_same(VtkHdfReader(tmp_path / "run.vtkhdf").frame(0), frame)
+    assert VtkHdfReader(tmp_path / "run.vtkhdf").pose(0) is None
     np.testing.assert_array_equal(got["connectivity"], frame.quads.ravel())
 
 
@@ -147,6 +219,7 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     assert reading.n_frame == len(written)
     for k in (9, *range(10)):
         assert_holds(reading.frame(k), written[k])
+        assert_same(VtkHdfReader(path).frame(k), written[k])
 
 
 def test_dropping_everything_begins_anew(tmp_path):
@@ -205,6 +278,8 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path, moment):
     assert reading.n_frame == n_frame
     for k in range(n_frame):
         assert_holds(reading.frame(k), dataclasses.replace(frames[k % 2], time=1.0 + k))
+    assert VtkHdfReader(path).n_frame == n_frame
+    assert_same(VtkHdfReader(path).frame(-1), dataclasses.replace(frames[k % 2], time=1.0 + k))
     last = dataclasses.replace(frames[0], time=1e9)
     write(path, [last], mode="a")
     assert_holds(Reading(path).frame(n_frame), last)
