@@ -81,6 +81,7 @@ def read_measured_curve(
     y: str | int | None = None,
     *,
     units: str | Sequence[str] | None = None,
+    expected: tuple[str, str] | None = None,
 ) -> MeasuredCurve:
     """Read two columns of a table of text.
 
@@ -89,10 +90,12 @@ def read_measured_curve(
     path : str or Path
         A file with semicolons, tabs, commas or blanks between its columns.
     x, y : str or int, optional
-        Columns by heading (with or without unit, any case) or by number from 1 on; by default the
-        first and second of a table of two columns.
+        Columns by heading (with or without unit, any case) or by number from 1 on; by default
+        those of the ``expected`` headings, or the first and second of a table of two columns.
     units : str or (str, str), optional
         Units of ``x`` and ``y``, as ``"deg, N*mm"``; by default those of the headings.
+    expected : (str, str), optional
+        Headings to look for where ``x`` or ``y`` is not given, as ``("angle", "torque")``.
 
     Returns
     -------
@@ -106,9 +109,14 @@ def read_measured_curve(
     """
     table = read_number_table(path)
     given = _split_units(units)
-    found = [_column(table, which, k) for k, which in enumerate((x, y))]
+    found = [
+        _column(table, which, k, name)
+        for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True))
+    ]
     problems = [which for which in found if isinstance(which, str)]
     columns = [which for which in found if isinstance(which, int)]
+    if len(columns) == 2 and columns[0] == columns[1]:
+        problems.append(f"x and y must be two columns, both are {_name(table, columns[0])}")
     if problems:
         raise FileError(path, "; ".join(dict.fromkeys(problems)))
     notes = []
@@ -126,9 +134,9 @@ def read_measured_curve(
     if problems:
         raise FileError(path, "; ".join(problems))
     values = table.numbers(columns)
-    finite = np.isfinite(values).all(axis=1)
-    if not finite.all():
-        where = named(line for line, good in zip(table.lines, finite, strict=True) if not good)
+    rows = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(rows):
+        where = named(table.lines[row] for row in rows)
         raise FileError(path, f"numbers must be finite, they are not in lines {where}")
     try:
         return MeasuredCurve(
@@ -161,34 +169,39 @@ def _name(table: NumberTable, column: int) -> str:
     return name or f"column {column + 1}"
 
 
-def _column(table: NumberTable, which: str | int | None, position: int) -> int | str:
+def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int | str:
     """Return the index of a column, or what is wrong."""
     n = table.n_column
     if which is None:
+        hits = _headed(table, name) if name else []
+        if len(hits) == 1:
+            return hits[0]
         if n == 2:
             return position
         return f"a table of {n} columns: say which are meant; there are {_listing(table)}"
     if isinstance(which, str):
-        wanted = which.strip().casefold()
-        for texts in (
-            [heading.text for heading in table.headings],
-            [heading.name for heading in table.headings],
-        ):
-            hits = [k for k, text in enumerate(texts) if text.strip().casefold() == wanted]
-            if len(hits) > 1:
-                numbers = " and ".join(str(k + 1) for k in hits)
-                return f"{which!r} stands above columns {numbers}: give the number"
-            if hits:
-                return hits[0]
-        if not wanted.isdecimal():
+        hits = _headed(table, which)
+        if len(hits) > 1:
+            numbers = " and ".join(str(k + 1) for k in hits)
+            return f"{which!r} stands above columns {numbers}: give the number"
+        if hits:
+            return hits[0]
+        if not which.strip().isdecimal():
             names = {heading.name.casefold(): heading.name for heading in table.headings}
-            near = get_close_matches(wanted, names, n=1)
+            near = get_close_matches(which.strip().casefold(), names, n=1)
             hint = f"did you mean {names[near[0]]!r}? " if near else ""
             return f"no column {which!r}: {hint}there are {_listing(table)}"
-        which = int(wanted)
+        which = int(which)
     if not 1 <= which <= n:
         return f"column must be a number from 1 to {n}, got {which}; there are {_listing(table)}"
     return which - 1
+
+
+def _headed(table: NumberTable, name: str) -> list[int]:
+    """Return the columns under a heading, with its unit or without."""
+    wanted = name.strip().casefold()
+    whole = [k for k, h in enumerate(table.headings) if h.text.strip().casefold() == wanted]
+    return whole or [k for k, h in enumerate(table.headings) if h.name.casefold() == wanted]
 
 
 def _listing(table: NumberTable) -> str:

@@ -5,8 +5,10 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from run_folder import write_run
 from shellcut.tool_shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
@@ -41,3 +43,16 @@ def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
     assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+
+
+def test_compare(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    angle = np.linspace(0.0, 40.0, 401)
+    write_run(tmp_path / "out", "cap", angle, 140.0 * np.clip(angle / 15.0, 0.0, 1.0))
+    (text,) = blocks("compare.md", "text")
+    Path("cap.csv").write_text(text)
+    for code in blocks("compare.md", "python"):
+        exec(compile(code, "compare.md", "exec"), {})
+    # the peaks of the page: 13.71 N*cm against the 140 N*mm made here
+    assert "peak torque" in (told := capsys.readouterr().out)
+    assert "+2.1 %" in told
