@@ -19,9 +19,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .cut_quality import UNITS, cut_quality
 from .frame import Floats, Frame
 from .history import read_history
 from .vtkhdf import VtkHdfReader
+
+
+class FrameFigures(dict[str, Floats]):
+    """Figures over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
+
+    def __init__(self, columns: dict[str, Floats], units: dict[str, str]) -> None:
+        super().__init__(columns)
+        self.units = units
 
 
 class Results:
@@ -161,6 +170,18 @@ class Results:
         None if the run has no tool.
         """
         return self._frames.pose(k)
+
+    def cut_quality(self) -> FrameFigures:
+        """Return the figures of the cut's quality over the frames: what is cut, what still holds.
+
+        ``time``, the coordinate, and all of :data:`shellcut.cut_quality.UNITS`; that module says
+        what each is. All of one frame, bridge by bridge, is ``cut_quality(results.frame(k))``.
+        """
+        rows = [cut_quality(frame).figures() for frame in self.frames()]
+        columns = {name: np.array([row[name] for row in rows], dtype=float) for name in UNITS}
+        way = {"time": self.times, self.coordinate_name: self.coordinates}
+        units = {"time": "s", self.coordinate_name: self.coordinate_unit}
+        return FrameFigures(way | columns, units | UNITS)
 
     # ------------------------------------------------------------------ pictures
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._jit import Floats, Ints
-from .centre_stress import CentreStress
+from .centre_stress import CentreStress, FaceStresses
 from .lanes import WIDTH, aligned_zeros
 from .material import ShellMaterial
 from .mesh import Mesh
@@ -262,6 +262,10 @@ class MITC4Shell:
             Components in space.
         """
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
+
+    def face_stresses(self, state: State) -> FaceStresses:
+        """Return stresses of the membrane and at both faces, and the thickness, of all quads."""
+        return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
 
     def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).

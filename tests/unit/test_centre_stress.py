@@ -6,6 +6,7 @@ import pytest
 from naive import cases
 from shellcut.centre_stress import CentreStress
 from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.mesh import Mesh
 
 LAMINATE = ShellMaterial(
     [Layer(Elastic(5000.0, 0.35, 2e-9), 0.01), Layer(Elastic(800.0, 0.4, 1e-9), 0.06)]
@@ -71,3 +72,96 @@ def test_a_wrong_place_is_refused():
         CentreStress(mesh, cases.FILM).cauchy(
             state.node.x, state.node.t, state.quads, np.arange(2), "side"
         )
+
+
+FACES = {"mid": 0, "top": 1, "bottom": 2}
+
+
+def lamina(x):
+    """First and second axis of the frame in which a frame's stresses are given."""
+    e1 = x[1] + x[2] - x[0] - x[3]
+    normal = np.cross(e1, x[2] + x[3] - x[0] - x[1])
+    e2 = np.cross(normal, e1)
+    return np.stack([e1 / np.linalg.norm(e1), e2 / np.linalg.norm(e2)])
+
+
+def seen(mesh, state, material):
+    return CentreStress(mesh, material).faces(state.node.x, state.node.t, state.quads)
+
+
+@pytest.mark.parametrize("place", FACES)
+@pytest.mark.parametrize("case", cases.ALL)
+def test_the_faces_stresses_are_the_tensors_in_the_lamina(case, place):
+    mesh = cases.ALL[case]()
+    _, state = cases.set_up(mesh)
+    cases.deform(state)
+    got = seen(mesh, state, cases.FILM)
+    for e, q in enumerate(mesh.quads):
+        x, t = state.node.x[q], state.node.t[q]
+        tensor = stress(mesh.nodes[q], mesh.directors[q], x, t, cases.FILM, place)
+        axes = lamina(x)
+        plane = axes @ tensor @ axes.T
+        wanted = [plane[0, 0], plane[1, 1], plane[0, 1]]
+        # Round-off of a metric of order one.
+        atol = 1e-11 * np.abs(tensor).max()
+        np.testing.assert_allclose(got.stress[e, FACES[place]], wanted, atol=atol)
+        principal = got.principal[e, FACES[place]]
+        np.testing.assert_allclose(principal, np.linalg.eigvalsh(plane)[::-1], atol=atol)
+
+
+def one_quad(curvature, strain, material):
+    """A unit square stretched along x and bent to a curvature about y, by the law of the module."""
+    mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
+    _, state = cases.set_up(mesh, material)
+    angle = 0.5 * curvature
+    state.node.x[:4, 0] *= 1.0 + strain
+    lean = np.array([-1, 1, 1, -1]) * np.sin(angle)
+    state.node.t[:4] = np.stack([lean, 0 * lean, np.full(4, np.cos(angle))], axis=1)
+    return seen(mesh, state, material)
+
+
+def test_bending_shows_at_the_faces_and_not_in_the_membrane():
+    curvature, h, young, nu = 1e-3, 0.074, 1678.0, 0.3
+    got = one_quad(curvature, 0.0, cases.FILM)
+    wanted = young / (1 - nu**2) * 0.5 * h * curvature
+    # The strain's own square, and directors that turn by sines: of the order of the curvature.
+    np.testing.assert_allclose(got.stress[0, 1, 0], wanted, rtol=1e-4)
+    np.testing.assert_allclose(got.stress[0, 2, 0], -wanted, rtol=1e-4)
+    np.testing.assert_allclose(got.stress[0, 1:, 1], [nu * wanted, -nu * wanted], rtol=1e-4)
+    assert abs(got.stress[0, 0]).max() < 1e-12
+    assert got.thickness[0] == pytest.approx(h, rel=1e-9)
+
+
+def test_the_membrane_of_a_laminate_carries_the_resultant_over_the_thickness():
+    strain, curvature = 1e-4, 5e-3
+    got = one_quad(curvature, strain, LAMINATE)
+    z, w, materials = LAMINATE.thickness_points()
+    moduli = np.array([material.plane_stress()[0, 0] for material in materials])
+    stretched, bent = w @ (moduli * strain), w @ (moduli * z * curvature)
+    # The strain's own square.
+    membrane = got.stress[0, 0, 0] * LAMINATE.thickness
+    np.testing.assert_allclose(membrane, stretched + bent, rtol=1e-3)
+    assert abs(bent) > 0.3 * stretched  # the coupling is no small part of it
+
+
+@pytest.mark.parametrize("stretch", [1.001, 1.3])
+def test_a_stretched_film_gets_thinner_as_plane_stress_says(stretch):
+    nu, h = 0.3, 0.074
+    got = one_quad(0.0, stretch - 1.0, cases.FILM)
+    along = 0.5 * (stretch**2 - 1.0)  # E_11; E_22 is held at 0
+    wanted = h * np.sqrt(1.0 - 2.0 * nu / (1.0 - nu) * along)
+    np.testing.assert_allclose(got.thickness, wanted, rtol=1e-13)  # round-off
+    # To first order, by the ordinary formula of a film in tension.
+    if stretch < 1.01:
+        assert h - wanted == pytest.approx(h * nu / (1 - nu) * (stretch - 1.0), rel=2e-3)
+
+
+def test_each_layer_of_a_laminate_gets_thinner_by_its_own_ratio():
+    got = one_quad(0.0, 0.01, LAMINATE)
+    along = 0.5 * (1.01**2 - 1.0)
+    wanted = sum(
+        layer.thickness
+        * np.sqrt(1.0 - 2.0 * along * layer.material.poisson / (1.0 - layer.material.poisson))
+        for layer in LAMINATE.layers
+    )
+    np.testing.assert_allclose(got.thickness, wanted, rtol=1e-13)  # round-off

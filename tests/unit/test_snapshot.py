@@ -9,7 +9,7 @@ import pytest
 
 from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
-from shellcut.view import draw_snapshot, snapshot
+from shellcut.view import _panel, draw_snapshot, snapshot
 from shellcut.view._figure import with_unit
 from shellcut.view._raster import Camera, Canvas, shade, view_axes
 
@@ -119,7 +119,7 @@ def test_shading_keeps_colours_within_bounds():
 
 
 def test_numbers_in_the_title_have_units():
-    assert snapshot._title(opening_frame(45.0, n_side=6)) == (
+    assert _panel.title_of(opening_frame(45.0, n_side=6)) == (
         "angle 45°      torque 143.6 N·mm      time 2.835 ms"
     )
     assert with_unit(6000.0, "mm/s") == "6000 mm/s"
@@ -150,12 +150,11 @@ def test_the_close_camera_goes_with_the_tooth(tooth):
 
 def test_default_stress_limits_are_round_and_hold_nearly_all():
     frame = opening_frame(30.0, n_side=10)
-    low, high = snapshot._stress_limits(frame)
+    low, high = _panel.round_limits(frame.quad_principal[:, 0])
     assert low == 0.0
     assert high in (15.0, 20.0)
     assert (frame.quad_principal <= high).mean() > 0.99
-    squeezed = dataclasses.replace(frame, quad_principal=-frame.quad_principal)
-    assert snapshot._stress_limits(squeezed) == (0.0, 1.0)
+    assert _panel.round_limits(-frame.quad_principal[:, 0]) == (0.0, 1.0)
 
 
 def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
@@ -179,8 +178,8 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
         image = pixels(path)
         assert image.shape == (400, 800, 3)
         right = image[50:350, 455:785]
-        orange, blue = snapshot._CABLE_COLORS[JOINTED], snapshot._CABLE_COLORS[STRAIGHT]
-        colors = (orange, blue, snapshot._EDGE_COLOR, snapshot._FLANK_COLOR)
+        orange, blue = _panel.CABLE_COLORS[JOINTED], _panel.CABLE_COLORS[STRAIGHT]
+        colors = (orange, blue, _panel.EDGE_COLOR, _panel.FLANK_COLOR)
         counts.append([int(near(right, color, 0.15)) for color in colors])
     drawn, missing = counts
     # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)

@@ -1,17 +1,32 @@
-"""Pictures of a run: snapshots and curves, drawn by Matplotlib (``pip install shellcut[plot]``)."""
+"""Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
+Scenes and movies are drawn by PyVista (``shellcut[view]``) where it is installed and can render.
+"""
+
+from ._panel import edge_length
 from .comparison_picture import draw_comparison
+from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
+from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
+from .movie import draw_movie
 from .path_picture import draw_path
+from .renderer import why_not_pyvista
+from .scene import draw_scene
 from .snapshot import draw_snapshot
 
 __all__ = [
     "ModelView",
     "draw_comparison",
+    "draw_crack_map",
     "draw_energy",
+    "draw_film_strip",
     "draw_model",
+    "draw_movie",
     "draw_path",
+    "draw_scene",
     "draw_snapshot",
     "draw_torque",
+    "edge_length",
+    "why_not_pyvista",
 ]

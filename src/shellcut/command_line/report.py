@@ -1,0 +1,36 @@
+"""``shellcut report``: one HTML file on a run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from shellcut.report import report
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "report",
+        help="write an HTML report of a run",
+        description="Write one self-contained HTML file on a run: verdict, figures, curves, "
+        "pictures. A run that was interrupted is reported as far as it came.",
+    )
+    parser.add_argument("folder", metavar="OUT", type=Path, help="result folder of the run")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="file to write [OUT/report.html]"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the report and say where it is; 2 if the folder is of no run."""
+    try:
+        path = report(arguments.folder, arguments.output)
+    except OSError as error:
+        print(f"shellcut report: {error}", file=sys.stderr)
+        return 2
+    print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
+    return 0

@@ -1,0 +1,135 @@
+"""What a run left, gathered piece by piece, so that a missing or broken piece spoils no other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.frame import Floats, Frame
+from shellcut.history import read_history
+from shellcut.results import Results, read
+
+T = TypeVar("T")
+
+_SIGNS = ("history.csv", "summary.json", "used.toml")
+
+
+@dataclass
+class Gathered:
+    """A run's folder as far as it can be read.
+
+    Attributes
+    ----------
+    folder : Path
+    name : str
+        Of the run, else of the folder.
+    results : Results or None
+        None if the result file is missing or broken.
+    history, units : dict
+        As of :class:`Results`, empty if there are none.
+    model : str
+        The text of ``used.toml``, empty if there is none.
+    problems : list of str
+        What is missing, in sentences for the reader.
+    """
+
+    folder: Path
+    name: str
+    results: Results | None = None
+    history: dict[str, Floats] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    model: str = ""
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """``summary.json``; empty if the run has not ended."""
+        return self.results.summary if self.results else {}
+
+    @property
+    def splits(self) -> dict[str, npt.NDArray[Any]]:
+        """The columns of ``splits.csv``."""
+        return self.results.splits if self.results else {}
+
+    @property
+    def coordinate(self) -> tuple[str, str]:
+        """Name and unit of what curves are drawn over, the history's second column."""
+        name = list(self.history)[1]
+        return name, self.units[name]
+
+    @property
+    def resistance(self) -> tuple[str, str]:
+        """Name and unit of what the drive has to overcome, the history's third column."""
+        name = list(self.history)[2]
+        return name, self.units[name]
+
+    @property
+    def last_frame(self) -> Frame | None:
+        """The last frame there is."""
+        if self.results is None or not self.results.n_frame:
+            return None
+        return self.results.frame(-1)
+
+    def frames(self, n: int) -> list[Frame]:
+        """Return up to ``n`` frames spread evenly over the run, the last one among them."""
+        if self.results is None or not self.results.n_frame:
+            return []
+        last = self.results.n_frame - 1
+        wanted = np.unique(np.linspace(0, last, min(n, last + 1)).round().astype(int))
+        return [self.results.frame(int(k)) for k in wanted]
+
+
+def gather(folder: Path) -> Gathered:
+    """Read what is there.
+
+    Raises
+    ------
+    FileNotFoundError
+        If nothing in the folder is of a run.
+    """
+    there = folder.is_dir() and (
+        any((folder / sign).exists() for sign in _SIGNS) or any(folder.glob("*.vtkhdf"))
+    )
+    if not there:
+        raise FileNotFoundError(
+            f"{folder} must be the folder of a run (with history.csv, NAME.vtkhdf or summary.json); "
+            + ("none of them is there" if folder.is_dir() else "there is no such folder")
+        )
+    run = Gathered(folder, folder.resolve().name)
+    run.results = run_or_say(run, "frames", lambda: read(folder))
+    if run.results is not None:
+        run.name = run.results.name
+        if not run.results.n_frame:
+            run.problems.append("No frame was written: there are no pictures.")
+    if run.results is not None and run.results.history:
+        run.history, run.units = run.results.history, run.results.units
+    elif (folder / "history.csv").exists():
+        table = run_or_say(run, "history", lambda: read_history(folder / "history.csv"))
+        run.history, run.units = table or ({}, {})
+    else:
+        run.problems.append("history.csv is missing: there are no curves.")
+    if run.history and len(next(iter(run.history.values()))) < 2:
+        run.problems.append("history.csv has fewer than two rows: there are no curves.")
+        run.history, run.units = {}, {}
+    if (folder / "used.toml").exists():
+        run.model = (folder / "used.toml").read_text(encoding="utf-8", errors="replace")
+    if not (folder / "summary.json").exists():
+        run.problems.append(
+            "summary.json is missing: the run has not ended, or it was killed. What follows is as "
+            "far as it came."
+        )
+    return run
+
+
+def run_or_say(run: Gathered, what: str, attempt: Callable[[], T]) -> T | None:
+    """Return the attempt's result; if it cannot be had, note why among the problems."""
+    try:
+        return attempt()
+    except (OSError, ValueError, KeyError, IndexError) as error:
+        run.problems.append(f"The {what} cannot be read: {error}.")
+        return None

@@ -1,0 +1,239 @@
+"""One frame drawn by one camera into axes, and what goes with it: colours, scale bar, legend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from shellcut.frame import JOINTED, STRAIGHT, Floats, Frame, Ints
+
+from ._figure import with_unit
+from ._raster import Camera, Canvas, shade, view_axes
+
+OVERSAMPLING = 2  # pixels per side that are averaged into one: smooth outlines
+
+MESH_COLOR = (0.1, 0.1, 0.15)
+FLANK_COLOR = (0.05, 0.05, 0.05)
+CABLE_COLORS = {STRAIGHT: (0.0, 0.75, 1.0), JOINTED: (1.0, 0.55, 0.0)}
+_HALO_COLOR = (0.05, 0.05, 0.05)
+EDGE_COLOR = (0.9, 0.0, 0.1)
+TOOL_COLOR = (0.62, 0.64, 0.68)
+TOOL_OPACITY = 0.55
+_HIDDEN_OPACITY = 0.3  # of edges and cables behind the membrane
+_ROOM_FOR_TOOL = 0.05  # around film and edges, of their extent
+
+
+def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
+    """Return one frame as an image, shape (height, width, 3), without axes and words."""
+    axes = camera.axes
+    line = camera.shape[0] / 640.0  # a line is as bold in a large picture as in a small one
+    canvas = Canvas(camera.shape)
+    quads = frame.points[frame.quads]
+    corners = camera.project(quads)
+    color = shade(quads, axes, quad_colors)
+    canvas.draw(corners[:, [0, 1, 2]], color)
+    canvas.draw(corners[:, [0, 2, 3]], color)
+
+    mesh = Canvas(camera.shape)
+    mesh.draw_lines(camera.project(frame.points[mesh_edges(frame.quads)]), MESH_COLOR, 0.6 * line)
+    canvas.blend(mesh, 0.35)
+    flanks = camera.project(frame.points[frame.crack_edges.reshape(-1, 2)])
+    canvas.draw_lines(flanks, FLANK_COLOR, 2.2 * line)
+
+    thin = Canvas(camera.shape)
+    ends = camera.project(frame.cable_segments)
+    close = camera.scale * edge_length(frame) > 20.0  # room for a halo around each cable
+    cable_width = 2.8 * line if close else 1.6 * line
+    if close:
+        halo = ends.copy()
+        halo[..., 2] -= 6.0 * line  # behind every cable, not only its own
+        thin.draw_lines(halo, _HALO_COLOR, cable_width + 1.8 * line)
+    for state, cable_color in CABLE_COLORS.items():
+        chosen = ends[frame.cable_state == state]
+        chosen[..., 2] += 2.0 * line
+        thin.draw_lines(chosen, cable_color, cable_width)
+    edges = camera.project(frame.edge_points)
+    edges[..., 2] += 2.0 * line
+    thin.draw_lines(edges, EDGE_COLOR, 3.2 * line if close else 2.4 * line)
+
+    tool = Canvas(camera.shape)
+    triangles = frame.tool_points[frame.tool_triangles]
+    tool.draw(camera.project(triangles), shade(triangles, axes, np.array(TOOL_COLOR)))
+    creases = frame.tool_points[tool_creases(frame)]
+    tool.draw_lines(camera.project(creases), (0.3, 0.3, 0.33), 1.0 * line)
+
+    # Hidden lines first, so that what is in front of the membrane covers them.
+    canvas.blend(thin, _HIDDEN_OPACITY, through=True)
+    canvas.blend(tool, TOOL_OPACITY)
+    canvas.blend(thin, 0.9)
+    return canvas.image(OVERSAMPLING)
+
+
+def _direction(view: tuple[float, float]) -> Floats:
+    elevation, azimuth = np.radians(view)
+    return np.array(
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ]
+    )
+
+
+def whole_camera(
+    frames: Sequence[Frame], view: tuple[float, float], shape: tuple[int, int]
+) -> Camera:
+    """Return a camera that sees film and edges of all the frames, and the tool near them.
+
+    shape : pixels of the file, height and width.
+    """
+    axes = view_axes(_direction(view), np.array([0.0, 0.0, 1.0]))
+    parts = [(f.points, f.reference, f.edge_points.reshape(-1, 3)) for f in frames]
+    points = np.concatenate([points for part in parts for points in part])
+    # A tool's shaft may be many times as long as the film is wide.
+    room = _ROOM_FOR_TOOL * np.ptp(points, axis=0).max()
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
+    near = [f.tool_points.clip(low, high) for f in frames]
+    across = np.concatenate([points, *near]) @ axes.T
+    low, high = across.min(axis=0), across.max(axis=0)
+    height, width = (OVERSAMPLING * n for n in shape)
+    room = 0.94 * np.array([width, height]) / (high - low)[:2].clip(1e-12)
+    return Camera(axes, 0.5 * (low + high) @ axes, float(room.min()), (height, width))
+
+
+def pixels_of(
+    box: tuple[float, float, float, float], size: tuple[float, float], dpi: float
+) -> tuple[int, int]:
+    """Return height and width in pixels of a box in fractions of the figure."""
+    return round(box[3] * size[1] * dpi), round(box[2] * size[0] * dpi)
+
+
+def mesh_edges(quads: Ints) -> Ints:
+    """Return every edge of the quads once, as node ids, shape (n, 2)."""
+    edges = np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2)
+    return np.unique(np.sort(edges, axis=1), axis=0)
+
+
+def tool_creases(frame: Frame) -> Ints:
+    """Return the tool's edges that make it read as a solid: its faces there are 20° apart."""
+    triangles = frame.tool_triangles
+    p = frame.tool_points[triangles]
+    normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True).clip(1e-30)
+    edges = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2), axis=2)
+    edges = edges.reshape(-1, 2)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, owner = edges[order], order // 3
+    twice = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    turn = (normal[owner[twice]] * normal[owner[twice + 1]]).sum(axis=1)
+    return np.asarray(edges[twice[turn < np.cos(np.radians(20.0))]])
+
+
+def edge_length(frame: Frame) -> float:
+    """Return the median length of the quads' edges [mm]."""
+    p = frame.reference[frame.quads]
+    return float(np.median(np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=2)))
+
+
+def round_limits(stress: Floats) -> tuple[float, float]:
+    """Return 0 and a round number above nearly all: few quads at a tip must not darken the rest."""
+    high = float(np.quantile(stress, 0.998))
+    if high <= 0.0:
+        return 0.0, 1.0
+    unit = 10.0 ** np.floor(np.log10(high))
+    return 0.0, float(np.ceil(2.0 * high / unit) / 2.0 * unit)
+
+
+def stress_scale(limits: tuple[float, float]) -> Any:
+    """Return Matplotlib's map from stress [MPa] to colour."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    # Light enough at both ends for black, blue, orange and red lines to stand out.
+    colormap = ListedColormap(colormaps["YlGn"](np.linspace(0.02, 0.85, 256)))
+    return ScalarMappable(Normalize(*limits), colormap)
+
+
+def stress_colors(frame: Frame, scale: Any) -> Floats:
+    """Return the colour of every quad, shape (n_quad, 3)."""
+    return np.asarray(scale.to_rgba(frame.quad_principal[:, 0]))[:, :3]
+
+
+def caption_of(frame: Frame) -> list[str]:
+    """Return what a picture of this frame says: coordinate and first scalar, with units."""
+    parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
+    for name in list(frame.scalars)[:1]:
+        parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
+    return parts
+
+
+def title_of(frame: Frame) -> str:
+    """Return the caption and the time in one line."""
+    return "      ".join([*caption_of(frame), f"time {1e3 * frame.time:.3f} ms"])
+
+
+def show(axes: Any, image: Floats, camera: Camera, *, scale_bar: bool = True) -> None:
+    """Put an image into axes of its size, with a bar of a round length."""
+    axes.imshow(image.clip(0.0, 1.0), interpolation="none", aspect="equal")
+    axes.set_autoscale_on(False)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_color("0.75")
+    if not scale_bar:
+        return
+    # About a sixth of the width.
+    height, width = image.shape[:2]
+    scale = camera.scale / OVERSAMPLING
+    wanted = width / 6.0 / scale
+    unit = 10.0 ** np.floor(np.log10(wanted))
+    length = unit * max(m for m in (1.0, 2.0, 5.0) if m * unit <= wanted)
+    x, y = 0.04 * width, 0.955 * height
+    axes.plot([x, x + length * scale], [y, y], color="black", lw=2.5, solid_capstyle="butt")
+    axes.text(x + 0.5 * length * scale, y - 0.012 * height, f"{length:g} mm", ha="center")
+
+
+def add_color_bar(
+    figure: Any,
+    scale: Any,
+    shown: Sequence[Floats],
+    box: tuple[float, float, float, float],
+    *,
+    label: str = "largest principal stress [MPa]",
+) -> None:
+    """Add the stress scale, with pointed ends where some quad of what is shown lies beyond it."""
+    low, high = scale.get_clim()
+    below = any((stress < low).any() for stress in shown)
+    above = any((stress > high).any() for stress in shown)
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}
+    bar = figure.colorbar(
+        scale,
+        cax=figure.add_axes(box),
+        orientation="horizontal",
+        extend=extend.get((below, above), "both"),
+    )
+    bar.set_label(label, labelpad=1)
+
+
+def add_legend(figure: Any, frames: Sequence[Frame], **where: Any) -> None:
+    """Name what the frames show; ``where`` goes to Matplotlib's ``legend``."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = []
+    if any(len(f.crack_edges) for f in frames):
+        handles.append(Line2D([], [], color=FLANK_COLOR, lw=2.5, label="crack flank"))
+    if any(len(f.cable_segments) for f in frames):
+        names = {STRAIGHT: "cable, straight", JOINTED: "cable, bent around the edge"}
+        for state, label in names.items():
+            handles.append(Line2D([], [], color=CABLE_COLORS[state], lw=3, label=label))
+    if any(len(f.edge_points) for f in frames):
+        handles.append(Line2D([], [], color=EDGE_COLOR, lw=3, label="cutting edge"))
+    if any(len(f.tool_triangles) for f in frames):
+        handles.append(Patch(color=TOOL_COLOR, alpha=TOOL_OPACITY, label="tool"))
+    if handles:
+        where = {"loc": "lower right", "ncol": len(handles), "frameon": False} | where
+        figure.legend(handles=handles, **where)

@@ -1,0 +1,66 @@
+"""Which cutting segments make one tooth, and where teeth go through the film."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shellcut.frame import Floats, Frame, Ints
+
+# A film is flat if it is thinner than this part of its extent.
+_FLAT = 1e-3
+
+
+def teeth_of(edge_points: Floats) -> Ints:
+    """Return the tooth of every cutting segment, in the order of their first segments.
+
+    edge_points : (n_edge, 2, 3), [mm]; segments that share an end belong together.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    if not len(edge_points):
+        return np.zeros(0, dtype=np.int64)
+    _, ids = np.unique(edge_points.reshape(-1, 3).round(6), axis=0, return_inverse=True)
+    ids = ids.reshape(-1, 2)
+    graph = coo_array((np.ones(len(ids)), (ids[:, 0], ids[:, 1])), shape=(2 * len(ids),) * 2)
+    _, label = connected_components(graph, directed=False)
+    _, first, tooth = np.unique(label[ids[:, 0]], return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return np.asarray(rank[tooth])
+
+
+def plane_axes(reference: Floats) -> tuple[int, int, int]:
+    """Return the two coordinate axes a film is drawn over, in order, and the one across it."""
+    wide = np.argsort(-np.ptp(reference, axis=0), kind="stable")
+    i, j = sorted(wide[:2].tolist())
+    return i, j, int(wide[2])
+
+
+def tooth_paths(frames: Sequence[Frame]) -> list[Floats]:
+    """Return where the edge of each tooth goes through the plane of a flat film.
+
+    Returns
+    -------
+    list of ndarray, shape (n_frame, 3), [mm]
+        One a tooth, nan where it does not meet the plane; empty for a curved film, or if the
+        frames' teeth differ.
+    """
+    reference = frames[0].reference
+    across = plane_axes(reference)[2]
+    if np.ptp(reference[:, across]) > _FLAT * np.ptp(reference, axis=0).max():
+        return []
+    if len({len(f.edge_points) for f in frames}) != 1:
+        return []
+    tooth = teeth_of(frames[0].edge_points)
+    level = reference[:, across].mean()
+    paths = np.full((tooth.max(initial=-1) + 1, len(frames), 3), np.nan)
+    for k, frame in enumerate(frames):
+        a, b = frame.edge_points[:, 0], frame.edge_points[:, 1]
+        height_a, height_b = a[:, across] - level, b[:, across] - level
+        for e in np.flatnonzero((height_a <= 0.0) != (height_b <= 0.0))[::-1]:
+            s = height_a[e] / (height_a[e] - height_b[e])
+            paths[tooth[e], k] = a[e] + s * (b[e] - a[e])
+    return list(paths)

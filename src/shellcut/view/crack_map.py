@@ -1,0 +1,167 @@
+"""The crack on the uncut film: where it went, when each edge opened, what split the nodes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.frame import Floats, Frame
+
+from ._figure import new_figure, pretty, save
+from ._panel import mesh_edges
+from ._teeth import plane_axes, tooth_paths
+
+_MESH_COLOR = "0.80"
+_RIM_COLOR = "0.35"
+_PATH_COLOR = "#d62728"
+_BEFORE_COLOR = "black"
+_MARKERS = ("o", "^", "s", "D", "v")
+_COLORMAP = "viridis"
+
+
+def draw_crack_map(
+    path: str | os.PathLike[str],
+    frames: Sequence[Frame],
+    *,
+    splits: Mapping[str, npt.ArrayLike] | None = None,
+    title: str | None = None,
+    width: float = 9.0,
+    dpi: float = 110.0,
+) -> None:
+    """Draw the crack's edges on the reference film, coloured by when they opened.
+
+    When is known as well as the frames are dense: an edge takes the coordinate of the first frame
+    that has it open. What is open in the first frame already is black.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+    frames : sequence of Frame
+        Of one run, in order of time.
+    splits : mapping of str to array_like, shape (n, 3), optional
+        Reference places of split nodes by what split them, e.g. ``{"blade": ...}`` [mm].
+    title : str, optional
+        By default the length of the crack.
+    width : float
+        Of the picture [inch]; the height follows from the film.
+    dpi : float
+        Pixels per inch.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If there is no frame.
+    """
+    if not frames:
+        raise ValueError("a crack map needs at least one frame, got none")
+    last = frames[-1]
+    i, j, _ = plane_axes(last.reference)
+    flat = last.reference[:, [i, j]]
+    segments, opened = crack_history(frames)
+    before = opened == frames[0].coordinate
+
+    extent = np.ptp(flat, axis=0)
+    height = float(np.clip(0.78 * width * extent[1] / extent[0], 0.25 * width, 0.9 * width)) + 1.35
+    figure = new_figure((width, height), dpi)
+    axes = figure.add_axes((0.09, 0.95 / height, 0.76, (height - 1.35) / height))
+    _draw_film(axes, last, flat)
+    for k, way in enumerate(tooth_paths(frames)):
+        label = "path of the cutting edges" if k == 0 else None
+        axes.plot(way[:, i], way[:, j], color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label)
+    if before.any():
+        _add_lines(axes, segments[before][..., [i, j]], colors=_BEFORE_COLOR, label="open before")
+    scale = _add_opened(axes, segments[~before][..., [i, j]], opened[~before], frames)
+    for k, (kind, places) in enumerate((splits or {}).items()):
+        at = np.asarray(places, dtype=float).reshape(-1, 3)
+        axes.plot(
+            at[:, i],
+            at[:, j],
+            _MARKERS[k % len(_MARKERS)],
+            ms=4.5,
+            mfc=("white", "#f4a259")[k % 2],
+            mec="black",
+            mew=0.8,
+            zorder=4,
+            label=f"split by {kind} ({len(at)})",
+        )
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.02)
+    axes.set_xlabel(f"{'xyz'[i]} [mm]")
+    axes.set_ylabel(f"{'xyz'[j]} [mm]")
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
+    axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges" if title is None else title)
+    if scale is not None:
+        bar = figure.colorbar(
+            scale, cax=figure.add_axes((0.875, 0.95 / height, 0.022, (height - 1.35) / height))
+        )
+        bar.set_label(f"opened at {last.coordinate_name} [{pretty(last.coordinate_unit)}]")
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        figure.legend(
+            handles,
+            labels,
+            loc="lower center",
+            bbox_to_anchor=(0.47, 0.015),
+            ncols=3,
+            frameon=False,
+        )
+    save(figure, path)
+
+
+def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
+    """Return every crack edge of the frames once, and when it opened.
+
+    Returns
+    -------
+    segments : ndarray, shape (n, 2, 3)
+        Reference ends [mm].
+    opened : ndarray, shape (n,)
+        Coordinate of the first frame that has the edge open.
+    """
+    ends, when = [np.zeros((0, 2, 3))], [np.zeros(0)]
+    for frame in frames:
+        flank = frame.reference[frame.crack_edges[:, 0]]
+        ends.append(flank)
+        when.append(np.full(len(flank), frame.coordinate))
+    segments, opened = np.concatenate(ends), np.concatenate(when)
+    # Node ids of an edge change when its ends split on; its middle in the reference does not.
+    _, first = np.unique(segments.mean(axis=1).round(6), axis=0, return_index=True)
+    first.sort()
+    return segments[first], opened[first]
+
+
+def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:
+    # Every edge thin; those of one quad only, which bound the film (and the crack), bolder.
+    _add_lines(axes, flat[mesh_edges(frame.quads)], colors=_MESH_COLOR, linewidths=0.4)
+    quads = frame.quads
+    sides = np.sort(np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    _add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
+
+
+def _add_opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]) -> Any:
+    if not len(segments):
+        return None
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import Normalize
+
+    limits = Normalize(frames[0].coordinate, frames[-1].coordinate)
+    lines = LineCollection(
+        list(segments), cmap=_COLORMAP, norm=limits, linewidths=4.0, capstyle="round", zorder=3
+    )
+    lines.set_array(opened)
+    axes.add_collection(lines)
+    return lines
+
+
+def _add_lines(axes: Any, segments: Floats, **style: Any) -> None:
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(LineCollection(list(segments), **style))

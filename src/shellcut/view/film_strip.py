@@ -1,0 +1,107 @@
+"""The cut as a film strip: some frames side by side, seen by one camera, on one stress scale."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+
+import numpy as np
+
+from shellcut.frame import Frame
+
+from ._figure import new_figure, save
+from ._panel import (
+    add_color_bar,
+    add_legend,
+    caption_of,
+    picture,
+    pixels_of,
+    round_limits,
+    show,
+    stress_colors,
+    stress_scale,
+    whole_camera,
+)
+
+_CAPTION = 0.42  # room above every frame [inch]
+_FOOT = 0.95  # room for colour bar and legend [inch]
+_GAP = 0.08  # between frames [inch]
+
+
+def draw_film_strip(
+    path: str | os.PathLike[str],
+    frames: Sequence[Frame],
+    *,
+    view: tuple[float, float] = (48.0, -60.0),
+    columns: int = 3,
+    stress_limits: tuple[float, float] | None = None,
+    width: float = 13.0,
+    dpi: float = 90.0,
+) -> None:
+    """Draw the frames in rows, each with its coordinate and first scalar.
+
+    Parameters
+    ----------
+    path : str or Path
+        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+    frames : sequence of Frame
+        Of one run, in order of time; each is drawn.
+    view : (float, float)
+        Elevation above the x-y plane and azimuth from the x axis, of the camera [deg].
+    columns : int
+        Frames in a row.
+    stress_limits : (float, float), optional
+        Ends of the colour scale [MPa]; by default 0 and a round number above nearly all quads of
+        all frames.
+    width : float
+        Of the picture [inch]; the height follows from the number of rows.
+    dpi : float
+        Pixels per inch.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If there is no frame, or no column.
+    """
+    if not frames or columns < 1:
+        raise ValueError(
+            f"a film strip needs a frame and a column at least, got {len(frames)} frames and "
+            f"{columns} columns"
+        )
+    columns = min(columns, len(frames))
+    rows = math.ceil(len(frames) / columns)
+    each = (width - _GAP) / columns - _GAP
+    tall = each * _height_over_width(frames, view)
+    size = (width, rows * (tall + _CAPTION + _GAP) + _FOOT)
+    figure = new_figure(size, dpi)
+    principal = [frame.quad_principal[:, 0] for frame in frames]
+    scale = stress_scale(
+        round_limits(np.concatenate(principal)) if stress_limits is None else stress_limits
+    )
+    shape = pixels_of((0.0, 0.0, each / size[0], tall / size[1]), size, dpi)
+    camera = whole_camera(frames, view, shape)
+    for k, frame in enumerate(frames):
+        row, column = divmod(k, columns)
+        left = _GAP + column * (each + _GAP)
+        top = size[1] - _CAPTION - row * (tall + _CAPTION + _GAP)
+        axes = figure.add_axes(
+            (left / size[0], (top - tall) / size[1], each / size[0], tall / size[1])
+        )
+        image = picture(frame, camera, stress_colors(frame, scale))
+        show(axes, image, camera, scale_bar=k == 0)
+        axes.set_title("    ".join(caption_of(frame)), fontsize=12)
+    bar = (0.03, 0.52 / size[1], 0.26, 0.14 / size[1])
+    add_color_bar(figure, scale, principal, bar)
+    add_legend(figure, frames, bbox_to_anchor=(0.995, 0.22 / size[1]))
+    save(figure, path)
+
+
+def _height_over_width(frames: Sequence[Frame], view: tuple[float, float]) -> float:
+    # Of what there is to see, within what still looks like a frame of a film.
+    camera = whole_camera(frames, view, (1000, 1000))
+    at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
+    extent = np.ptp(at, axis=0)
+    return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))

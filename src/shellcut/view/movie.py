@@ -1,0 +1,139 @@
+"""A film of the cut: MP4 by ffmpeg, GIF by Pillow, the frames by PyVista or by Matplotlib."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.frame import Frame
+
+from .renderer import pyvista_or_say
+from .scene import STRESSES, limits_for, render
+from .snapshot import draw_snapshot
+
+Image = npt.NDArray[np.uint8]
+
+
+def draw_movie(
+    path: str | os.PathLike[str],
+    frames: Sequence[Frame],
+    *,
+    fps: float = 12.0,
+    stress: str = "largest principal",
+    stress_limits: tuple[float, float] | None = None,
+    view: tuple[float, float] = (42.0, -60.0),
+    size: tuple[int, int] = (960, 640),
+) -> None:
+    """Draw the frames one after the other, by one camera and on one stress scale.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.mp4`` (H.264; needs imageio-ffmpeg) or ``.gif``; replaced if it exists.
+    frames : sequence of Frame
+        Of one run, in order of time.
+    fps : float
+        Frames a second.
+    stress, stress_limits, view
+        As :func:`draw_scene`; the limits by default for all the frames.
+    size : (int, int)
+        Width and height, even numbers [pixel].
+
+    Raises
+    ------
+    ImportError
+        If what is needed to draw or to write is not installed, with the command that does it.
+    ValueError
+        If there is no frame, or the ending, the stress or the size is of no use.
+    """
+    path = Path(path)
+    problems = []
+    if path.suffix.lower() not in _WRITERS:
+        problems.append(f"a movie's file ends with .mp4 or .gif, got {path.name!r}")
+    if not len(frames):
+        problems.append("a movie needs at least one frame, got none")
+    if stress not in STRESSES:
+        problems.append(f"stress must be one of {', '.join(STRESSES)}, got {stress!r}")
+    if size[0] % 2 or size[1] % 2 or min(size) < 2:
+        problems.append(f"width and height must be even numbers of pixels, got {size}")
+    if not fps > 0.0:
+        problems.append(f"fps must be positive, got {fps}")
+    if problems:
+        raise ValueError("; ".join(problems))
+    fallback = "the movie is drawn by Matplotlib, coloured by the largest principal stress"
+    with_pyvista = pyvista_or_say(fallback)
+    if not with_pyvista:
+        stress, stress_limits = (
+            "largest principal",
+            stress_limits if stress == "largest principal" else None,
+        )
+    limits = limits_for(frames, stress) if stress_limits is None else stress_limits
+
+    def images() -> Iterator[Image]:
+        for frame in frames:
+            if with_pyvista:
+                yield render(
+                    frame, frames, stress=stress, stress_limits=limits, view=view, size=size
+                )
+            else:
+                yield _snapshot(frame, frames, limits, view, size)
+
+    _WRITERS[path.suffix.lower()](path, images(), fps, size)
+
+
+def _snapshot(
+    frame: Frame,
+    frames: Sequence[Frame],
+    limits: tuple[float, float],
+    view: tuple[float, float],
+    size: tuple[int, int],
+) -> Image:
+    from PIL import Image as Pillow
+
+    file = io.BytesIO()
+    # Words keep their size in inches: a picture of 13 inch holds those of a snapshot.
+    dpi = size[0] / 13.0
+    inches = (13.0, size[1] / dpi)
+    draw_snapshot(
+        file, frame, view=view, together_with=frames, stress_limits=limits, size=inches, dpi=dpi
+    )
+    drawn = Pillow.open(file).convert("RGB")
+    return np.asarray(drawn if drawn.size == size else drawn.resize(size))
+
+
+def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int, int]) -> None:
+    try:
+        import imageio_ffmpeg
+    except ImportError as error:
+        raise ImportError(
+            "an MP4 needs imageio-ffmpeg, which is not installed: pip install shellcut[movie]; "
+            "a .gif needs nothing more"
+        ) from error
+    writer = imageio_ffmpeg.write_frames(
+        str(path), size, fps=fps, codec="libx264", macro_block_size=2, ffmpeg_log_level="error"
+    )
+    writer.send(None)
+    try:
+        for image in images:
+            writer.send(np.ascontiguousarray(image).tobytes())
+    finally:
+        writer.close()
+
+
+def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
+    from PIL import Image as Pillow
+
+    # A palette of each frame's own; hundreds of frames in full colour would fill the memory.
+    pictures = [Pillow.fromarray(image).quantize(160) for image in images]
+    pictures[0].save(
+        path, save_all=True, append_images=pictures[1:], duration=round(1000.0 / fps), loop=0
+    )
+
+
+_WRITERS: dict[str, Any] = {".mp4": _write_mp4, ".gif": _write_gif}

@@ -1,0 +1,112 @@
+"""Can PyVista draw here? Asked in a process of its own, because VTK may take that one down.
+
+On a machine with neither a screen nor EGL nor OSMesa VTK ends with a segmentation fault instead of
+an exception, so nothing in this process may try.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_log = logging.getLogger(__name__)
+
+CHOICE = "SHELLCUT_RENDERER"
+"""Environment variable: ``matplotlib`` draws without PyVista, whatever this machine can do."""
+
+TIME_LIMIT = 60.0
+"""How long the attempt may take [s]; a cold start of VTK takes some ten."""
+
+_INSTALL = "PyVista is not installed (pip install shellcut[view])"
+
+# Draws a red ball on white and looks whether it is there.
+_ATTEMPT = """
+import sys
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(48, 48))
+plotter.background_color = "white"
+plotter.add_mesh(pyvista.Sphere(), color="red", lighting=False)
+image = plotter.screenshot(return_img=True)
+middle, corner = image[24, 24].tolist(), image[0, 0].tolist()
+sys.exit(0 if middle == [255, 0, 0] and corner == [255, 255, 255] else 1)
+"""
+
+
+def why_not_pyvista() -> str | None:
+    """Return why PyVista cannot draw in this process, in one line; None if it can.
+
+    The first call tries it, which takes a second or two; later ones remember.
+
+    Returns
+    -------
+    str or None
+
+    Examples
+    --------
+    >>> from unittest import mock
+    >>> with mock.patch.dict("os.environ", {"SHELLCUT_RENDERER": "matplotlib"}):
+    ...     why_not_pyvista()
+    'SHELLCUT_RENDERER=matplotlib'
+    """
+    if os.environ.get(CHOICE, "") == "matplotlib":
+        return f"{CHOICE}=matplotlib"
+    return _tried()
+
+
+def pyvista_or_say(fallback: str) -> bool:
+    """Return whether PyVista can draw; if not, log one line: why, and what is drawn instead."""
+    reason = why_not_pyvista()
+    if reason is not None:
+        _say_once(f"no 3-D rendering: {reason}; {fallback}")
+    return reason is None
+
+
+@functools.cache
+def _tried() -> str | None:
+    if importlib.util.find_spec("pyvista") is None:
+        return _INSTALL
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", _ATTEMPT],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+            timeout=TIME_LIMIT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return f"PyVista drew nothing within {TIME_LIMIT:g} s"
+    except OSError as error:
+        return f"no process to try PyVista in: {error}"
+    if done.returncode == 0:
+        return None
+    if done.returncode < 0:
+        return (
+            f"VTK crashed (signal {-done.returncode}): no screen, EGL or OSMesa "
+            "(on Debian: apt-get install libegl1)"
+        )
+    return f"PyVista failed (exit code {done.returncode})"
+
+
+@functools.cache
+def _say_once(message: str) -> None:
+    _log.warning(message)
+
+
+@contextmanager
+def quiet_vtk() -> Iterator[None]:
+    """Keep VTK's own log off standard error, where it tells of every screen it did not find."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(before))
