@@ -48,6 +48,13 @@ class Comparison:
     """A run and a measured curve on their common range; built by :func:`compare`.
 
     Relative figures are fractions; they are nan where what they refer to is zero.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> found = shellcut.compare("out", "measured.csv", window=3.0)  # doctest: +SKIP
+    >>> print(found)  # doctest: +SKIP
+    >>> found.to_json("comparison.json"), found.plot("comparison.png")  # doctest: +SKIP
     """
 
     name: str

@@ -106,6 +106,16 @@ def read_measured_curve(
     ------
     FileError
         Naming columns that are not there, units that are unknown, and lines that are not numbers.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> lines = "Winkel [Grad];Drehmoment [Ncm]", "0,0;0,00", "0,5;1,32"
+    >>> with Path("cap.csv").open("w") as file:
+    ...     print(*lines, sep=chr(10), file=file)
+    >>> curve = read_measured_curve("cap.csv")
+    >>> curve.y, curve.y_unit
+    (array([ 0. , 13.2]), 'N*mm')
     """
     table = read_number_table(path)
     given = _split_units(units)

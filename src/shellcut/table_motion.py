@@ -42,6 +42,12 @@ class TableMotion:
 
     The coordinate is what the tool has travelled, a sum that only grows: the angle, the integral
     of the angular speed, if the table turns at all, otherwise the path of the body's origin.
+
+    Examples
+    --------
+    >>> motion = TableMotion([0.0, 1e-3], [[0.0, 0.0, 0.0], [0.0, 0.0, -2.0]])
+    >>> round(motion.coordinate(1e-3), 9), motion.coordinate_unit
+    (2.0, 'mm')
     """
 
     times: npt.ArrayLike

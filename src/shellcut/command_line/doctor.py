@@ -103,7 +103,7 @@ def _cores() -> Iterator[Finding]:
 
 
 def _compiler() -> Iterator[Finding]:
-    if numba.config.DISABLE_JIT:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         value = "switched off by NUMBA_DISABLE_JIT: runs take a thousand times as long"
         yield Finding("note", "compiler", value, "unset NUMBA_DISABLE_JIT")
         return
