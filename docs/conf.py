@@ -30,6 +30,8 @@ html_theme = "furo"
 html_title = f"shellcut {release}"
 html_show_sourcelink = False
 html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_theme_options = {"top_of_page_buttons": []}
 
 myst_heading_anchors = 3
