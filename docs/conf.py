@@ -49,6 +49,7 @@ PAGES = {
         "howto/own-film",
         "howto/imprint",
         "howto/read-results",
+        "howto/pictures",
         "howto/compare",
     ],
     "Theory": [

@@ -26,6 +26,7 @@ from .outline_mesh import mesh_from_outline
 from .preview import preview
 from .quality import mesh_quality
 from .recorder import Recorder
+from .report import report
 from .results import Results, read
 from .simulation import Simulation
 from .statics import Statics
@@ -76,5 +77,6 @@ __all__ = [
     "read_film",
     "read_measured_curve",
     "read_tool",
+    "report",
     "warmup",
 ]

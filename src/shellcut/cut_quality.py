@@ -211,7 +211,6 @@ def cut_quality(frame: Frame) -> CutQuality:
 class _Tip:
     """An end of a crack, with the direction in which its last edge points."""
 
-    node: int
     place: Floats
     ahead: Floats
 
@@ -246,9 +245,7 @@ def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
         way = _way(ends[mine], lengths[mine], is_tip)
         line = frame.reference[node[way]]
         tips = [
-            _Tip(int(node[way[i]]), line[i], _unit(line[i] - line[j]))
-            for i, j in ((0, 1), (-1, -2))
-            if is_tip[way[i]]
+            _Tip(line[i], _unit(line[i] - line[j])) for i, j in ((0, 1), (-1, -2)) if is_tip[way[i]]
         ]
         length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
         yield _Crack(line, length, bool(way[0] == way[-1]), tips)
@@ -258,9 +255,11 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
     """Return the places along a crack: from end to end, or around."""
     places, degree = np.unique(edges, return_counts=True)
     ends = places[degree == 1]
-    if ends.size == 0:  # closed: the long way between the ends of one of its edges, and back
-        start, stop = edges[0].tolist()
-        return np.append(_shortest(edges[1:], lengths[1:], start, stop), start)
+    if ends.size == 0:  # closed: the other way between the ends of one of its edges, and back
+        for k, (start, stop) in enumerate(edges.tolist()):
+            way = _shortest(np.delete(edges, k, 0), np.delete(lengths, k), start, stop)
+            if way.size:  # empty at an edge that joins two loops
+                return np.append(way, start)
     tips = ends[is_tip[ends]]
     begins = tips if tips.size else ends
     stops = tips if tips.size > 1 else ends if ends.size > 1 else places
@@ -270,10 +269,13 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
 
 
 def _shortest(edges: Ints, lengths: Floats, begin: int, stop: int) -> Ints:
+    """Return the places on the shortest way, none if there is no way."""
     graph = _graph(edges, lengths)
     _, before = dijkstra(graph, directed=False, indices=begin, return_predecessors=True)
     way = [stop]
     while way[-1] != begin:
+        if before[way[-1]] < 0:
+            return np.zeros(0, np.int64)
         way.append(int(before[way[-1]]))
     return np.array(way[::-1])
 
@@ -303,10 +305,10 @@ def _bridges(cracks: list[_Crack]) -> Iterator[tuple[_Tip, _Tip, float]]:
 
 def _width(a: _Tip, b: _Tip) -> float | None:
     """Return the arc between two ends, None if they do not face each other."""
-    if a.node == b.node:
-        return 0.0
     way = b.place - a.place
     chord = float(np.linalg.norm(way))
+    if chord == 0.0:
+        return 0.0
     cosines = float(a.ahead @ way) / chord, -float(b.ahead @ way) / chord
     if min(cosines) <= 0.0:
         return None

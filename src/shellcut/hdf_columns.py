@@ -97,18 +97,21 @@ class Columns:
         column = self._columns[name]
         return column.aligned(column.size)
 
-    def write(self, name: str, begin: int, rows: Any, *, noise: bool = False) -> None:
+    def write(self, name: str, begin: int, block: Any, *, noise: bool = False) -> None:
         """Append rows at ``begin``, the column's :meth:`end`; ``noise`` is not worth packing."""
         column = self._columns[name]
-        block = np.ascontiguousarray(rows, column.dtype)
+        block = np.ascontiguousarray(block, column.dtype)
         column.size = begin + len(block)
         dataset = column.dataset.id
         dataset.set_extent((column.size, *block.shape[1:]))
         across = (0,) * (block.ndim - 1)
         if column.packed:
             for first in range(0, len(block), column.chunk):
-                piece = _whole(block[first : first + column.chunk], column.chunk)
-                data, left_out = (piece, _ALL_FILTERS) if noise else (_packed(piece), 0)
+                rows = block[first : first + column.chunk]
+                piece = _whole(rows, column.chunk)
+                # A chunk that is mostly filling is worth packing whatever its rows are.
+                raw = noise and 2 * len(rows) > column.chunk
+                data, left_out = (piece, _ALL_FILTERS) if raw else (_packed(piece), 0)
                 dataset.write_direct_chunk((begin + first, *across), data, left_out)
             return
         # Past h5py's own indexing, which costs three times as much for one row.

@@ -34,6 +34,16 @@ def test_a_membrane_alone_is_a_frame():
     np.testing.assert_array_equal(frame.displacement, np.tile([0, 0, 0.5], (4, 1)))
 
 
+def test_what_is_left_out_is_as_the_membrane_or_nothing():
+    frame = square(quad_stress=[[1.0, 2.0, 3.0]], quad_principal=[[4.0, 5.0]])
+    for side in ("top", "bottom"):
+        assert getattr(frame, f"quad_stress_{side}").tolist() == [[1.0, 2.0, 3.0]]
+        assert getattr(frame, f"quad_principal_{side}").tolist() == [[4.0, 5.0]]
+    assert frame.quad_thickness.tolist() == [0.0]
+    assert frame.held.tolist() == [False] * 4
+    assert frame.tool_tooth.shape == frame.edge_tooth.shape == frame.cable_opening.shape == (0,)
+
+
 def test_arrays_are_copied_and_read_only():
     points = np.zeros((4, 3))
     frame = square(points=points)
@@ -62,6 +72,11 @@ def test_arrays_are_copied_and_read_only():
             "scalar 'torque' must be finite",
         ),
         ({"time": np.nan}, "time must be finite"),
+        ({"quad_stress_top": np.ones((2, 3))}, r"quad_stress_top must have shape \(1, 3\), got"),
+        ({"quad_thickness": [np.inf]}, "quad_thickness must be finite, row 0"),
+        ({"held": [0, 1, 0, 0]}, "held must hold bools, got int64"),
+        ({"tool_tooth": [1]}, r"tool_tooth must have shape \(0,\), got \(1,\)"),
+        ({"tool_rotation": np.eye(2)}, r"tool_rotation must have shape \(3, 3\), got \(2, 2\)"),
     ],
 )
 def test_misfits_are_named(changes, message):

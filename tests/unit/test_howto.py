@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from run_folder import write_run
+from shellcut import guillotine, opening_test
 from shellcut.tool_shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
@@ -68,3 +69,36 @@ def test_compare(tmp_path, monkeypatch, capsys):
     # the peaks of the page: 13.71 N*cm against the 140 N*mm made here
     assert "peak torque" in (told := capsys.readouterr().out)
     assert "+2.1 %" in told
+
+
+def test_read_results(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.chdir(tmp_path)
+    case = opening_test("quick", angle_deg=6.0, duration=4e-4)
+    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    names = {}
+    (code,) = blocks("read-results.md", "python")
+    exec(compile(code, "read-results.md", "exec"), names)
+    told = capsys.readouterr().out
+    assert "Results of 'opening' in out" in told
+    assert "N*mm" in told
+    assert Path("torque.png").exists()
+    results, tool = names["results"], case.simulation.tool
+    assert results.frame(0).tool_tooth.tolist() == (tool.triangle_body + 1).tolist()
+    assert results.frame(0).edge_tooth.tolist() == (tool.edge_body + 1).tolist()
+    rotation, translation = results.tool_pose(-1)
+    wanted = case.simulation.motion.pose(results.times[-1])
+    assert (rotation == wanted[0]).all()
+    assert (translation == wanted[1]).all()
+
+
+def test_pictures(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
+    case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    (code,) = blocks("pictures.md", "python")
+    exec(compile(code, "pictures.md", "exec"), {})
+    for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
+        assert Path(name).stat().st_size > 1000

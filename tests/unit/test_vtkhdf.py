@@ -65,7 +65,7 @@ class Reading:
         return arrays
 
 
-def assert_holds(got, frame):
+def assert_holds(got, frame, figure="torque [N*mm]", coordinate="angle [deg]"):
     n_node, n_quad, n_segment = len(frame.points), len(frame.quads), len(frame.cable_segments)
     n_triangle, n_edge = len(frame.tool_triangles), len(frame.edge_points)
     first_tool = n_node + 2 * n_segment
@@ -119,8 +119,8 @@ def assert_holds(got, frame):
         there = np.isin(part, parts)
         np.testing.assert_allclose(got[name][there], wanted, rtol=ROUNDING, atol=1e-30)
         assert not got[name][~there].any()
-    np.testing.assert_array_equal(got["angle [deg]"], [frame.coordinate])
-    np.testing.assert_array_equal(got["torque [N*mm]"], [frame.scalars["torque"]])
+    np.testing.assert_array_equal(got[coordinate], [frame.coordinate])
+    np.testing.assert_array_equal(got[figure], [frame.scalars[figure.partition(" [")[0]]])
 
 
 def assert_same(got, frame):

@@ -39,6 +39,7 @@ class Case:
         n_frame: int = 100,
         n_snapshot: int = 5,
         progress: bool = True,
+        pvd: bool = False,
     ) -> None:
         """Run to the end and leave everything in ``folder``, see :class:`Recorder`."""
         recorder = Recorder(
@@ -50,5 +51,6 @@ class Case:
             n_frame=n_frame,
             n_snapshot=n_snapshot,
             progress=progress,
+            pvd=pvd,
         )
         self.simulation.run(self.duration, [recorder])

@@ -20,12 +20,13 @@ Floats = npt.NDArray[np.float64]
 _WIDTH = 720.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 14.0, 12.0, 30.0
 _COLUMNS = 500  # steps that a curve is drawn in: about the pixels there are
+_ROUND_OFF = 0.01  # below zero by this part of the top gets no room of its own
 _N_READ = 400  # points that can be read off
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One line, or with ``area`` one layer of the stack; ``style`` is a class of the style sheet."""
+    """One line, or with ``area`` one layer of the stack; ``style`` is a class in ``page.css``."""
 
     name: str
     values: Floats
@@ -62,7 +63,10 @@ def chart(
     stack = np.cumsum([np.zeros_like(x), *(curve.values for curve in areas)], axis=0)
     lines = [curve for curve in curves if not curve.area]
     shown = np.concatenate([*stack, *(curve.values for curve in lines)])
-    ticks = _ticks(min(float(shown.min()), 0.0), max(float(shown.max()), 0.0), 6)
+    bottom, top = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)
+    if bottom > -_ROUND_OFF * top:
+        bottom = 0.0
+    ticks = _ticks(bottom, top, 6)
     low, high = ticks[0], ticks[-1]
     x_ticks = [t for t in _ticks(float(x[0]), float(x[-1]), 8) if x[0] <= t <= x[-1]]
     plot_w, plot_h = _WIDTH - _LEFT - _RIGHT, height - _TOP - _BOTTOM
@@ -191,5 +195,5 @@ def _rounded(values: Floats) -> list[float]:
 
 
 def _json(data: Mapping[str, object]) -> str:
-    # "</" would end the script element.
-    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
+    # "</script" in a name would end the script element.
+    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 # Endings of the names tell the unit; longer ones first.
-_UNITS = {"_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
+_UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
 
 _LABELS = {
     "torque_plateau_Nmm": "torque, mean over 30-70°",
@@ -34,7 +34,13 @@ _LABELS = {
     "n_cable_broken": "cables broken",
     "n_quad": "quads",
     "n_step": "steps",
+    "ns_per_quad_step": "time of computing per quad and step",
     "wall_s": "time of computing",
+    "pictures_s": "time of drawing",
+    "added_inertia_factor": "scale of the rotary inertia",
+    "unfelt_penetration_mm": "tool between nodes, unfelt, at most",
+    "largest_overshoot_mm": "edge past a cable before it was met, at most",
+    "n_recovery_borrowed": "stresses from a neighbour's patch",
 }
 
 # Judged or shown elsewhere in the report.

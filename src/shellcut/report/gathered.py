@@ -97,7 +97,7 @@ def gather(folder: Path) -> Gathered:
     )
     if not there:
         raise FileNotFoundError(
-            f"{folder} must be the folder of a run (with history.csv, NAME.vtkhdf or summary.json); "
+            f"{folder} must be the folder of a run, with history.csv, NAME.vtkhdf or summary.json; "
             + ("none of them is there" if folder.is_dir() else "there is no such folder")
         )
     run = Gathered(folder, folder.resolve().name)
@@ -113,8 +113,10 @@ def gather(folder: Path) -> Gathered:
         run.history, run.units = table or ({}, {})
     else:
         run.problems.append("history.csv is missing: there are no curves.")
-    if run.history and len(next(iter(run.history.values()))) < 2:
-        run.problems.append("history.csv has fewer than two rows: there are no curves.")
+    if run.history and (len(run.history) < 3 or len(next(iter(run.history.values()))) < 2):
+        run.problems.append(
+            "history.csv has fewer than two rows, or three columns: there are no curves."
+        )
         run.history, run.units = {}, {}
     if (folder / "used.toml").exists():
         run.model = (folder / "used.toml").read_text(encoding="utf-8", errors="replace")
@@ -127,9 +129,12 @@ def gather(folder: Path) -> Gathered:
 
 
 def run_or_say(run: Gathered, what: str, attempt: Callable[[], T]) -> T | None:
-    """Return the attempt's result; if it cannot be had, note why among the problems."""
+    """Return the attempt's result; if there is none, note why among the problems."""
     try:
         return attempt()
-    except (OSError, ValueError, KeyError, IndexError) as error:
-        run.problems.append(f"The {what} cannot be read: {error}.")
+    except KeyError as error:
+        run.problems.append(f"The {what} cannot be shown: there is no {error} in the files.")
+        return None
+    except (OSError, ValueError, IndexError) as error:
+        run.problems.append(f"The {what} cannot be shown: {error}.")
         return None

@@ -7,11 +7,12 @@ import importlib.resources
 import os
 import string
 import time
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
 from . import sections
-from .gathered import Gathered, gather
+from .gathered import Gathered, gather, run_or_say
 from .sections import section
 
 
@@ -43,7 +44,7 @@ def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None =
     >>> report("no/such/folder")
     Traceback (most recent call last):
         ...
-    FileNotFoundError: no/such/folder must be the folder of a run (...); there is no such folder
+    FileNotFoundError: no/such/folder must be the folder of a run, ...; there is no such folder
     """
     run = gather(Path(folder))
     out = run.folder / "report.html" if path is None else Path(path)
@@ -81,25 +82,24 @@ def _lead(run: Gathered) -> str:
 
 
 def _body(run: Gathered, out: Path) -> str:
-    last = run.last_frame
-    # Drawn first: what goes wrong in drawing is told in the verdict.
-    strip, crack = sections.film_strip(run), sections.crack_map(run)
-    parts = [
-        ("Verdict", sections.judgement(run, last)),
-        ("Key figures", sections.figures(run)),
-        (
-            run.resistance[0].capitalize() if run.history else "Torque",
-            sections.resistance_curve(run),
-        ),
-        ("The cut", strip),
-        ("Snapshots", sections.snapshots(run)),
-        ("Crack map", crack),
-        ("Energy ledger", sections.energy_curve(run)),
-        ("Splits", sections.splits(run)),
-        ("Tool", sections.tool(run, last)),
-        ("Time step", sections.step_curve(run)),
-        ("What was run", sections.what_was_run(run)),
-        ("Versions", sections.versions()),
-        ("Files", sections.files(run, out)),
-    ]
-    return "".join(section(title, body) for title, body in parts)
+    last = run_or_say(run, "last frame", lambda: run.last_frame)
+    resistance = run.resistance[0].capitalize() if run.history else "Resistance"
+    makers: dict[str, Callable[[], str]] = {
+        "Key figures": lambda: sections.figures(run),
+        resistance: lambda: sections.resistance_curve(run),
+        "The cut": lambda: sections.film_strip(run),
+        "Snapshots": lambda: sections.snapshots(run),
+        "Crack map": lambda: sections.crack_map(run),
+        "Quality of the cut": lambda: sections.quality(run),
+        "Energy ledger": lambda: sections.energy_curve(run),
+        "Splits": lambda: sections.splits(run),
+        "Tool": lambda: sections.tool(run, last),
+        "Time step": lambda: sections.step_curve(run),
+        "What was run": lambda: sections.what_was_run(run),
+        "Versions": sections.versions,
+        "Files": lambda: sections.files(run, out),
+    }
+    made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
+    # Last, since it tells what went wrong in the others.
+    verdict = sections.judgement(run, last)
+    return "".join(section(title, body) for title, body in {"Verdict": verdict, **made}.items())

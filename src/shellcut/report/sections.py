@@ -15,19 +15,36 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.frame import Frame
+from shellcut.cut_quality import UNITS as CUT_UNITS
+from shellcut.cut_quality import cut_quality
+from shellcut.frame import Bools, Frame
 from shellcut.view import draw_crack_map, draw_film_strip, edge_length
 
 from .chart import Curve, chart
 from .figures import key_figures
-from .gathered import Gathered, run_or_say
+from .gathered import Gathered
 from .verdict import verdict
 
 _N_MAP = 100  # frames that the crack map takes its times from
 _N_STRIP = 6  # frames in the film strip
+_AS_GOOD_AS_ZERO = 5e-4  # of lengths, areas and angles of a cut: mm, mm², degrees
+_N_QUALITY = 5  # frames whose cut is described
 _DIGEST_LIMIT = 200_000_000  # bytes of a file whose digest is worth the wait
 _TRUSTED_FROM_DEG = 10.0  # before that next to no work has been done to compare with
 
+_QUALITY = {
+    "crack_length": "crack length",
+    "cut_share": "share of the line that is cut",
+    "n_bridge": "uncut bridges",
+    "bridge_width": "bridges, all together",
+    "bridge_width_least": "narrowest bridge",
+    "slit_width_mean": "slit, mean width",
+    "n_flap": "flaps",
+    "flap_angle_largest": "opening of a flap, largest",
+    "cutout_angle": "tipping of the cut-out",
+    "n_loose": "loose pieces",
+    "loose_area": "loose area",
+}
 _KINDS = {"good": "holds", "doubt": "distrust", "note": "note"}
 
 
@@ -87,9 +104,7 @@ def _figures_so_far(run: Gathered) -> dict[str, float]:
     h = run.history
     if "tool_work" not in h:
         return {}
-    name, unit = run.coordinate
-    x = h[name]
-    trusted = x >= (_TRUSTED_FROM_DEG if unit == "deg" else 0.1 * x[-1])
+    trusted = _trusted(run)
     work = np.abs(h["tool_work"][trusted]).clip(np.finfo(float).tiny)
     kinetic = h["kinetic_translation"] + h["kinetic_rotation"]
     return {
@@ -102,10 +117,19 @@ def _figures_so_far(run: Gathered) -> dict[str, float]:
     }
 
 
+def _trusted(run: Gathered) -> Bools:
+    # Rows in which the tool has done enough work to compare with, as the recorder takes them.
+    name, unit = run.coordinate
+    x = run.history[name]
+    return np.asarray(x >= (_TRUSTED_FROM_DEG if unit == "deg" else 0.1 * x[-1]))
+
+
 def figures(run: Gathered) -> str:
     """Return the summary as a table."""
     rows = key_figures(run.summary or _figures_so_far(run))
-    return f'<div class="columns">{table(rows)}</div>' if rows else ""
+    half = -(-len(rows) // 2)
+    tables = "".join(table(part) for part in (rows[:half], rows[half:]) if part)
+    return f'<div class="beside">{tables}</div>' if tables else ""
 
 
 def splits(run: Gathered) -> str:
@@ -235,9 +259,21 @@ def energy_curve(run: Gathered) -> str:
     ]
     work = h["tool_work"] + h["load_work"] + h["support_work"]
     curves.append(Curve("work put in", work, "work"))
-    missed = [Curve("imbalance", 100.0 * h["imbalance_rel"], "total")]
-    return _chart(run, curves, "energy", "N·mm", "energies and the work put in") + _chart(
-        run, missed, "imbalance of the ledger", "%", "what the ledger misses", height=170.0
+    ledger = _chart(run, curves, "energy", "N·mm", "energies and the work put in")
+    trusted = _trusted(run)
+    if trusted.sum() < 2:
+        return ledger
+    missed = [Curve("imbalance", 100.0 * h["imbalance_rel"][trusted], "total")]
+    name, unit = run.coordinate
+    start = _figure_of(h[name][trusted][0], unit)
+    return ledger + _chart(
+        run,
+        missed,
+        f"imbalance of the ledger from {start} on",
+        "%",
+        "what the ledger misses",
+        height=170.0,
+        rows=trusted,
     )
 
 
@@ -256,11 +292,40 @@ def step_curve(run: Gathered) -> str:
     )
 
 
+def quality(run: Gathered) -> str:
+    """Return the quality of the cut at a few frames."""
+    frames = run.frames(_N_QUALITY)
+    if not frames:
+        return missing("No figures of the cut: there are no frames.")
+    rows = [cut_quality(frame).figures() for frame in frames]
+    coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
+    head = [f"at {coordinate}", *(_figure_of(frame.coordinate, unit) for frame in frames)]
+    lines = [
+        [label, *(_figure_of(row[name], CUT_UNITS[name]) for row in rows)]
+        for name, label in _QUALITY.items()
+    ]
+    return table(lines, head) + (
+        '<p class="caption">Counted in the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece that the cut is to free.</p>"
+    )
+
+
+def _figure_of(value: float, unit: str) -> str:
+    number = f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO else "0"
+    return number if unit == "-" else f"{number}{_gap(unit)}{_pretty(unit)}"
+
+
 def _chart(
-    run: Gathered, curves: Sequence[Curve], name: str, unit: str, of: str, height: float = 300.0
+    run: Gathered,
+    curves: Sequence[Curve],
+    name: str,
+    unit: str,
+    of: str,
+    height: float = 300.0,
+    rows: Bools | slice = slice(None),
 ) -> str:
     coordinate, coordinate_unit = run.coordinate
-    x = run.history[coordinate]
+    x = run.history[coordinate][rows]
     # A motion may rest or go back; a curve read by its coordinate must not.
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
     if ahead.sum() < 2:
@@ -283,7 +348,11 @@ def _chart(
 
 
 def _pretty(unit: str) -> str:
-    return unit.replace("*", "·").replace("deg", "°")
+    return unit.replace("*", "·").replace("deg", "°").replace("^2", "²")
+
+
+def _gap(unit: str) -> str:
+    return "" if unit == "deg" else " "
 
 
 # ---------------------------------------------------------------------- pictures
@@ -299,7 +368,7 @@ def crack_map(run: Gathered) -> str:
         where = np.stack([run.splits[axis] for axis in "XYZ"], axis=1)
         kinds = run.splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
-    picture = _picture(run, lambda path: draw_crack_map(path, frames, splits=places, width=8.0))
+    picture = _picture(lambda path: draw_crack_map(path, frames, splits=places, width=8.0))
     name = frames[-1].coordinate_name
     return _figure(
         picture,
@@ -314,7 +383,7 @@ def film_strip(run: Gathered) -> str:
     frames = run.frames(_N_STRIP)
     if not frames:
         return missing("No film strip: there are no frames.")
-    picture = _picture(run, lambda path: draw_film_strip(path, frames))
+    picture = _picture(lambda path: draw_film_strip(path, frames))
     way = f"{frames[0].coordinate_name} {frames[0].coordinate:.3g} to {frames[-1].coordinate:.3g}"
     return _figure(
         picture,
@@ -336,25 +405,25 @@ def snapshots(run: Gathered) -> str:
         f'<p class="turn"><label for="slide">Picture</label><input id="slide" type="range" min="0" '
         f'max="{len(images) - 1}" value="{len(images) // 2}"><output for="slide"></output></p>'
     )
-    return f'<figure class="slides">{slider}{"".join(images)}</figure>'
+    return f'<figure class="slides">{slider}<div class="wide">{"".join(images)}</div></figure>'
 
 
-def _picture(run: Gathered, draw: Callable[[Path], None]) -> bytes | None:
+def _picture(draw: Callable[[Path], None]) -> bytes | None:
     # Bytes of a PNG; None where Matplotlib is missing.
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
         try:
-            run_or_say(run, "frames", lambda: draw(path))
+            draw(path)
         except ImportError:
             return None
-        return path.read_bytes() if path.exists() else None
+        return path.read_bytes()
 
 
 def _figure(picture: bytes | None, alt: str, caption: str) -> str:
     if picture is None:
         return missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
     words = f'<figcaption class="caption">{escape(caption)}</figcaption>'
-    return f"<figure>{_image(picture, alt)}{words}</figure>"
+    return f'<figure><div class="wide">{_image(picture, alt)}</div>{words}</figure>'
 
 
 def _image(png: bytes, alt: str) -> str:

@@ -40,8 +40,9 @@ def verdict(summary: Mapping[str, Any], edge_length: float | None) -> list[Line]
 
     Examples
     --------
-    >>> verdict({"imbalance_rel": 0.034}, None)[0].text
-    'The energy ledger misses up to 3.4 % of the tool's work; it should miss less than 1 %. ...'
+    >>> line = verdict({"imbalance_rel": 0.0002}, None)[0]
+    >>> print(line.kind, line.text, sep=": ")
+    good: The energy ledger closes within 0.02 % of the tool's work (limit 1 %).
     """
     lines = []
     work = abs(summary.get("tool_work_Nmm", 0.0))
@@ -73,7 +74,8 @@ def verdict(summary: Mapping[str, Any], edge_length: float | None) -> list[Line]
         judge(
             share,
             DAMPING_LIMIT,
-            f"Damping takes {_percent(share)} of the tool's work (limit {_percent(DAMPING_LIMIT)}).",
+            f"Damping takes {_percent(share)} of the tool's work (limit "
+            f"{_percent(DAMPING_LIMIT)}).",
             f"Damping takes {_percent(share)} of the tool's work, more than "
             f"{_percent(DAMPING_LIMIT)}: the torque is that much too high.",
         )

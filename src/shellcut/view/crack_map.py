@@ -125,16 +125,21 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
     opened : ndarray, shape (n,)
         Coordinate of the first frame that has the edge open.
     """
-    ends, when = [np.zeros((0, 2, 3))], [np.zeros(0)]
-    for frame in frames:
-        flank = frame.reference[frame.crack_edges[:, 0]]
-        ends.append(flank)
-        when.append(np.full(len(flank), frame.coordinate))
-    segments, opened = np.concatenate(ends), np.concatenate(when)
-    # Node ids of an edge change when its ends split on; its middle in the reference does not.
-    _, first = np.unique(segments.mean(axis=1).round(6), axis=0, return_index=True)
-    first.sort()
-    return segments[first], opened[first]
+    from scipy.spatial import cKDTree
+
+    last = frames[-1]  # has all edges, since a crack does not heal
+    segments = last.reference[last.crack_edges[:, 0]]
+    opened = np.full(len(segments), last.coordinate)
+    if not len(segments):
+        return segments, opened
+    # Node ids of an edge change when its ends split on; its middle in the reference does not, but
+    # for the rounding of files.
+    tree = cKDTree(segments.mean(axis=1))
+    for frame in reversed(frames):
+        middles = frame.reference[frame.crack_edges[:, 0]].mean(axis=1)
+        if len(middles):
+            opened[tree.query(middles)[1]] = frame.coordinate
+    return segments, opened
 
 
 def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:

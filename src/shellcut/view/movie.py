@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -35,7 +38,7 @@ def draw_movie(
     Parameters
     ----------
     path : str or Path
-        ``.mp4`` (H.264; needs imageio-ffmpeg) or ``.gif``; replaced if it exists.
+        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; replaced if it exists.
     frames : sequence of Frame
         Of one run, in order of time.
     fps : float
@@ -51,6 +54,8 @@ def draw_movie(
         If what is needed to draw or to write is not installed, with the command that does it.
     ValueError
         If there is no frame, or the ending, the stress or the size is of no use.
+    OSError
+        If ffmpeg fails.
     """
     path = Path(path)
     problems = []
@@ -108,29 +113,49 @@ def _snapshot(
 
 
 def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int, int]) -> None:
+    raw = f"-f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {fps} -i -"
+    coded = "-an -c:v libx264 -pix_fmt yuv420p -movflags +faststart"
+    command = [_ffmpeg(), "-y", "-loglevel", "error", *raw.split(), *coded.split(), str(path)]
+    with (
+        tempfile.TemporaryFile() as said,
+        subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as coder,
+    ):
+        assert coder.stdin is not None
+        try:
+            for image in images:
+                coder.stdin.write(np.ascontiguousarray(image).tobytes())
+            coder.stdin.close()
+        except BrokenPipeError:  # it has given up; what it said is told below
+            pass
+        failed = coder.wait() != 0
+        said.seek(0)
+        why = said.read().decode(errors="replace").strip()
+    if failed:
+        raise OSError(f"ffmpeg could not write {path}: {why}")
+
+
+def _ffmpeg() -> str:
     try:
         import imageio_ffmpeg
     except ImportError as error:
-        raise ImportError(
-            "an MP4 needs imageio-ffmpeg, which is not installed: pip install shellcut[movie]; "
-            "a .gif needs nothing more"
-        ) from error
-    writer = imageio_ffmpeg.write_frames(
-        str(path), size, fps=fps, codec="libx264", macro_block_size=2, ffmpeg_log_level="error"
-    )
-    writer.send(None)
-    try:
-        for image in images:
-            writer.send(np.ascontiguousarray(image).tobytes())
-    finally:
-        writer.close()
+        found = shutil.which("ffmpeg")
+        if found is None:
+            raise ImportError(
+                "an MP4 needs ffmpeg, which is not installed: pip install shellcut[movie]; "
+                "a .gif needs nothing more"
+            ) from error
+        return found
+    return str(imageio_ffmpeg.get_ffmpeg_exe())
 
 
 def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
     from PIL import Image as Pillow
 
-    # A palette of each frame's own; hundreds of frames in full colour would fill the memory.
-    pictures = [Pillow.fromarray(image).quantize(160) for image in images]
+    # Palettes keep rare colours such as those of the cables; frames in full colour would fill the
+    # memory.
+    pictures = [
+        Pillow.fromarray(image).quantize(method=Pillow.Quantize.MAXCOVERAGE) for image in images
+    ]
     pictures[0].save(
         path, save_all=True, append_images=pictures[1:], duration=round(1000.0 / fps), loop=0
     )

@@ -147,7 +147,7 @@ def _rendered(
     import pyvista
 
     with quiet_vtk():
-        plotter = pyvista.Plotter(off_screen=True, window_size=[shape[1], shape[0]])
+        plotter: Any = pyvista.Plotter(off_screen=True, window_size=[shape[1], shape[0]])
         try:
             plotter.background_color = "white"
             _add_film(plotter, frame, values, scale)
@@ -171,9 +171,7 @@ def _von_mises(principal: Floats) -> Floats:
 
 
 def _add_film(plotter: Any, frame: Frame, values: Floats, scale: Any) -> None:
-    import pyvista
-
-    film = pyvista.PolyData.from_regular_faces(frame.points, frame.quads)
+    film = _surface(frame.points, frame.quads)
     film.cell_data["stress"] = values
     plotter.add_mesh(
         film,
@@ -194,7 +192,7 @@ def _add_film(plotter: Any, frame: Frame, values: Floats, scale: Any) -> None:
 def _add_lines(plotter: Any, frame: Frame) -> None:
     # Tubes, as thick as a part of a quad: lines of pixels vanish in the film they lie on.
     thick = 0.03 * edge_length(frame)
-    bright = {"lighting": False}
+    bright: dict[str, Any] = {"lighting": False}
     if len(frame.crack_edges):
         flanks = _segments(frame.points, frame.crack_edges.reshape(-1, 2))
         plotter.add_mesh(flanks.tube(radius=thick), color=FLANK_COLOR)
@@ -209,9 +207,7 @@ def _add_lines(plotter: Any, frame: Frame) -> None:
 def _add_tool(plotter: Any, frame: Frame) -> None:
     if not len(frame.tool_triangles):
         return
-    import pyvista
-
-    tool = pyvista.PolyData.from_regular_faces(frame.tool_points, frame.tool_triangles)
+    tool = _surface(frame.tool_points, frame.tool_triangles)
     plotter.add_mesh(tool, color=TOOL_COLOR, opacity=_TOOL_OPACITY, ambient=0.45)
     creases = tool_creases(frame)
     if len(creases):
@@ -231,6 +227,13 @@ def _set_camera(
     plotter.camera.parallel_projection = True
     plotter.camera.parallel_scale = 0.5 * camera.shape[0] / camera.scale
     plotter.reset_camera_clipping_range()
+
+
+def _surface(points: Floats, faces: npt.NDArray[np.int64]) -> Any:
+    import pyvista
+
+    count = np.full((len(faces), 1), faces.shape[1])
+    return pyvista.PolyData(np.asarray(points), np.hstack((count, faces)))
 
 
 def _segments(points: Floats, ids: npt.NDArray[np.int64]) -> Any:

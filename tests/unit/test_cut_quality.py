@@ -1,0 +1,260 @@
+"""Figures of a cut's quality, on films cut by hand whose answers are known."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from opening_frame import RADIUS, disc, opening_frame
+from shellcut.cut_quality import UNITS, cut_quality
+from shellcut.fan import open_edge_copies
+from shellcut.frame import Frame
+from shellcut.mesh import Mesh
+from shellcut.meshing import rectangle
+from shellcut.state import initial_state
+
+N_X, N_Y = 10, 8  # quads of 1 mm
+EXACT = 1e-12  # round-off of lengths of some mm and angles of some degrees
+
+
+def node(x, y):
+    """The node at (x, y) of the uncut sheet."""
+    (found,) = SHEET.nodes_where(lambda X, Y, Z: np.hypot(X - x, Y - y) < 1e-9)
+    return int(found)
+
+
+def frame_of(mesh, points=None, held=()):
+    still = np.zeros((mesh.n_quad, 3))
+    return Frame(
+        time=0.0,
+        coordinate=0.0,
+        coordinate_name="path",
+        coordinate_unit="mm",
+        points=mesh.nodes if points is None else points,
+        reference=mesh.nodes,
+        director=mesh.directors,
+        velocity=0.0 * mesh.nodes,
+        quads=mesh.quads,
+        quad_stress=still,
+        quad_principal=still[:, :2],
+        crack_edges=open_edge_copies(initial_state(mesh)),
+        held=np.isin(np.arange(mesh.n_node), held),
+    )
+
+
+SHEET = rectangle(float(N_X), float(N_Y), n_x=N_X, n_y=N_Y)
+Y0 = float(SHEET.nodes[:, 1].min())
+
+
+def cut(*lines):
+    """The sheet cut along lines of points (x, y), y from the sheet's lower side."""
+    mesh = SHEET
+    for line in lines:
+        mesh = mesh.cut([node(x, Y0 + y) for x, y in line])
+    return mesh
+
+
+def straight(x0, x1, y=4):
+    step = 1 if x1 > x0 else -1
+    return [(x, y) for x in range(x0, x1 + step, step)]
+
+
+def turned(mesh, quads, angle, *, about, axis):
+    """The points with the nodes of some quads turned about a line [deg]."""
+    points = mesh.nodes.copy()
+    ids = np.unique(mesh.quads[quads])
+    turn = Rotation.from_rotvec(np.radians(angle) * np.asarray(axis, float))
+    points[ids] = turn.apply(points[ids] - about) + about
+    return points
+
+
+def test_an_uncut_film_is_one_piece_that_holds():
+    quality = cut_quality(frame_of(SHEET, held=[0]))
+    figures = quality.figures()
+    assert set(figures) == set(UNITS)
+    assert figures.pop("n_piece") == 1
+    assert not any(figures.values())
+    assert quality.pieces[0].area == pytest.approx(N_X * N_Y, rel=EXACT)
+
+
+def test_a_straight_crack_and_the_width_of_its_slit():
+    mesh = cut(straight(3, 7))
+    points = mesh.nodes.copy()
+    twin = mesh.origin != np.arange(mesh.n_node)
+    points[twin, 2] += 0.6  # three nodes of the upper flank: half of it at the two edges outside
+    figures = cut_quality(frame_of(mesh, points)).figures()
+    assert figures["crack_length"] == pytest.approx(4.0, rel=EXACT)
+    assert figures["slit_width_largest"] == pytest.approx(0.6, rel=EXACT)
+    assert figures["slit_width_mean"] == pytest.approx((0.3 + 0.6 + 0.6 + 0.3) / 4, rel=EXACT)
+    # Its ends look away from each other, and it frees no flap.
+    assert (figures["n_crack"], figures["n_bridge"], figures["n_flap"]) == (1, 0, 0)
+    assert (figures["n_piece"], figures["n_loose"]) == (1, 0)
+
+
+def test_the_bridge_between_two_cracks_in_line():
+    quality = cut_quality(frame_of(cut(straight(2, 4), straight(7, 9))))
+    assert len(quality.cracks) == 2
+    (bridge,) = quality.bridges
+    assert bridge.width == pytest.approx(3.0, rel=EXACT)
+    np.testing.assert_allclose(np.sort(bridge.ends[:, 0]), [4.0, 7.0], atol=EXACT)
+
+
+def test_a_crack_from_the_boundary_ends_once():
+    quality = cut_quality(frame_of(cut(straight(0, 3), straight(10, 8))))
+    assert [bridge.width for bridge in quality.bridges] == [pytest.approx(5.0, rel=EXACT)]
+    assert quality.flaps == ()
+
+
+def test_cracks_that_meet_at_a_whole_node_have_a_bridge_without_width():
+    mesh = cut(straight(2, 8))
+    at, twin = np.flatnonzero(mesh.origin == node(5, Y0 + 4))
+    quads = np.where(mesh.quads == twin, at, mesh.quads)  # sewn together again
+    quality = cut_quality(frame_of(dataclasses.replace(mesh, quads=quads)))
+    assert len(quality.cracks) == 2
+    assert [bridge.width for bridge in quality.bridges] == [0.0]
+    assert quality.crack_length == pytest.approx(6.0, rel=EXACT)
+
+
+U_SHAPE = [(3, 2), (4, 2), (5, 2), (6, 2), (6, 3), (6, 4), (6, 5), (5, 5), (4, 5), (3, 5)]
+
+
+@pytest.mark.parametrize("angle", [0.01, 35.0, 120.0])
+def test_a_flap_turned_about_its_hinge(angle):
+    # A tongue of 3 mm x 3 mm, hinged on x = 3 between y = 2 and y = 5.
+    mesh = cut(U_SHAPE)
+    x, y = (mesh.nodes[mesh.quads].mean(axis=1) - [0, Y0, 0]).T[:2]
+    tongue = np.flatnonzero((x > 3) & (x < 6) & (y > 2) & (y < 5))
+    points = turned(mesh, tongue, angle, about=[3, Y0, 0], axis=[0, 1, 0])
+    quality = cut_quality(frame_of(mesh, points))
+    (flap,) = quality.flaps
+    assert flap.quads.tolist() == tongue.tolist()
+    assert flap.area == pytest.approx(9.0, rel=EXACT)
+    # Round-off of the coordinates, seen from the size of the tongue.
+    assert flap.angle == pytest.approx(angle, rel=1e-10)
+    assert flap.steepest == pytest.approx(angle, rel=1e-10)
+    np.testing.assert_allclose(flap.line[[0, -1], 0], 3.0, atol=EXACT)
+    assert quality.cutout is None
+    assert len(quality.pieces) == 1
+
+
+def test_a_bent_flap_is_steeper_than_its_mean():
+    mesh = cut(U_SHAPE)
+    x, y = (mesh.nodes[mesh.quads].mean(axis=1) - [0, Y0, 0]).T[:2]
+    tongue = np.flatnonzero((x > 3) & (x < 6) & (y > 2) & (y < 5))
+    points = mesh.nodes.copy()
+    ids = np.unique(mesh.quads[tongue])
+    points[ids, 2] = 0.1 * (points[ids, 0] - 3.0) ** 2  # slopes 0.1, 0.3, 0.5
+    (flap,) = cut_quality(frame_of(mesh, points)).flaps
+    assert flap.steepest == pytest.approx(np.degrees(np.arctan(0.5)), rel=1e-10)
+    assert flap.angle == pytest.approx(np.degrees(np.arctan(0.3)), rel=1e-10)
+
+
+def square(closed=True):
+    ring = [(3, 2), (4, 2), (5, 2), (6, 2), (6, 3), (6, 4), (5, 4), (4, 4), (3, 4), (3, 3)]
+    return [*ring, ring[0]] if closed else ring
+
+
+@pytest.mark.parametrize("held", ["rim", "nothing"])
+def test_a_patch_cut_out_is_loose(held):
+    mesh = cut(square())
+    quality = cut_quality(frame_of(mesh, held=[node(0, Y0)] if held == "rim" else []))
+    rest, patch = quality.pieces
+    assert (rest.loose, patch.loose) == (False, True)
+    assert patch.area == pytest.approx(6.0, rel=EXACT)
+    assert rest.area == pytest.approx(N_X * N_Y - 6.0, rel=EXACT)
+    figures = quality.figures()
+    assert (figures["n_loose"], figures["cut_share"], figures["n_flap"]) == (1, 1.0, 0)
+    assert figures["loose_area"] == pytest.approx(6.0, rel=EXACT)
+    assert figures["crack_length"] == pytest.approx(10.0, rel=EXACT)
+    assert quality.cutout.quads.tolist() == patch.quads.tolist()
+
+
+def test_a_held_patch_is_not_loose():
+    mesh = cut(square())
+    quality = cut_quality(frame_of(mesh, held=[node(0, Y0), node(5, Y0 + 3)]))
+    assert quality.figures()["n_loose"] == 0
+    assert len(quality.pieces) == 2
+
+
+def test_the_last_bridge_of_a_cut_out_and_how_far_it_has_tipped():
+    # All of the square but the edge from (3, 3) to (3, 2).
+    mesh = cut(square(closed=False))
+    x, y = (mesh.nodes[mesh.quads].mean(axis=1) - [0, Y0, 0]).T[:2]
+    patch = np.flatnonzero((x > 3) & (x < 6) & (y > 2) & (y < 4))
+    points = turned(mesh, patch, 25.0, about=[3, Y0, 0], axis=[0, 1, 0])
+    quality = cut_quality(frame_of(mesh, points, held=[node(0, Y0)]))
+    # At the corner (3, 2) the crack arrives along x, so its ends do not face each other there: the
+    # flap tells of the hinge, 1 mm long.
+    (flap,) = quality.flaps
+    assert flap.quads.tolist() == patch.tolist()
+    assert np.linalg.norm(flap.line[0] - flap.line[-1]) == pytest.approx(1.0, rel=EXACT)
+    assert flap.angle == pytest.approx(25.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("angle", [20.0, 45.0, 80.0])
+def test_four_arcs_on_a_circle(angle):
+    frame = opening_frame(angle)
+    quality = cut_quality(frame)
+    assert len(quality.cracks) == len(quality.bridges) == len(quality.flaps) == 4
+    # Together once around, up to half the turn of an edge in the direction of each end.
+    around = quality.crack_length + sum(bridge.width for bridge in quality.bridges)
+    assert around == pytest.approx(2 * np.pi * RADIUS, rel=5e-3)
+    assert quality.cut_share == pytest.approx(quality.crack_length / around, rel=EXACT)
+    assert len({round(bridge.width, 9) for bridge in quality.bridges}) == 1
+    # Four equal flaps: segments between the arc and its chord, by whole quads.
+    half = 0.5 * quality.crack_length / 4 / RADIUS
+    segment = RADIUS**2 * (half - np.sin(half) * np.cos(half))
+    h = 2 * np.pi * RADIUS / (4 * 38)
+    for flap in quality.flaps:
+        assert abs(flap.area - segment) < h * 2 * RADIUS * np.sin(half)
+    assert quality.figures()["n_loose"] == 0
+
+
+def test_a_disc_that_hangs_by_four_bridges_and_has_tipped():
+    frame = opening_frame(80.0)
+    inside = cut_quality(frame).cutout.quads
+    ids = np.unique(frame.quads[inside])
+    points = frame.reference.copy()
+    points[ids] = Rotation.from_rotvec([np.radians(12.0), 0, 0]).apply(points[ids])
+    quality = cut_quality(dataclasses.replace(frame, points=points))
+    assert len(quality.bridges) == 4
+    assert quality.cutout.angle == pytest.approx(12.0, rel=1e-10)
+    assert quality.cutout.area == pytest.approx(np.pi * RADIUS**2, rel=0.01)  # chords of quads
+    assert quality.figures()["n_piece"] == 1
+
+
+def test_a_single_arc_has_a_bridge_once_it_faces_itself():
+    # One tooth: by 80 degrees nothing, by 270 the two ends of the one crack.
+    nodes, quads = disc(16, [RADIUS - 0.8, RADIUS, 10.2])
+    mesh = Mesh.from_arrays(nodes, quads)
+    on = np.flatnonzero(np.abs(np.hypot(*nodes.T) - RADIUS) < 1e-9)
+    on = on[np.argsort(np.arctan2(*nodes[on].T[::-1]))]  # 64 nodes
+    assert cut_quality(frame_of(mesh.cut(on[:15]))).bridges == ()
+    quality = cut_quality(frame_of(mesh.cut(on[:49])))
+    (bridge,) = quality.bridges
+    # Up to half the turn of an edge in the direction of each end.
+    assert bridge.width == pytest.approx(2 * np.pi * RADIUS / 4, rel=0.02)
+    assert quality.cut_share == pytest.approx(0.75, rel=0.01)
+    assert quality.cutout.quads.tolist() == quality.flaps[0].quads.tolist()
+
+
+def test_a_branched_crack_is_one_along_its_longest_way():
+    quality = cut_quality(frame_of(cut(straight(2, 8), [(5, 4), (5, 5), (5, 6)])))
+    assert len(quality.cracks) == 1
+    assert quality.crack_length == pytest.approx(8.0, rel=EXACT)
+    (line,) = quality.cracks
+    assert len(line) == 7
+    assert abs(line[0, 0] - line[-1, 0]) == pytest.approx(6.0, rel=EXACT)
+
+
+def test_two_loops_joined_by_a_crack_are_followed_around_one():
+    def around(x):
+        ring = [(x + i, 2) for i in range(3)] + [(x + 2, 3), (x + 2, 4), (x + 1, 4), (x, 4), (x, 3)]
+        return [*ring, ring[0]]
+
+    quality = cut_quality(frame_of(cut(straight(3, 7, y=3), around(1), around(7)), held=[0]))
+    assert len(quality.cracks) == 1
+    assert quality.crack_length == pytest.approx(4.0 + 2 * 8.0, rel=EXACT)
+    assert quality.cutout.area == pytest.approx(4.0, rel=EXACT)
+    assert quality.figures()["n_loose"] == 2

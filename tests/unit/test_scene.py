@@ -1,0 +1,132 @@
+"""Scenes and movies: by PyVista where it can render, by Matplotlib where not."""
+
+import dataclasses
+import itertools
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from opening_frame import opening_frame
+from shellcut.view import _panel, draw_movie, draw_scene, renderer, scene, why_not_pyvista
+
+FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
+SIZE = (480, 320)
+
+pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
+pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+
+
+@pytest.fixture(params=["pyvista", "matplotlib"])
+def by(request, monkeypatch):
+    if request.param == "matplotlib":
+        monkeypatch.setenv(renderer.CHOICE, "matplotlib")
+    elif (reason := why_not_pyvista()) is not None:
+        pytest.skip(reason)
+    return request.param
+
+
+def pixels(path):
+    with pillow.open(path) as picture:
+        return np.asarray(picture.convert("RGB")) / 255.0
+
+
+def near(image, color, tolerance=0.12):
+    return int((np.abs(image - np.asarray(color)).max(axis=-1) < tolerance).sum())
+
+
+def test_a_scene_shows_edges_flanks_and_film(tmp_path, by, capfd):
+    draw_scene(tmp_path / "scene.png", FRAMES[2], size=SIZE)
+    image = pixels(tmp_path / "scene.png")
+    assert image.shape == (320, 480, 3)
+    drawn = image[35:260]  # without title and legend
+    without = dataclasses.replace(
+        FRAMES[2], edge_points=np.zeros((0, 2, 3)), edge_tooth=np.zeros(0, int)
+    )
+    draw_scene(tmp_path / "without.png", without, size=SIZE)
+    edges = near(drawn, _panel.EDGE_COLOR)
+    assert edges > 15  # measured 33 by PyVista, more by Matplotlib
+    assert near(pixels(tmp_path / "without.png")[35:260], _panel.EDGE_COLOR) < 0.2 * edges
+    assert (drawn < 0.95).any(axis=2).mean() > 0.2
+    assert capfd.readouterr().err == ""  # VTK keeps quiet
+
+
+def test_stresses_colour_the_film(tmp_path, by):
+    if by == "matplotlib":
+        pytest.skip("Matplotlib draws the largest principal stress only")
+    strained = dataclasses.replace(
+        FRAMES[2], quad_principal_top=np.tile([18.0, 0.0], (len(FRAMES[2].quads), 1))
+    )
+    green = {}
+    for stress in ("largest principal, top", "largest principal, bottom"):
+        draw_scene(tmp_path / "s.png", strained, stress=stress, stress_limits=(0, 18), size=SIZE)
+        green[stress] = float(pixels(tmp_path / "s.png")[35:260].mean(axis=(0, 1))[0])
+    assert green["largest principal, top"] < green["largest principal, bottom"] - 0.1  # darker
+
+
+def test_names_and_limits_of_stresses():
+    frame = dataclasses.replace(
+        FRAMES[0], quad_principal=np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
+    )
+    # sqrt(16 + 48 + 144) = 14.42
+    np.testing.assert_allclose(scene.STRESSES["von Mises"](frame), np.sqrt(208.0))
+    assert scene.limits_for([frame], "smallest principal") == (-15.0, 0.0)
+    with pytest.raises(ValueError, match=r"von Mises.*got 'tresca'"):
+        draw_scene("never.png", frame, stress="tresca")
+
+
+def test_a_gif_has_all_frames(tmp_path, by):
+    draw_movie(tmp_path / "cut.gif", FRAMES, size=SIZE, fps=5.0)
+    with pillow.open(tmp_path / "cut.gif") as movie:
+        assert (movie.n_frames, movie.size, movie.info["duration"]) == (3, SIZE, 200)
+        shown = []
+        for k in range(3):
+            movie.seek(k)
+            shown.append(np.asarray(movie.convert("RGB"), dtype=float))
+    assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(shown)) > 0.5
+
+
+def test_an_mp4_has_all_frames(tmp_path, by):
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
+    draw_movie(tmp_path / "cut.mp4", FRAMES, size=SIZE)
+    ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
+    told = subprocess.run([ffmpeg, "-i", tmp_path / "cut.mp4"], capture_output=True, text=True)
+    assert "h264" in told.stderr
+    assert "480x320" in told.stderr
+    raw = ["-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    read = subprocess.run([ffmpeg, "-i", tmp_path / "cut.mp4", *raw], stdout=subprocess.PIPE)
+    shown = np.frombuffer(read.stdout, np.uint8).reshape(-1, 320, 480, 3).astype(float)
+    assert len(shown) == 3
+    assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(shown)) > 0.5
+
+
+def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
+    pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
+    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
+    with pytest.raises(OSError, match=r"ffmpeg could not write .*No such file"):
+        draw_movie(tmp_path / "no" / "cut.mp4", FRAMES[:1], size=SIZE)
+
+
+def test_the_camera_of_a_movie_stands_still(by):
+    # The rim of the film does not move, so the corners of the picture of it do not either.
+    shape = (200, 300)
+    cameras = [_panel.whole_camera(FRAMES, (42.0, -60.0), shape) for _ in FRAMES]
+    alone = [_panel.whole_camera([f], (42.0, -60.0), shape) for f in FRAMES]
+    assert len({(c.scale, *c.centre) for c in cameras}) == 1
+    assert cameras[0].scale <= min(c.scale for c in alone)
+
+
+def test_all_problems_of_a_movie_at_once(tmp_path):
+    with pytest.raises(ValueError, match="even") as refused:
+        draw_movie(tmp_path / "cut.avi", [], size=(101, 50), fps=0.0, stress="no")
+    for said in (".mp4 or .gif", "one frame", "even numbers", "fps", "stress must"):
+        assert said in str(refused.value)
+
+
+def test_an_mp4_without_ffmpeg_names_the_remedy(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
+    with pytest.raises(ImportError, match=r"pip install shellcut\[movie\]"):
+        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
