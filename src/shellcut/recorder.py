@@ -76,8 +76,8 @@ class Recorder:
     progress : bool
         Whether to show a progress bar on standard error.
     pvd : bool
-        Whether to write the frames as PVD + VTU too, for ParaView before 5.12; it takes some ten
-        times as long as a frame else.
+        Whether to write the frames as PVD + VTU too, for ParaView before 5.12; that takes some
+        eight times as long as a frame else.
     """
 
     def __init__(

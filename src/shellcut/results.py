@@ -24,6 +24,9 @@ from .frame import Floats, Frame
 from .history import read_history
 from .vtkhdf import VtkHdfReader
 
+# The imbalance of energies is drawn from this share of the run's largest work on.
+_LEAST_WORK = 0.01
+
 
 class FrameFigures(dict[str, Floats]):
     """Figures over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
@@ -221,6 +224,8 @@ class Results:
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Draw the energy ledger; return the picture's path, by default ``energy.png``.
 
+        The imbalance is in per cent of the tool's work, from 1 % of the largest work on.
+
         Raises
         ------
         ImportError
@@ -230,10 +235,13 @@ class Results:
 
         path = self.folder / "energy.png" if path is None else Path(path)
         coordinate, history = self.coordinate_name, self.history
+        work = history["tool_work"] + history["load_work"] + history["support_work"]
+        # At first touch there is next to no work to compare with.
+        tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
         draw_energy(
             path,
             history[coordinate],
-            history["tool_work"] + history["load_work"] + history["support_work"],
+            work,
             {
                 "cables": history["cohesive_work"] + history["cohesive_start_work"],
                 "damping": history["damping_stiffness"] + history["damping_mass"],
@@ -241,7 +249,7 @@ class Results:
                 "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
                 "contact": history["contact_work"],
             },
-            100.0 * history["imbalance_rel"],
+            np.where(tells, 100.0 * history["imbalance_rel"], np.nan),
             title=self.name,
             coordinate_name=coordinate,
             coordinate_unit=self.coordinate_unit,
