@@ -5,8 +5,8 @@ A ring of four teeth cuts a circle out of a clamped film. ::
 
     python examples/opening_test.py --mesh {quick,M1,M2} --out DIR
 
-leaves history.csv, summary.json, splits.csv, torque.png, energy.png, snapshots and opening.vtkhdf in
-DIR; with ``--compare`` also torque_compared.png, the same cut by classical cables beside it.
+leaves history.csv, summary.json, splits.csv, torque.png, energy.png, snapshots and opening.vtkhdf
+in DIR; with ``--compare`` also torque_compared.png, the same cut by classical cables beside it.
 """
 
 import argparse

@@ -131,7 +131,9 @@ class Statics:
     --------
     >>> import shellcut as sc
     >>> from shellcut.meshing import rectangle
-    >>> film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
+    >>> film = sc.ShellMaterial.homogeneous(
+    ...     young=1678.0, poisson=0.3, density=1e-9, thickness=0.074
+    ... )
     >>> strip = sc.Statics(
     ...     rectangle(4.0, 2.0, size=1.0),
     ...     film,
