@@ -1,8 +1,11 @@
-"""The guillotine: a straight blade cuts a clamped strip; the force is G h = 3.219 N.
+"""The guillotine
+==============
+
+A straight blade cuts a clamped strip; the force is G h = 3.219 N. ::
 
     python examples/guillotine.py --size 0.4 --out DIR
 
-leaves history.csv, summary.json, force.png, energy.png, snapshot_*.png, guillotine.vtkhdf in DIR.
+leaves history.csv, summary.json, force.png, energy.png, snapshots and guillotine.vtkhdf in DIR.
 """
 
 import argparse
@@ -13,7 +16,7 @@ from shellcut import guillotine, warmup
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="a straight blade cuts a clamped strip")
     parser.add_argument("--size", type=float, default=0.4, help="edge length of the quads [mm]")
     parser.add_argument("--length", type=float, default=30.0, help="of the strip [mm]")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")

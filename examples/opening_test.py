@@ -1,10 +1,12 @@
-"""The opening test: a ring of four teeth cuts a circle out of a clamped film.
+"""The opening test
+================
+
+A ring of four teeth cuts a circle out of a clamped film. ::
 
     python examples/opening_test.py --mesh {quick,M1,M2} --out DIR
 
-leaves history.csv, summary.json, splits.csv, torque.png, energy.png, snapshot_*.png and
-opening.vtkhdf in DIR; with --compare also torque_compared.png, the same cut by classical cables
-beside it.
+leaves history.csv, summary.json, splits.csv, torque.png, energy.png, snapshots and opening.vtkhdf
+in DIR; with ``--compare`` also torque_compared.png, the same cut by classical cables beside it.
 """
 
 import argparse
@@ -20,7 +22,7 @@ from shellcut.view import draw_torque
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="a ring of four teeth opens a film")
     parser.add_argument("--mesh", choices=["quick", "M1", "M2"], default="quick")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--eta", type=float, default=60.0, help="edge to sheet [deg]")

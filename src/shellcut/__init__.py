@@ -11,12 +11,14 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 from importlib.metadata import version
 
 from .cohesive_law import CohesiveLaw
+from .comparison import Comparison, compare
 from .contact import Contact
 from .criterion import Fracture
 from .film_file import read_film
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
+from .measured_curve import MeasuredCurve, read_measured_curve
 from .mesh import Mesh
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
@@ -39,12 +41,14 @@ __version__ = version("shellcut")
 
 __all__ = [
     "CohesiveLaw",
+    "Comparison",
     "Contact",
     "EdgeTraction",
     "Fracture",
     "Gravity",
     "ImprintError",
     "ImprintResult",
+    "MeasuredCurve",
     "Mesh",
     "NodalForce",
     "NodalMoment",
@@ -62,6 +66,7 @@ __all__ = [
     "TableMotion",
     "Tool",
     "blade_path",
+    "compare",
     "guillotine",
     "imprint",
     "mesh_from_outline",
@@ -70,6 +75,7 @@ __all__ = [
     "preview",
     "read",
     "read_film",
+    "read_measured_curve",
     "read_tool",
     "report",
     "warmup",

@@ -47,6 +47,12 @@ class CohesiveLaw:
     ------
     ValueError
         If the law is not positive and decreasing.
+
+    Examples
+    --------
+    >>> law = CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0)
+    >>> law.fracture_energy
+    43.5
     """
 
     strength: float = 18.0

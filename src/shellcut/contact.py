@@ -80,6 +80,11 @@ class Contact:
         lambda [N/mm³].
     smoothing : float
         g_M as a fraction of the thickness.
+
+    Examples
+    --------
+    >>> Contact(penalty=2e4)
+    Contact(penalty=20000.0, smoothing=0.25)
     """
 
     penalty: float = 1e4

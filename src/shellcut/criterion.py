@@ -62,6 +62,11 @@ class Fracture:
         Steps between two checks.
     equilibrium_start : bool
         Start a cable with the very force that the node carried, fading over 0.05 mm.
+
+    Examples
+    --------
+    >>> Fracture(criterion="stress", stress_place="top").blade_cut
+    True
     """
 
     criterion: str = "force"

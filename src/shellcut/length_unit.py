@@ -10,13 +10,12 @@ from __future__ import annotations
 from math import isfinite
 from numbers import Real
 
+from .unit import LENGTH
+
 MILLIMETRES = {
-    "um": 1e-3,
-    "mm": 1.0,
-    "cm": 10.0,
-    "m": 1000.0,
-    "inch": 25.4,
-    "mil": 0.0254,
+    **{unit: LENGTH[unit] for unit in ("um", "mm", "cm", "m")},
+    "inch": LENGTH["in"],
+    "mil": LENGTH["mil"],
 }
 """Length of each unit [mm]."""
 

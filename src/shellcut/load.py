@@ -38,7 +38,12 @@ def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class Gravity:
-    """Body force, an acceleration [mm/s²] times mass; factor(time) scales it."""
+    """Body force, an acceleration [mm/s²] times mass; factor(time) scales it.
+
+    Examples
+    --------
+    >>> load = Gravity((0.0, 0.0, -9810.0))
+    """
 
     acceleration: Sequence[float]
     factor: Factor = steady
@@ -50,6 +55,10 @@ class Pressure:
 
     ``following`` pressure turns and stretches with the surface; a dead one keeps the direction and
     the area of the reference.
+
+    Examples
+    --------
+    >>> load = Pressure(0.01, following=True)  # 10 kPa
     """
 
     value: float
@@ -60,7 +69,12 @@ class Pressure:
 
 @dataclass(frozen=True)
 class NodalForce:
-    """Dead force [N] on every node of a set or list."""
+    """Dead force [N] on every node of a set or list.
+
+    Examples
+    --------
+    >>> load = NodalForce([12], (0.0, 0.0, -0.5), factor=lambda time: min(time / 1e-3, 1.0))
+    """
 
     nodes: NodeChoice
     force: Sequence[float]
@@ -72,6 +86,10 @@ class NodalMoment:
     """Dead moment [N·mm] on the director of every node of a set or list.
 
     Its part along the director does nothing: five freedoms a node leave no drilling.
+
+    Examples
+    --------
+    >>> load = NodalMoment("right", (0.0, 3.0, 0.0))
     """
 
     nodes: NodeChoice
@@ -81,7 +99,12 @@ class NodalMoment:
 
 @dataclass(frozen=True)
 class EdgeTraction:
-    """Dead force per reference length [N/mm] on the boundary edges between nodes of a set."""
+    """Dead force per reference length [N/mm] on the boundary edges between nodes of a set.
+
+    Examples
+    --------
+    >>> load = EdgeTraction("right", (2.0, 0.0, 0.0))  # pulls along x
+    """
 
     nodes: NodeChoice
     traction: Sequence[float]

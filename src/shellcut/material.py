@@ -114,6 +114,12 @@ class ShellMaterial:
     :meth:`homogeneous` builds the single layer that [Frangi2010] uses. Its paper gives no density:
     1.0e-9 t/mm³ fits its time steps (LDPE 0.92e-9, aluminium 2.7e-9: the laminate's average is
     about 1.1e-9).
+
+    Examples
+    --------
+    >>> film = ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
+    >>> film.thickness
+    0.074
     """
 
     layers: Sequence[Layer]

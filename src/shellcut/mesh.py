@@ -212,8 +212,8 @@ class Mesh:
     def scaled_jacobian(self) -> Floats:
         """Return the least scaled Jacobian over the corners of every quad, shape (n_quad,).
 
-        (p × q)·n / (|p| |q|) with the mean normal n: the sine of the corner angle, 1 for a
-        rectangle, 0 or less where a corner is straight or re-entrant.
+        (p × q)·n of the unit vectors p, q along the edges with the mean normal n: the sine of the
+        corner angle, 1 for a rectangle, 0 or less where a corner is straight or re-entrant.
         """
         return scaled_jacobian(self.nodes, self.quads)
 

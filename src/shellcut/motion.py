@@ -166,7 +166,14 @@ class ScrewMotion:
 
 @dataclass(frozen=True)
 class StraightMotion:
-    """Move along a straight line without turning, from rest; the coordinate is the path."""
+    """Move along a straight line without turning, from rest; the coordinate is the path.
+
+    Examples
+    --------
+    >>> motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
+    >>> motion.coordinate(1e-3), motion.coordinate_unit
+    (6.0, 'mm')
+    """
 
     direction: Sequence[float]
     """Direction of the motion, of any length."""

@@ -62,6 +62,10 @@ def mesh_from_outline(
         If a polygon is none, or Gmsh leaves triangles.
     ImportError
         If Gmsh is not there or cannot be loaded.
+
+    Examples
+    --------
+    >>> mesh = mesh_from_outline([(0, 0), (10, 0), (10, 6), (0, 6)], size=1.0)  # doctest: +SKIP
     """
     if not isfinite(size) or size <= 0.0:
         raise MeshError(f"size must be a finite length above 0, got {size!r}")

@@ -68,6 +68,19 @@ class Simulation:
     ------
     ValueError
         If anything given is impossible: every check is made here, before the first step.
+
+    Examples
+    --------
+    >>> import shellcut as sc
+    >>> from shellcut.meshing import rectangle
+    >>> mesh = rectangle(4.0, 2.0, size=1.0)
+    >>> film = sc.ShellMaterial.homogeneous(
+    ...     young=1678.0, poisson=0.3, density=1e-9, thickness=0.074
+    ... )
+    >>> sim = sc.Simulation(mesh, film, loads=[sc.Gravity((0.0, 0.0, -9810.0))], damping_alpha=0.0)
+    >>> sim.run(until=1e-5)
+    >>> bool((sim.state.node.x[: mesh.n_node, 2] < 0.0).all())  # it falls
+    True
     """
 
     def __init__(

@@ -126,6 +126,23 @@ class Statics:
         Present positions and directors; solutions leave it at the last equilibrium.
     factor : float
         Load factor of the present state.
+
+    Examples
+    --------
+    >>> import shellcut as sc
+    >>> from shellcut.meshing import rectangle
+    >>> film = sc.ShellMaterial.homogeneous(
+    ...     young=1678.0, poisson=0.3, density=1e-9, thickness=0.074
+    ... )
+    >>> strip = sc.Statics(
+    ...     rectangle(4.0, 2.0, size=1.0),
+    ...     film,
+    ...     supports=[sc.Support.clamped("left")],
+    ...     loads=[sc.EdgeTraction("right", (0.1, 0.0, 0.0))],
+    ... )
+    >>> displacement, rotation = strip.linear()
+    >>> bool(displacement[:, 0].max() > 0.0)
+    True
     """
 
     def __init__(

@@ -50,6 +50,11 @@ class Support:
     velocity, spin : mapping from axis to function of time, optional
         Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
         about held axes; at rest otherwise. A director only turns about axes normal to it.
+
+    Examples
+    --------
+    >>> held = Support("left", translation="xyz", rotation="")  # hinged
+    >>> pulled = Support("right", translation="x", rotation="", velocity={"x": lambda time: 10.0})
     """
 
     nodes: NodeChoice

@@ -41,7 +41,13 @@ class TableMotion:
     early and end a step late; a table that ends in motion therefore stops the tool dead.
 
     The coordinate is what the tool has travelled, a sum that only grows: the angle, the integral
-    of |w|, if the table turns at all, otherwise the path of the body's origin.
+    of the angular speed, if the table turns at all, otherwise the path of the body's origin.
+
+    Examples
+    --------
+    >>> motion = TableMotion([0.0, 1e-3], [[0.0, 0.0, 0.0], [0.0, 0.0, -2.0]])
+    >>> round(motion.coordinate(1e-3), 9), motion.coordinate_unit
+    (2.0, 'mm')
     """
 
     times: npt.ArrayLike

@@ -55,6 +55,11 @@ class Stepping:
         Steps between two looks at the quads; splits come on top.
     fixed : float, optional
         A step of the user's own [s]; the bound is then ignored.
+
+    Examples
+    --------
+    >>> Stepping(safety=0.9).fixed is None
+    True
     """
 
     safety: float = 0.95

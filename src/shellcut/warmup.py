@@ -21,6 +21,11 @@ def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
     ----------
     criteria : sequence of str
         Which criteria of :class:`Fracture` to compile for.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> shellcut.warmup()  # doctest: +SKIP
     """
     for criterion in criteria:
         case = guillotine(

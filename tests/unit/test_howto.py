@@ -1,12 +1,14 @@
-"""The code of the how-to pages on films, tools and results runs as it stands."""
+"""The code of the pages runs as it stands."""
 
 import logging
 import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from run_folder import write_run
 from shellcut import guillotine, opening_test
 from shellcut.tool_shapes import tooth_ring
 
@@ -42,6 +44,31 @@ def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
     assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+
+
+def test_first_cut(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (code,) = blocks("../first-cut.md", "python")
+    exec(compile(code, "first-cut.md", "exec"), {})
+    told = capsys.readouterr().out.splitlines()[-2:]
+    # the quick opening test to 40 degrees, measured 199 N*mm; a band for another step
+    largest = float(told[0].split()[2])
+    assert 170.0 < largest < 230.0
+    assert told[0].endswith(" N*mm")
+    assert told[1].startswith("crack ")
+
+
+def test_compare(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    angle = np.linspace(0.0, 40.0, 401)
+    write_run(tmp_path / "out", "cap", angle, 140.0 * np.clip(angle / 15.0, 0.0, 1.0))
+    (text,) = blocks("compare.md", "text")
+    Path("cap.csv").write_text(text)
+    for code in blocks("compare.md", "python"):
+        exec(compile(code, "compare.md", "exec"), {})
+    # the peaks of the page: 13.71 N*cm against the 140 N*mm made here
+    assert "peak torque" in (told := capsys.readouterr().out)
+    assert "+2.1 %" in told
 
 
 def test_read_results(tmp_path, monkeypatch, capsys):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from . import report, warmup
+from . import compare, doctor, report, warmup
 
-_COMMANDS = (report, warmup)
+_COMMANDS = (compare, doctor, report, warmup)
 
 DONE, BAD_INPUT, STOPPED = 0, 2, 3
 """Exit codes: done; bad arguments or model; a guard stopped the run."""

@@ -1,4 +1,4 @@
-"""A table of poses as text: columns with units in the header, commas, semicolons or tabs.
+"""A table of poses as text: columns with units in the header.
 
 ::
 
@@ -6,38 +6,34 @@
     0,0;       0,0;    0
     0,5;       -0,02;  1,5
 
-A decimal comma is read where the columns are parted by semicolons or tabs. ``#`` begins a comment.
+Separators, decimal commas and comments are those of :mod:`shellcut.formats.number_table`.
 """
 
 from __future__ import annotations
 
-import re
-from math import pi
 from pathlib import Path
 
 import numpy as np
 
 from shellcut._jit import Floats
+from shellcut.unit import conversion
 
-from .errors import FileError, read_lines
+from .errors import FileError
+from .number_table import Heading, read_number_table
 
-_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-_LENGTH = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1000.0, "inch": 25.4}
-_ANGLE = {"rad": 1.0, "deg": pi / 180.0, "turn": 2.0 * pi}
 _COLUMNS = {
-    "time": _TIME,
-    **dict.fromkeys(("x", "y", "z"), _LENGTH),
-    **dict.fromkeys(("rx", "ry", "rz", "angle"), _ANGLE),
+    "time": "s",
+    **dict.fromkeys(("x", "y", "z"), "mm"),
+    **dict.fromkeys(("rx", "ry", "rz", "angle"), "rad"),
 }
-_HEADING = re.compile(r"\s*\"?\s*([A-Za-z]+)\s*[\[(/]\s*([^\])\s]+)\s*[\])]?\s*\"?\s*")
 
 
 def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
     """Read times, translations and rotation vectors.
 
-    The columns, in any order: ``time`` [s, ms, us]; of ``x``, ``y``, ``z`` [mm, um, cm, m, inch]
-    those that are not zero; ``rx``, ``ry``, ``rz``, the rotation vector, or ``angle``, the turn
-    about z [rad, deg, turn]. A heading is written ``time [ms]``, ``time (ms)`` or ``time / ms``.
+    The columns, in any order: ``time``; of ``x``, ``y``, ``z`` those that are not zero; ``rx``,
+    ``ry``, ``rz``, the rotation vector, or ``angle``, the turn about z. A heading is written
+    ``time [ms]``, ``time (ms)`` or ``time / ms``; the units are those of :mod:`shellcut.unit`.
 
     Returns
     -------
@@ -48,23 +44,18 @@ def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
     Raises
     ------
     FileError
-        Naming the heading or the line that is not understood.
+        Naming the headings or the lines that are not understood.
     """
-    path = Path(path)
-    lines = [
-        (number, line)
-        for number, text in enumerate(read_lines(path), start=1)
-        if (line := text.split("#", 1)[0].strip().lstrip("\ufeff"))
-    ]
-    if not lines:
-        raise FileError(path, "a table must have a line of headings")
-    number, heading = lines[0]
-    separator = next((s for s in (";", "\t") if s in heading), ",")
-    names, factors = _headings(path, number, heading.split(separator))
-    rows = [_row(path, number, line, separator, len(names)) for number, line in lines[1:]]
-    if len(rows) < 2:
-        raise FileError(path, f"a table must have two lines of numbers or more, got {len(rows)}")
-    column = dict(zip(names, (np.array(rows) * factors).T, strict=True))
+    table = read_number_table(path)
+    if not table.headings:
+        raise FileError(path, "a table must have a line of headings above its numbers")
+    names, factors = _headings(table.path, table.heading_line, table.headings)
+    if len(table.rows) < 2:
+        raise FileError(
+            path, f"a table must have two lines of numbers or more, got {len(table.rows)}"
+        )
+    rows = table.numbers(list(range(len(names))))
+    column = dict(zip(names, (rows * factors).T, strict=True))
     none = np.zeros(len(rows))
     translations = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=1)
     turns = [column.get(axis, none) for axis in ("rx", "ry")]
@@ -72,22 +63,21 @@ def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
     return column["time"].copy(), translations, np.stack(turns, axis=1)
 
 
-def _headings(path: Path, line: int, cells: list[str]) -> tuple[list[str], Floats]:
+def _headings(path: Path, line: int, headings: tuple[Heading, ...]) -> tuple[list[str], Floats]:
     names, factors, problems = [], [], []
-    for cell in cells:
-        found = _HEADING.fullmatch(cell)
-        name = found[1].lower() if found else ""
-        if not found or name not in _COLUMNS:
+    for heading in headings:
+        name = heading.name.lower()
+        if name not in _COLUMNS or not heading.unit:
             known = ", ".join(_COLUMNS)
-            problems.append(f"a heading must be 'name [unit]' of {known}, got {cell.strip()!r}")
+            problems.append(f"a heading must be 'name [unit]' of {known}, got {heading.text!r}")
             continue
-        units = _COLUMNS[name]
-        if found[2] not in units:
-            problems.append(f"{name} must be in {', '.join(units)}, got {found[2]!r}")
+        try:
+            factors.append(conversion(heading.unit, _COLUMNS[name]))
+        except ValueError as problem:
+            problems.append(f"{name} {problem}")
         if name in names:
             problems.append(f"each column must stand once, got {name} again")
         names.append(name)
-        factors.append(units.get(found[2], 1.0))
     if not problems and "time" not in names:
         problems.append("there must be a column time")
     if "angle" in names and {"rx", "ry", "rz"} & set(names):
@@ -95,16 +85,3 @@ def _headings(path: Path, line: int, cells: list[str]) -> tuple[list[str], Float
     if problems:
         raise FileError(path, "; ".join(problems), line=line)
     return names, np.array(factors)
-
-
-def _row(path: Path, line: int, text: str, separator: str, n: int) -> list[float]:
-    cells = text.split(separator)
-    if len(cells) != n:
-        raise FileError(path, f"there must be {n} numbers, got {len(cells)}", line=line)
-    values = []
-    for cell in cells:
-        try:
-            values.append(float(cell.strip().strip('"').replace(",", ".")))
-        except ValueError:
-            raise FileError(path, f"must be a number, got {cell.strip()!r}", line=line) from None
-    return values

@@ -70,6 +70,16 @@ def blade_path(
     ------
     ImprintError
         If the film is not flat or no edge passes through its plane.
+
+    Examples
+    --------
+    >>> from shellcut import StraightMotion
+    >>> from shellcut.meshing import rectangle
+    >>> from shellcut.tool_shapes import straight_blade
+    >>> blade = straight_blade(length=4.0, height=3.0)
+    >>> motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
+    >>> len(blade_path(blade, motion, rectangle(12.0, 8.0, size=0.8), duration=1e-3))
+    1
     """
     film = FilmPlane(mesh)
     h = float(np.median(film.edge_length))

@@ -25,7 +25,18 @@ CORNER_TURN = np.radians(30.0)
 
 
 class ImprintError(ValueError):
-    """A path that cannot be put into this mesh; the message says why and what to do."""
+    """A path that cannot be put into this mesh; the message says why and what to do.
+
+    Examples
+    --------
+    >>> from shellcut import PathCurve, imprint
+    >>> from shellcut.meshing import rectangle
+    >>> try:
+    ...     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 9.0), (6.0, 9.0)))
+    ... except ImprintError as error:
+    ...     print(str(error)[:35])
+    the path must run through the film,
+    """
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,16 @@ _FILM = Elastic(young=1678.0, poisson=0.3, density=1.0e-9)  # ShellMaterial.homo
 
 @dataclass(frozen=True, eq=False)
 class ImprintResult:
-    """A mesh with the path in it, and what that cost."""
+    """A mesh with the path in it, and what that cost.
+
+    Examples
+    --------
+    >>> from shellcut import PathCurve, imprint
+    >>> from shellcut.meshing import rectangle
+    >>> found = imprint(rectangle(6.0, 4.0, size=0.5), PathCurve.line((0.0, 0.1), (6.0, 0.1)))
+    >>> len(found.chains), found.closed
+    (1, (False,))
+    """
 
     mesh: Mesh
     """Old nodes and quads keep their ids, new ones are appended; the very mesh that was given if

@@ -95,6 +95,12 @@ def guillotine(
     ------
     ImprintError
         If the path cannot be put into the mesh.
+
+    Examples
+    --------
+    >>> case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+    >>> case.simulation.mesh.n_quad
+    24
     """
     ramp = 1e-4
     section = material or ShellMaterial.homogeneous()

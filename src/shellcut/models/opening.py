@@ -71,6 +71,12 @@ def opening_test(
     ------
     ImprintError
         If the path cannot be put into the mesh.
+
+    Examples
+    --------
+    >>> case = opening_test("quick", angle_deg=40.0)
+    >>> case.simulation.mesh.n_quad
+    612
     """
     film = opening_disc(mesh) if isinstance(mesh, str) else mesh
     cutter = tool or tooth_ring()

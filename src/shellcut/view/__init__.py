@@ -4,6 +4,7 @@ Scenes and movies are drawn by PyVista (``shellcut[view]``) where it is installe
 """
 
 from ._panel import edge_length
+from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
 from .film_strip import draw_film_strip
@@ -16,6 +17,7 @@ from .snapshot import draw_snapshot
 
 __all__ = [
     "ModelView",
+    "draw_comparison",
     "draw_crack_map",
     "draw_energy",
     "draw_film_strip",

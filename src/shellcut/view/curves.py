@@ -108,7 +108,7 @@ def draw_torque(
     for k, (label, level) in enumerate((levels or {}).items()):
         text = f"{label}: {level:.4g} {pretty(unit)}"
         axes.axhline(level, color="black", lw=1.0, ls=(":", "-.")[k % 2], label=text)
-    _dress(axes, f"{name} [{pretty(unit)}]")
+    dress(axes, f"{name} [{pretty(unit)}]")
     axes.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
     handles, labels = axes.get_legend_handles_labels()
     first = labels.index("total")  # drawn over all others, named before them
@@ -187,7 +187,7 @@ def draw_energy(
         for color, (label, y) in zip(colors, columns.items(), strict=True):
             upper.plot(x, y, color=color, lw=1.8, label=label)
     upper.plot(x, put_in, color="black", lw=1.8, ls="--", label="work put in")
-    _dress(upper, f"energy [{pretty(unit)}]")
+    dress(upper, f"energy [{pretty(unit)}]")
     upper.tick_params(labelbottom=False)
     handles, labels = upper.get_legend_handles_labels()
     upper.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False)
@@ -196,7 +196,7 @@ def draw_energy(
 
     lower.axhline(0.0, color="0.6", lw=0.8)
     lower.plot(x, missing, color=_TOTAL_COLOR, lw=1.5)
-    _dress(lower, "imbalance [%]")
+    dress(lower, "imbalance [%]")
     lower.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
     save(figure, path)
 
@@ -210,7 +210,8 @@ def _column(name: str, values: npt.ArrayLike, x: Any) -> Any:
     return array
 
 
-def _dress(axes: Any, label: str) -> None:
+def dress(axes: Any, label: str) -> None:
+    """Give the axes of a curve their label and the grid that all pictures of curves have."""
     axes.set_ylabel(label)
     axes.margins(x=0.0)
     axes.grid(color="0.9", lw=0.8)

@@ -1,0 +1,105 @@
+"""How the site is built: ``python -m sphinx -W --keep-going docs build/site``.
+
+The pages are written for GitHub; what only a site needs is added here: the order of the pages, the
+reference made of the docstrings, and the gallery, whose examples are run at every build.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import shellcut
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from gallery_run import PicturesOfRun, QuickSettings
+
+project = "shellcut"
+author = "The shellcut developers"
+copyright = author
+version = release = shellcut.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "sg_execution_times.rst"]
+html_theme = "furo"
+html_title = f"shellcut {release}"
+html_show_sourcelink = False
+html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_theme_options = {"top_of_page_buttons": []}
+
+myst_heading_anchors = 3
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+PAGES = {
+    "First steps": ["install", "first-cut", "gallery/index"],
+    "How to": [
+        "howto/own-tool",
+        "howto/own-film",
+        "howto/imprint",
+        "howto/read-results",
+        "howto/pictures",
+        "howto/compare",
+    ],
+    "Theory": [
+        "theory/opening",
+        "theory/shell",
+        "theory/time",
+        "theory/cables",
+        "theory/contact",
+        "theory/fracture",
+        "theory/energy",
+        "theory/statics",
+        "theory/imprint",
+    ],
+    "What to trust": ["limits", "verification", "performance"],
+    "Reference": ["api", "glossary", "architecture", "howto/add-a-case"],
+}
+"""The side bar. A page that is missing here is a warning of Sphinx, hence an error."""
+
+
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "reset_argv": QuickSettings(),
+    "image_scrapers": (PicturesOfRun(),),
+    "reset_modules": (),
+    "abort_on_example_error": True,
+    "remove_config_comments": True,
+    "download_all_examples": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+}
+
+
+OUTSIDE = re.compile(r"\]\(((?:\.\./)+[A-Z]+\.md)\)")
+"""A link of a page to a Markdown file of the project that is no page of the site."""
+
+
+def adapt(app, docname, source):
+    """Make of a page for GitHub one for the site.
+
+    The start page gets the tables of contents; files outside the site become downloads.
+    """
+    source[0] = OUTSIDE.sub(r"](path:\1)", source[0])
+    if docname == "index":
+        for caption, pages in PAGES.items():
+            entries = "\n".join(pages)
+            source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{entries}\n```\n"
+
+
+def setup(app):
+    """Let pages be adapted as they are read."""
+    app.connect("source-read", adapt)

@@ -1,0 +1,86 @@
+"""``shellcut compare``: a run beside a measured curve."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from shellcut.comparison import compare
+
+_DONE, _BAD_INPUT = 0, 2
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "compare",
+        help="compare a run with a measured curve",
+        description=(
+            "Compare a run with a measured curve on their common range: difference, peaks, work. "
+            "Writes OUT/comparison.json and, with Matplotlib, OUT/comparison.png."
+        ),
+        epilog="example: shellcut compare out cap.csv --x angle=Winkel --y torque=Drehmoment "
+        '--units "deg, N*cm"',
+    )
+    parser.add_argument("out", metavar="OUT", help="folder of the run")
+    parser.add_argument("measured", metavar="FILE", help="table of text with the measured curve")
+    for option, what in (("--x", "coordinate"), ("--y", "quantity")):
+        parser.add_argument(
+            option,
+            metavar="NAME[=COLUMN]",
+            default="",
+            help=f"the {what} as the run's history names it; behind '=' the file's column, by "
+            "heading or number, where it is called otherwise",
+        )
+    parser.add_argument("--units", help='units of the file\'s columns, as "deg, N*mm"')
+    parser.add_argument(
+        "--window", type=float, help="average the simulated curve over this width, in the unit of x"
+    )
+    parser.add_argument("--json", metavar="FILE", type=Path, help="instead of OUT/comparison.json")
+    parser.add_argument(
+        "--picture", metavar="FILE", type=Path, help="instead of OUT/comparison.png"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare, print a table, write the figures and the picture."""
+    (x, x_column), (y, y_column) = _parted(arguments.x), _parted(arguments.y)
+    try:
+        comparison = compare(
+            arguments.out,
+            arguments.measured,
+            x=x,
+            y=y,
+            columns=(x_column, y_column),
+            units=arguments.units,
+            window=arguments.window,
+        )
+    except (ValueError, OSError) as problem:
+        print(f"shellcut compare: {problem}", file=sys.stderr)
+        return _BAD_INPUT
+    print(comparison)
+    out = Path(arguments.out)
+    folder = out if out.is_dir() else out.parent
+    try:
+        written = [comparison.to_json(arguments.json or folder / "comparison.json")]
+        try:
+            written.append(comparison.plot(arguments.picture or folder / "comparison.png"))
+        except ImportError as missing:
+            print(f"no picture: {missing}", file=sys.stderr)
+            # Only who asked for a picture gets an error for its absence.
+            if arguments.picture:
+                return _BAD_INPUT
+    except (ValueError, OSError) as problem:
+        print(f"shellcut compare: cannot write: {problem}", file=sys.stderr)
+        return _BAD_INPUT
+    print("written: " + ", ".join(map(str, written)))
+    return _DONE
+
+
+def _parted(text: str) -> tuple[str | None, str | None]:
+    """Part ``angle=Winkel`` into the history's name and the file's."""
+    name, _, column = text.partition("=")
+    return name or None, column or None

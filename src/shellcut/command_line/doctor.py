@@ -1,0 +1,223 @@
+"""``shellcut doctor``: what this machine can do, one line each, and the remedy where it cannot."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Literal
+
+import h5py
+import llvmlite.binding
+import numba
+import numpy as np
+
+from shellcut import contact
+from shellcut.threads import Workers, available_cores
+from shellcut.view import why_not_pyvista
+
+_DONE, _CANNOT_RUN = 0, 2
+_LARGE_FILM = 10**6
+"""Quads of a film for which all threads are used."""
+_LITTLE_SPACE = 1e9
+"""Bytes; a run on the finest shipped mesh leaves some hundred megabytes."""
+_FIRST_RIGHT_VTK = (9, 3)
+"""Older ones show all frames of a temporal VTKHDF file at once, without a word."""
+
+# What the packages that are not required are for, and the extra that brings them.
+_EXTRAS = {
+    "matplotlib": ("pictures", "pip install shellcut[plot]"),
+    "pyvista": ("3-D scenes and movies", "pip install shellcut[view]"),
+    "vtk": ("3-D scenes and movies", "pip install shellcut[view]"),
+    "imageio-ffmpeg": ("movies as mp4", "pip install shellcut[movie]"),
+    "gmsh": ("meshes of outlines", "pip install shellcut[mesh]"),
+    "pandas": ("histories as tables", "pip install pandas"),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the report."""
+
+    status: Literal["ok", "note", "PROBLEM"]
+    what: str
+    value: str
+    remedy: str = ""
+    stops: bool = False
+    """Whether the main job, running a model, is impossible."""
+
+    def __str__(self) -> str:
+        """Return the line."""
+        remedy = f"  ({self.remedy})" if self.remedy else ""
+        return f"{self.status:<7}  {self.what:<14}  {self.value}{remedy}"
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "doctor",
+        help="say what this machine can do",
+        description="Say what this machine can do, one line each, with the remedy where there is "
+        "one. Exit code 2 only if no model can be run.",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(_: argparse.Namespace) -> int:
+    """Print the findings as they come."""
+    stopped = False
+    for check in CHECKS:
+        for finding in check():
+            print(finding, flush=True)
+            stopped = stopped or finding.stops
+    return _CANNOT_RUN if stopped else _DONE
+
+
+def _versions() -> Iterator[Finding]:
+    yield Finding("ok", "python", f"{platform.python_version()}, {platform.platform(terse=True)}")
+    for package in ("shellcut", "numpy", "scipy", "h5py", "meshio"):
+        yield Finding("ok", package, version(package))
+    llvm = ".".join(map(str, llvmlite.binding.llvm_version_info))
+    yield Finding("ok", "numba", f"{numba.__version__}, LLVM {llvm}")
+
+
+def _cores() -> Iterator[Finding]:
+    cores = available_cores()
+    most = Workers(_LARGE_FILM).count
+    yield Finding("ok", "cores", f"{cores}; 1 thread for small films, {most} for large ones")
+    features = llvmlite.binding.get_host_cpu_features()
+    # widest first: numbers of 8 bytes that one instruction takes
+    for feature, lanes in (("avx512f", 8), ("avx", 4), ("sse2", 2), ("neon", 2)):
+        if features.get(feature):
+            value = f"{lanes} numbers an instruction ({feature})"
+            yield Finding("ok", "SIMD", value)
+            return
+    yield Finding("note", "SIMD", "no vector instructions known to LLVM here", "runs are slow")
+
+
+def _compiler() -> Iterator[Finding]:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
+        value = "switched off by NUMBA_DISABLE_JIT: runs take a thousand times as long"
+        yield Finding("note", "compiler", value, "unset NUMBA_DISABLE_JIT")
+        return
+    try:
+        right = numba.njit(lambda x: 2.0 * x)(21.0) == 42.0
+    except Exception as reason:  # whatever breaks a compiler
+        yield Finding(
+            "PROBLEM", "compiler", f"Numba fails: {reason}", "pip install -U numba", stops=True
+        )
+        return
+    if not right:
+        yield Finding("PROBLEM", "compiler", "Numba computes wrongly", "reinstall numba", True)
+    yield _cache()
+
+
+def _cache() -> Finding:
+    """Report the folder in which Numba keeps machine code, by way of one of the kernels."""
+    folder = Path(_cache_folder())
+    remedy = "set NUMBA_CACHE_DIR to a folder you may write to"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as reason:
+        value = f"{folder} cannot be written ({reason.strerror}): each run compiles anew"
+        return Finding("note", "compiled code", value, remedy)
+    held = [entry.stat() for entry in folder.iterdir() if entry.suffix in (".nbi", ".nbc")]
+    size = sum(entry.st_size for entry in held) / 1e6
+    sources = Path(__file__).parents[1].glob("*.py")
+    newest = max(source.stat().st_mtime for source in sources)
+    if not any(entry.st_mtime >= newest for entry in held):
+        value = f"none yet in {folder}"
+        return Finding("note", "compiled code", value, "shellcut warmup compiles, half a minute")
+    return Finding("ok", "compiled code", f"{size:.1f} MB in {folder}")
+
+
+def _cache_folder() -> str:
+    # All kernels of one folder of sources share one folder of machine code.
+    kernels = (k.stats for k in vars(contact).values() if hasattr(k, "stats"))
+    folder: str = next(stats.cache_path for stats in kernels if stats.cache_path)
+    return folder
+
+
+def _files() -> Iterator[Finding]:
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "doctor.h5"
+            with h5py.File(path, "w") as file:
+                file["numbers"] = np.arange(8.0)
+            with h5py.File(path) as file:
+                right = file["numbers"][()].sum() == 28.0
+    except OSError as reason:
+        yield Finding(
+            "PROBLEM",
+            "result files",
+            f"HDF5 cannot write to {tempfile.gettempdir()}: {reason}",
+            "set TMPDIR; on a network disk HDF5_USE_FILE_LOCKING=FALSE",
+            stops=True,
+        )
+        return
+    if right:
+        yield Finding("ok", "result files", f"HDF5 {h5py.version.hdf5_version} writes and reads")
+    else:
+        yield Finding("PROBLEM", "result files", "HDF5 reads wrongly", "reinstall h5py", True)
+    free = shutil.disk_usage(os.getcwd()).free
+    value = f"{free / 1e9:.1f} GB free in {os.getcwd()}"
+    if free < _LITTLE_SPACE:
+        yield Finding("note", "disk", value, "a fine run leaves some hundred megabytes")
+    else:
+        yield Finding("ok", "disk", value)
+
+
+def _extras() -> Iterator[Finding]:
+    for package, (purpose, remedy) in _EXTRAS.items():
+        try:
+            found = version(package)
+        except PackageNotFoundError:
+            yield Finding("note", package, f"not installed: no {purpose}", remedy)
+            continue
+        yield _extra(package, found)
+
+
+def _extra(package: str, found: str) -> Finding:
+    if package == "vtk" and _numbers(found)[:2] < _FIRST_RIGHT_VTK:
+        value = f"{found} reads shellcut's files wrongly, without a word"
+        return Finding("PROBLEM", package, value, 'pip install "vtk>=9.3"')
+    if package == "gmsh":
+        # The package may be there without the libraries of the system that it wants.
+        try:
+            importlib.import_module("gmsh")
+        except (ImportError, OSError) as reason:
+            remedy = "on Debian: apt-get install libglu1-mesa libxcursor1 libxinerama1 libxft2"
+            return Finding("note", package, f"{found} does not load: {reason}", remedy)
+    return Finding("ok", package, found)
+
+
+def _numbers(found: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in found.split(".") if part.isdecimal())
+
+
+def _rendering() -> Iterator[Finding]:
+    reason = why_not_pyvista()
+    if reason is None:
+        yield Finding("ok", "rendering", "PyVista draws off-screen")
+    else:
+        yield Finding("note", "rendering", f"by Matplotlib; {reason}")
+
+
+CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
+    _versions,
+    _cores,
+    _compiler,
+    _files,
+    _extras,
+    _rendering,
+)
+"""In the order of the report; the slow one last."""

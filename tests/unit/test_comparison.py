@@ -1,0 +1,170 @@
+"""Figures of a comparison against closed forms, and the command around them."""
+
+import json
+
+import numpy as np
+import pytest
+
+import shellcut
+from run_folder import write_run
+from shellcut.command_line import main
+from shellcut.measured_curve import MeasuredCurve
+
+ANGLE = np.linspace(0.0, 90.0, 1801)
+# Broken lines through a smooth curve of one wave: their error is (step)²/8 of the curvature, for
+# the measured 181 points (0.5 deg, 3.5e-2 rad of the wave) 1.5e-4 of the amplitude.
+WAVE = 4.0
+DISCRETISATION = 2e-4
+
+
+def sine(angle, shift=0.0):
+    return 140.0 * np.sin(WAVE * np.radians(angle - shift))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return write_run(tmp_path_factory.mktemp("comparison") / "out", "wave", ANGLE, sine(ANGLE))
+
+
+def measured(y, x=ANGLE[::10], unit="N*mm"):
+    return MeasuredCurve(x, y, "deg", unit)
+
+
+def test_a_curve_beside_itself_differs_by_nothing(run):
+    found = shellcut.compare(run, measured(sine(ANGLE[::10])))
+    assert found.rms == 0.0
+    assert found.peak_error == pytest.approx(0.0, abs=DISCRETISATION)
+    assert found.correlation == pytest.approx(1.0, rel=1e-12)
+    assert found.range == (0.0, 90.0)
+    assert found.notes == ()
+
+
+def test_a_scaled_curve(run):
+    found = shellcut.compare(run, measured(0.8e-3 * sine(ANGLE[::10]), unit="N*m"))
+    assert (found.y_unit, found.work_unit) == ("N*mm", "N*mm")
+    assert found.peak_measured == pytest.approx(0.8 * 140.0, rel=DISCRETISATION)
+    assert found.peak_error == pytest.approx(0.25, rel=10 * DISCRETISATION)
+    # over whole waves the mean of sin² is a half, of the trapezoidal rule too
+    assert found.rms == pytest.approx(0.2 * 140.0 / np.sqrt(2.0), rel=1e-12)
+    assert found.rms_relative == pytest.approx(found.rms / (0.8 * 140.0), rel=DISCRETISATION)
+    assert found.correlation == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_work_is_the_integral(run):
+    half = ANGLE[ANGLE <= 45.0]
+    found = shellcut.compare(run, measured(0.5 * sine(half), half))
+    # of half a wave: 2 amplitude / wave number
+    assert found.work_simulated == pytest.approx(2.0 * 140.0 / WAVE, rel=DISCRETISATION)
+    assert found.work_error == pytest.approx(1.0, rel=DISCRETISATION)
+    assert found.notes == (
+        "the ranges overlap in part: measured 0 to 45 deg, simulated 0 to 90 deg",
+    )
+
+
+def test_a_shifted_sine(run):
+    shift = 6.0
+    x = np.linspace(0.0, 90.0, 181)
+    found = shellcut.compare(run, measured(sine(x, shift)))
+    phase = WAVE * np.radians(shift)
+    # sin(a) - sin(a - p) = 2 sin(p/2) cos(a - p/2)
+    assert found.rms == pytest.approx(140.0 * np.sqrt(2.0) * np.sin(0.5 * phase), rel=1e-12)
+    assert found.correlation == pytest.approx(np.cos(phase), rel=1e-12)
+    assert found.peak_at_simulated == pytest.approx(22.5, abs=1e-9)
+    assert found.peak_at_measured == pytest.approx(22.5 + shift, abs=0.25)  # half a spacing
+
+
+def test_points_that_lie_close_do_not_count_for_more(run):
+    x = np.union1d(ANGLE[::10], np.linspace(20.0, 25.0, 5001))
+    crowded = shellcut.compare(run, measured(0.8 * sine(x), x))
+    even = shellcut.compare(run, measured(0.8 * sine(ANGLE[::10])))
+    assert crowded.rms == pytest.approx(even.rms, rel=10 * DISCRETISATION)
+
+
+def test_the_window_takes_a_sawtooth_away_and_leaves_lines_and_the_work(tmp_path):
+    angle = np.linspace(0.0, 90.0, 9001)
+    tooth = np.abs((angle % 1.0) - 0.5) - 0.25  # triangles of 1 deg with mean 0, corners in rows
+    out = write_run(tmp_path / "out", "saw", angle, 1.5 * angle + 8.0 * tooth)
+    line = measured(1.5 * angle[::50], angle[::50])
+    raw = shellcut.compare(out, line)
+    smooth = shellcut.compare(out, line, window=1.0)
+    assert raw.rms == pytest.approx(2.0, rel=1e-12)  # points stand on the tips
+    # whole teeth have mean 0, up to half a degree from the ends
+    inside = (smooth.x >= 0.5) & (smooth.x <= 89.5)
+    np.testing.assert_allclose(smooth.simulated[inside], smooth.measured[inside], atol=1e-9)
+    assert smooth.work_simulated == raw.work_simulated
+    assert raw.work_simulated == pytest.approx(1.5 * 90.0**2 / 2 * np.pi / 180, rel=1e-12)
+
+
+def test_refusals(run):
+    with pytest.raises(ValueError, match=r"share a range of angle, measured is 95 to 99 deg"):
+        shellcut.compare(run, measured([1.0, 2.0], [95.0, 99.0]))
+    with pytest.raises(ValueError, match=r"measured angle must be .* 'mm', one of length; meas"):
+        shellcut.compare(run, MeasuredCurve([0.0, 1.0], [0.0, 1.0], "mm", "N"))
+    with pytest.raises(ValueError, match=r"'way' in the history; no 'power'.*there are time, angl"):
+        shellcut.compare(run, measured([0, 1], [0, 1]), x="way", y="power")
+    for window in (0.0, -1.0, np.nan):
+        with pytest.raises(ValueError, match="window must be a width above 0 deg"):
+            shellcut.compare(run, measured([0, 1], [0, 1]), window=window)
+    with pytest.raises(ValueError, match="window must be less than the common range, 1 deg"):
+        shellcut.compare(run, measured([0, 1], [0, 1]), window=2.0)
+
+
+def test_turned_signs_and_few_points_are_said(run):
+    found = shellcut.compare(run, measured([0.0, -1.0], [0.0, 30.0]))
+    assert any("opposite signs" in note for note in found.notes)
+    assert "only 0 measured points lie inside the common range" in found.notes
+
+
+def test_a_flat_reference_gives_no_number_but_null(run, tmp_path):
+    found = shellcut.compare(run, measured([0.0, 0.0], [0.0, 90.0]))
+    content = json.loads(found.to_json(tmp_path / "c.json").read_text())
+    assert content["figures"]["peak_error"] == {"value": None, "unit": "-"}
+    assert "nan" not in str(found)
+
+
+@pytest.fixture
+def german(tmp_path):
+    path = tmp_path / "cap.csv"
+    rows = [f"{k};{a:g};{sine(a) / 10:.6f}" for k, a in enumerate(ANGLE[::10])]
+    text = "Nr;Winkel [Grad];Drehmoment [Ncm]\n" + "\n".join(rows).replace(".", ",")
+    path.write_text(text, encoding="latin-1")
+    return path
+
+
+def test_the_command_writes_table_json_and_picture(run, german, tmp_path, capsys):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    names = ["--x", "angle=Winkel", "--y", "torque=Drehmoment"]
+    assert main(["compare", str(run), str(german), *names]) == 0
+    said = capsys.readouterr().out
+    assert "wave: angle 0 to 90 deg, 181 points" in said
+    assert "peak torque" in said
+    assert "140 N*mm" in said
+    assert json.loads((run / "comparison.json").read_text())["figures"]["rms"]["unit"] == "N*mm"
+    assert (run / "comparison.png").stat().st_size > 1000
+    elsewhere = ["--json", str(tmp_path / "a.json"), "--picture", str(tmp_path / "a.png")]
+    columns = ["--x", "=2", "--y", "=3", "--units", "deg, N*cm", "--window", "2"]
+    assert main(["compare", str(run), str(german), *columns, *elsewhere]) == 0
+    assert json.loads((tmp_path / "a.json").read_text())["window"] == 2.0
+    assert (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ([], "say which are meant"),
+        (["--x", "angle=Winkl", "--y", "torque=3"], "did you mean 'Winkel'?"),
+        (["--x", "way=2", "--y", "=3"], "no 'way' in the history"),
+        (["--x", "=2", "--y", "=3", "--units", "deg, furlong"], "got 'furlong'"),
+        (["--x", "=2", "--y", "=3", "--units", "mm, N"], "one of length; measured torque"),
+        (["--x", "=2", "--y", "=3", "--json", "/no/such/folder/a.json"], "cannot write"),
+    ],
+)
+def test_bad_input_leaves_with_two(run, german, capsys, more, words):
+    assert main(["compare", str(run), str(german), *more]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_files_that_are_not_there(run, german, capsys):
+    assert main(["compare", "no/such/run", str(german)]) == 2
+    assert main(["compare", str(run), "no/such/file"]) == 2
+    assert capsys.readouterr().err.count("no/such/") == 2
