@@ -18,6 +18,7 @@ from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, impr
 from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .mesh import Mesh
+from .model_file import ModelFileError, read_model
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
 from .outline_mesh import mesh_from_outline
@@ -44,6 +45,7 @@ __all__ = [
     "ImprintError",
     "ImprintResult",
     "Mesh",
+    "ModelFileError",
     "NodalForce",
     "NodalMoment",
     "PathCurve",
@@ -66,6 +68,7 @@ __all__ = [
     "opening_test",
     "preview",
     "read_film",
+    "read_model",
     "read_tool",
     "warmup",
 ]

@@ -13,6 +13,7 @@ import importlib.util
 import json
 import os
 import time
+from collections.abc import Callable
 from dataclasses import astuple
 from pathlib import Path
 
@@ -20,6 +21,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from ._jit import Floats
+from .account import account_line
 from .capture import capture
 from .frame import Frame
 from .history import HistoryWriter, read_history
@@ -36,6 +38,9 @@ _STRESS_LIMITS = (0.0, 18.0)
 # Imbalance and kinetic energy are compared with the tool's work from this angle on [degrees], or
 # after a tenth of a straight way.
 _TRUSTED_FROM_DEG = 10.0
+
+# Lines of account over a run: where it is, its energies, cracks and cables.
+_N_ACCOUNT = 20
 
 _ENERGIES = (
     "tool_work",
@@ -71,7 +76,9 @@ class Recorder:
     n_row, n_frame, n_snapshot : int
         How many rows, frames and pictures over the run.
     progress : bool
-        Whether to show a progress bar on standard error.
+        Whether to show on standard error how far the run is, with a line of account every 5 %.
+    log : callable, optional
+        Also given each line that is shown.
     """
 
     def __init__(
@@ -85,6 +92,7 @@ class Recorder:
         n_frame: int = 100,
         n_snapshot: int = 5,
         progress: bool = True,
+        log: Callable[[str], None] | None = None,
     ) -> None:
         if sim.motion is None or sim.tool is None:
             raise ValueError("a Recorder needs a simulation with a tool and its motion")
@@ -113,6 +121,7 @@ class Recorder:
         self._row_due = Trigger(until / n_row)
         self._frame_due = Trigger(until / n_frame)
         self._picture_due = Trigger(until / n_snapshot) if n_snapshot else None
+        self._account_due = Trigger(until / _N_ACCOUNT)
         self._n_picture = 0
         self._until = until
         self._last: Frame | None = None
@@ -125,6 +134,7 @@ class Recorder:
                 self.resistance.coordinate_unit,
                 figure_units=figures,
                 position_name=self.resistance.coordinate_name,
+                log=log,
             )
             if progress
             else None
@@ -158,8 +168,12 @@ class Recorder:
             if picture_due:
                 self._draw(frame)
             self._last = frame
-        if self._progress is not None and self._progress.wants:
-            self._show_progress(self._progress)
+        if self._progress is not None:
+            if self._account_due(now) and now > 0.0:
+                share = now / self._until
+                self._progress.note(account_line(sim, self.resistance, share))
+            if self._progress.wants:
+                self._show_progress(self._progress)
 
     def close(self) -> None:
         """Write summary and curves, close the files."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from shellcut.imprinting import ImprintResult
@@ -39,6 +40,7 @@ class Case:
         n_frame: int = 100,
         n_snapshot: int = 5,
         progress: bool = True,
+        log: Callable[[str], None] | None = None,
     ) -> None:
         """Run to the end and leave everything in ``folder``, see :class:`Recorder`."""
         recorder = Recorder(
@@ -50,5 +52,6 @@ class Case:
             n_frame=n_frame,
             n_snapshot=n_snapshot,
             progress=progress,
+            log=log,
         )
         self.simulation.run(self.duration, [recorder])
