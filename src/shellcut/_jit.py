@@ -71,7 +71,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     return compiled
 
 
-class _Once(event.Listener):  # type: ignore[misc]  # Numba is untyped
+class _Once(event.Listener):
     def __init__(self, call: Callable[[], None]) -> None:
         self._call: Callable[[], None] | None = call
 

@@ -76,10 +76,11 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "damping": book.damping,
         "ext": book.put_in,
     }
+    felt = r.of(wrench, sim.translation)[0] + 0.0  # minus zero, before the first contact
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{100.0 * share:.0f} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
-        f"{r.coordinate_unit}, {figure} {r.of(wrench, sim.translation)[0]:.4g} {unit} | "
+        f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
         f"E: {parts} N*mm | balance {100.0 * book.relative(book.imbalance):+.2f} % | "
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
         f"{sim.n_joint_made} jointed {sim.n_cable_broken} broken"

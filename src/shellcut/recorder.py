@@ -170,8 +170,7 @@ class Recorder:
             self._last = frame
         if self._progress is not None:
             if self._account_due(now) and now > 0.0:
-                share = now / self._until
-                self._progress.note(account_line(sim, self.resistance, share))
+                self._progress.note(account_line(sim, self.resistance, now / self._until))
             if self._progress.wants:
                 self._show_progress(self._progress)
 
@@ -182,6 +181,8 @@ class Recorder:
         self._closed = True
         wall = time.perf_counter() - self._started
         if self._progress is not None:
+            share = self._sim.state.time / self._until
+            self._progress.note(account_line(self._sim, self.resistance, share))
             self._show_progress(self._progress)
             self._progress.close()
         if self._can_draw and self._picture_due is not None:

@@ -55,7 +55,9 @@ class Teeth(_Shape):
     height: float = key(number("mm"), "from the tip to the top")
     tip_clearance: float = key(number("mm"), "of the tip above the sheet at the start")
     phase_deg: float = key(number("deg"), "angle of the first tip")
-    n_arc: int | None = key(whole, "segments of each cutting edge", unset="5e-4 mm off the cylinder")
+    n_arc: int | None = key(
+        whole, "segments of each cutting edge", unset="5e-4 mm off the cylinder"
+    )
     shift: tuple[float, ...] = key(numbers("mm", count=3), _SHIFT, default=(0.0, 0.0, 0.0))
 
 
@@ -92,7 +94,10 @@ class ToolFile(Section):
 
     file: str = key(file, "the surface", parameter="path", also="stl")
     unit: str | float | None = key(
-        length_unit, "of the file: um, mm, cm, m, inch, mil", also="scale", unset="guessed, and said"
+        length_unit,
+        "of the file: um, mm, cm, m, inch, mil",
+        also="scale",
+        unset="guessed, and said",
     )
     axis: str | tuple[float, ...] = key(direction, "direction in the file that becomes z")
     shift: tuple[float, ...] = key(numbers("mm", count=3), "moves the tool after that")
@@ -120,9 +125,7 @@ class OpeningScrew(Section):
 class StripWay(Section):
     """Along the strip, with a ramp over the first 0.1 ms."""
 
-    speed: float = key(
-        number("mm/s"), "after the ramp", default=default_of(guillotine, "speed")
-    )
+    speed: float = key(number("mm/s"), "after the ramp", default=default_of(guillotine, "speed"))
     travel: float | None = key(
         number("mm"),
         "way of the blade",

@@ -63,7 +63,9 @@ class Strip(Section):
     width: float = key(
         number("mm"), "between the clamped sides", default=default_of(guillotine, "width")
     )
-    size: float = key(number("mm"), "edge length of the quads", default=default_of(guillotine, "size"))
+    size: float = key(
+        number("mm"), "edge length of the quads", default=default_of(guillotine, "size")
+    )
     notch: float = key(number("mm"), _NOTCH, default=default_of(guillotine, "notch"))
 
 
@@ -102,12 +104,17 @@ class FilmFile(Section):
 
     file: str = key(file, "the mesh", parameter="path")
     unit: str | float | None = key(
-        length_unit, "of the file: um, mm, cm, m, inch, mil", also="scale", unset="guessed, and said"
+        length_unit,
+        "of the file: um, mm, cm, m, inch, mil",
+        also="scale",
+        unset="guessed, and said",
     )
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
     triangles: str = key(choice("refuse", "split"), "what to do with triangles")
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
-    merge: float | None = key(number("mm"), "nodes nearer than this are one", unset="none are merged")
+    merge: float | None = key(
+        number("mm"), "nodes nearer than this are one", unset="none are merged"
+    )
     max_fold_deg: float = key(number("deg"), "sharpest fold allowed")
     imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 

@@ -228,7 +228,7 @@ def _set_or_ids(value: Any) -> str | tuple[int, ...]:
 
 def _axes(value: Any) -> str:
     if not isinstance(value, str) or set(value) - set("xyz"):
-        raise ValueError(f'must be made of the letters x, y, z, got {value!r}')
+        raise ValueError(f"must be made of the letters x, y, z, got {value!r}")
     return value
 
 

@@ -94,7 +94,8 @@ def _parsed(unit: str) -> tuple[Fraction, Dimension]:
 
 
 def _written(dimension: Dimension) -> str:
-    above, below = [], []
+    above: list[str] = []
+    below: list[str] = []
     for name, power in zip(_NAMES, dimension, strict=True):
         if power:
             text = name if abs(power) == 1 else f"{name}^{abs(power)}"

@@ -79,9 +79,7 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
     if str(name_or_path) in shipped:
         return parse(shipped[str(name_or_path)], f"{name_or_path}.toml", Path.cwd())
     text = f"there is no such file, and the models by name are {', '.join(shipped)}"
-    raise ModelFileError(
-        [Problem(str(name_or_path), text + guess(str(name_or_path), shipped))]
-    )
+    raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
 
 
 # --- overrides -----------------------------------------------------------------------------------
@@ -119,7 +117,9 @@ def _overridden(source: Source, overrides: Mapping[str, object]) -> Source:
 
 def _fitting(table: dict[str, Any], key: str, kinds: Kinds) -> dict[str, Any]:
     """Return what of a section can stay when a key that tells another kind is set."""
-    signs = [kind for kind in kinds if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also)]
+    signs = [
+        kind for kind in kinds if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also)
+    ]
     if not signs:
         return table
     return {name: value for name, value in table.items() if name in _names_of(signs[0])}
@@ -135,7 +135,8 @@ def _path_of(name: str, model: str) -> KeyPath:
         if title in LISTS.get(model, {}):
             raise ValueError(f"[[{title}]] may stand several times: write it in the file")
         if title not in layout:
-            raise ValueError(f"there is no section [{title}]{guess(title, layout) or listed(layout)}")
+            hint = guess(title, layout) or listed(layout)
+            raise ValueError(f"there is no section [{title}]{hint}")
         return (title, rest)
     owners = [
         title for title, kinds in layout.items() if any(name in _names_of(kind) for kind in kinds)
@@ -143,8 +144,8 @@ def _path_of(name: str, model: str) -> KeyPath:
     if len(owners) == 1:
         return (owners[0], name)
     if owners:
-        listed = ", ".join(f"{owner}.{name}" for owner in owners)
-        raise ValueError(f"several sections have this key: write one of {listed}")
+        candidates = ", ".join(f"{owner}.{name}" for owner in owners)
+        raise ValueError(f"several sections have this key: write one of {candidates}")
     everything = {known for kinds in layout.values() for kind in kinds for known in _names_of(kind)}
     raise ValueError(f"no section has this key{guess(name, sorted(everything | set(head)))}")
 
@@ -172,7 +173,7 @@ class _Reading:
         misplaced = {k: v for k, v in tables.items() if k in head_keys}
         head_table = {k: v for k, v in values.items() if k not in tables} | misplaced
         model = head_table.get("model")
-        known = model if model in SECTIONS else ""
+        known = str(model) if model in SECTIONS else ""
         head = self.section((Head,), head_table, (), known)
         if isinstance(head, Head) and head.name and not _STEM.fullmatch(head.name):
             self.say(("name",), f"name must be letters, digits, '.', '_', '-', got {head.name!r}")
@@ -304,9 +305,7 @@ class _Reading:
                 self.say(path, f"{shown} must be an array of tables, got {value!r}")
                 return ()
             of = key.kind.tables
-            return tuple(
-                self.section((of,), one, (*path, n), "") for n, one in enumerate(value)
-            )
+            return tuple(self.section((of,), one, (*path, n), "") for n, one in enumerate(value))
         try:
             read = key.kind.read(value)
         except ValueError as problem:

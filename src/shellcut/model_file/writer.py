@@ -31,7 +31,7 @@ def model_text(model: Model) -> str:
             lines += ["", f"[[{title}]]", *_section(section, title)]
     if files := model.files():
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
-        lines += [f"{_value(path)} = {_value(digest_of(path))}" for path in files]
+        lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
     body = "\n".join(lines) + "\n"
     return f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
 
@@ -60,7 +60,7 @@ def _keys(section: Section) -> Iterator[str]:
         if value is None:
             yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.unset})")
         else:
-            yield _commented(f"{name} = {_value(value)}", _meaning(key))
+            yield _commented(f"{name} = {written(value)}", _meaning(key))
 
 
 def _meaning(key: Key) -> str:
@@ -71,7 +71,8 @@ def _commented(text: str, comment: str) -> str:
     return f"{text.ljust(_COLUMN)}  # {comment}"
 
 
-def _value(value: Any) -> str:
+def written(value: Any) -> str:
+    """Return a value in TOML."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int | float):
@@ -80,4 +81,4 @@ def _value(value: Any) -> str:
         return json.dumps(value, ensure_ascii=False)
     if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
         return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
-    return "[" + ", ".join(_value(one) for one in value) + "]"
+    return "[" + ", ".join(written(one) for one in value) + "]"
