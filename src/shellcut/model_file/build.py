@@ -167,5 +167,6 @@ class _Build:
 
 
 def _with_set(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Mesh:
+    """Return the mesh with a set, which takes the place of one of that name."""
     nodes = np.unique(np.concatenate([mesh.node_set(one) for one in sets]))
-    return mesh.with_sets(node_sets={name: nodes})
+    return replace(mesh, node_sets={**mesh.node_sets, name: nodes})

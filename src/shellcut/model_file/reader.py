@@ -116,13 +116,16 @@ def _overridden(source: Source, overrides: Mapping[str, object]) -> Source:
 
 
 def _fitting(table: dict[str, Any], key: str, kinds: Kinds) -> dict[str, Any]:
-    """Return what of a section can stay when a key that tells another kind is set."""
-    signs = [
-        kind for kind in kinds if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also)
-    ]
-    if not signs:
-        return table
-    return {name: value for name, value in table.items() if name in _names_of(signs[0])}
+    """Return what of a section stays when a key is set that tells its kind.
+
+    What belongs to other kinds only goes; what nobody knows stays, to be refused.
+    """
+    for kind in kinds:
+        if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also):
+            known = {name for other in kinds for name in _names_of(other)}
+            foreign = known - set(_names_of(kind)) | {"kind"}
+            return {name: value for name, value in table.items() if name not in foreign}
+    return table
 
 
 def _path_of(name: str, model: str) -> KeyPath:

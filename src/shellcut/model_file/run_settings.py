@@ -124,11 +124,11 @@ class SupportSection(Section):
     nodes: str | tuple[int, ...] = key(set_or_ids, "which nodes")
     translation: str = key(axes, "held axes of the position")
     rotation: str = key(axes, "held axes of the director's spin")
-    velocity: tuple[tuple[str, float], ...] = key(
-        rates("mm/s"), "of held axes, instead of rest", default=()
+    velocity: tuple[tuple[str, float], ...] | None = key(
+        rates("mm/s"), "of held axes", default=None, unset="at rest"
     )
-    spin: tuple[tuple[str, float], ...] = key(
-        rates("rad/s"), "of held axes, instead of rest", default=()
+    spin: tuple[tuple[str, float], ...] | None = key(
+        rates("rad/s"), "of held axes", default=None, unset="at rest"
     )
 
     def made(self) -> Support:
@@ -137,8 +137,8 @@ class SupportSection(Section):
             self.nodes,
             self.translation,
             self.rotation,
-            velocity={axis: Constant(rate) for axis, rate in self.velocity},
-            spin={axis: Constant(rate) for axis, rate in self.spin},
+            velocity={axis: Constant(rate) for axis, rate in self.velocity or ()},
+            spin={axis: Constant(rate) for axis, rate in self.spin or ()},
         )
 
 
