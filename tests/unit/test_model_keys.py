@@ -114,7 +114,7 @@ def other_value(kind, key):
     if isinstance(default, tuple) or what.wants == "array of 3 numbers":
         return [0.5, 0.25, 2.0]
     base = default if isinstance(default, int | float) else 4
-    if what.wants == "whole number":
+    if what.wants.startswith("whole number"):
         return base + 2
     return 1.1 * base if base else 0.1
 

@@ -115,9 +115,13 @@ class OpeningScrew(Section):
     """The screw of the opening test: about z, downwards, with a ramp over the first 3 %."""
 
     angle_deg: float = key(
-        number("deg"), "of the whole motion", default=default_of(opening_test, "angle_deg")
+        number("deg", above=0.0),
+        "of the whole motion",
+        default=default_of(opening_test, "angle_deg"),
     )
-    duration: float = key(number("s"), "of the run", default=default_of(opening_test, "duration"))
+    duration: float = key(
+        number("s", above=0.0), "of the run", default=default_of(opening_test, "duration")
+    )
     pitch: float = key(number("mm"), "advance a turn", default=default_of(opening_test, "pitch"))
 
 
@@ -125,9 +129,11 @@ class OpeningScrew(Section):
 class StripWay(Section):
     """Along the strip, with a ramp over the first 0.1 ms."""
 
-    speed: float = key(number("mm/s"), "after the ramp", default=default_of(guillotine, "speed"))
+    speed: float = key(
+        number("mm/s", above=0.0), "after the ramp", default=default_of(guillotine, "speed")
+    )
     travel: float | None = key(
-        number("mm"),
+        number("mm", above=0.0),
         "way of the blade",
         default=default_of(guillotine, "travel"),
         unset="up to 2.5 mm before the end of the strip",
@@ -139,7 +145,7 @@ class Screw(Section):
     """Turn about an axis and advance in proportion, from rest."""
 
     angle_deg: float = key(number("deg"), "of the whole motion")
-    duration: float = key(number("s"), "of the run")
+    duration: float = key(number("s", above=0.0), "of the run")
     pitch: float = key(number("mm"), "advance a turn")
     ramp_fraction: float = key(number(), "part of the duration over which the speed rises")
     axis: tuple[float, ...] = key(numbers(count=3), "direction; the turn is counter-clockwise")
@@ -156,7 +162,7 @@ class Straight(Section):
     direction: tuple[float, ...] = key(numbers(count=3), "of any length")
     speed: float = key(number("mm/s"), "after the ramp")
     ramp: float = key(number("s"), "time over which the speed rises")
-    duration: float = key(number("s"), "of the run")
+    duration: float = key(number("s", above=0.0), "of the run")
 
 
 @section("motion", kind="table", sign="file", of=TableMotion.read_csv, deferred=True)
@@ -164,4 +170,6 @@ class Table(Section):
     """Through poses of a CSV file, with a unit in each heading."""
 
     file: str = key(file, "time and x, y, z, rx, ry, rz or angle", parameter="path")
-    duration: float | None = key(number("s"), "of the run", default=None, unset="to the last time")
+    duration: float | None = key(
+        number("s", above=0.0), "of the run", default=None, unset="to the last time"
+    )

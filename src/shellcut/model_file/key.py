@@ -151,9 +151,21 @@ def _number(value: Any, unit: str) -> float:
     return float(value)
 
 
-def number(unit: str = "") -> Kind:
-    """Return the kind of a number; with a unit it may be a text such as "12 um"."""
-    return Kind("number", lambda value: _number(value, unit), unit)
+def number(unit: str = "", *, least: float | None = None, above: float | None = None) -> Kind:
+    """Return the kind of a number; with a unit it may be a text such as "12 um".
+
+    Bounds are for what no constructor checks before the model is built.
+    """
+
+    def read(value: Any) -> float:
+        x = _number(value, unit)
+        if least is not None and x < least:
+            raise ValueError(f"must be {least:g} or more, got {value!r}")
+        if above is not None and x <= above:
+            raise ValueError(f"must be above {above:g}, got {value!r}")
+        return x
+
+    return Kind("number", read, unit)
 
 
 def _whole(value: Any) -> int:
@@ -178,6 +190,17 @@ whole = Kind("whole number", _whole)
 flag = Kind("true or false", _flag)
 text = Kind("text", _text)
 file = Kind("path", _text, is_file=True)
+
+
+def count(least: int) -> Kind:
+    """Return the kind of a whole number of this or more."""
+
+    def read(value: Any) -> int:
+        if _whole(value) < least:
+            raise ValueError(f"must be {least} or more, got {value!r}")
+        return _whole(value)
+
+    return Kind(f"whole number from {least} on", read)
 
 
 def choice(*allowed: str) -> Kind:

@@ -33,7 +33,7 @@ _UNITS: dict[str, tuple[str, Dimension]] = {
     **{"GPa": ("1e3", _STRESS), "bar": ("0.1", _STRESS)},
     **{"mJ": ("1", _ENERGY), "J": ("1e3", _ENERGY), "kJ": ("1e6", _ENERGY)},
 }
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°1/].*?)?\s*")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
 _SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "·": "*"})
 
@@ -79,6 +79,8 @@ def _parsed(unit: str) -> tuple[Fraction, Dimension]:
     for piece in re.split(r"(\s*[*/]\s*|\s+)", unit.translate(_SPELLED)):
         if not piece.strip() or piece.strip() in "*/":
             divides = piece.strip() == "/"
+            continue
+        if piece == "1":
             continue
         found = _FACTOR.fullmatch(piece)
         if not found or found[1] not in _UNITS:

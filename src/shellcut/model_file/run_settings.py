@@ -18,6 +18,7 @@ from .key import (
     Section,
     axes,
     choice,
+    count,
     default_of,
     flag,
     key,
@@ -43,7 +44,7 @@ class Head(Section):
         default=default_of(Simulation, "directional"),
     )
     threads: int | None = key(
-        whole,
+        count(1),
         "results do not depend on it",
         default=default_of(Simulation, "threads"),
         unset="one for a small film, else the cores there are",
@@ -101,10 +102,10 @@ class Damping(Section):
     """Rayleigh damping."""
 
     alpha: float = key(
-        number("1/s"), "of the mass", default=default_of(Simulation, "damping_alpha")
+        number("1/s", least=0.0), "of the mass", default=default_of(Simulation, "damping_alpha")
     )
     beta: float = key(
-        number("s"), "of the stiffness", default=default_of(Simulation, "damping_beta")
+        number("s", least=0.0), "of the stiffness", default=default_of(Simulation, "damping_beta")
     )
 
 
@@ -112,9 +113,9 @@ class Damping(Section):
 class Output(Section):
     """What a run leaves; see also the flags of ``shellcut run``."""
 
-    rows: int = key(whole, "rows of history.csv", parameter="n_row")
-    frames: int = key(whole, "frames of the result file", parameter="n_frame")
-    snapshots: int = key(whole, "pictures of the film; 0 for none", parameter="n_snapshot")
+    rows: int = key(count(1), "rows of history.csv", parameter="n_row")
+    frames: int = key(count(1), "frames of the result file", parameter="n_frame")
+    snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
 
 
 @section("supports", of=Support)
@@ -171,8 +172,6 @@ class _Load(Section):
 
     def made(self) -> Load:
         """Return the load."""
-        if self.ramp < 0.0:
-            raise ValueError(f"ramp must be zero or positive in s, got {self.ramp!r}")
         assert self.constructor is not None
         factor = Rising(self.ramp) if self.ramp else steady
         load: Load = self.constructor(**self.arguments(), factor=factor)
@@ -180,7 +179,7 @@ class _Load(Section):
 
 
 def _ramp() -> Any:
-    return key(number("s"), "time over which it rises from nothing", default=0.0)
+    return key(number("s", least=0.0), "time over which it rises from nothing", default=0.0)
 
 
 @section("loads", kind="gravity", sign="acceleration", of=Gravity)

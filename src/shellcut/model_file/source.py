@@ -28,7 +28,7 @@ _KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"
 _TOKEN = re.compile(
     r"\"\"\"|'''|\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*|[\[\]{}]",
 )
-_ERROR_LINE = re.compile(r"(.*) \(at line (\d+), column \d+\)")
+_ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def parse(text: str, name: str, folder: Path) -> Source:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = _ERROR_LINE.fullmatch(str(error))
-        place = f"{name}:{found[2]}" if found else name
+        place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
         said = found[1] if found else str(error)
         raise ModelFileError([Problem(place, f"is no TOML: {said}")]) from None
     return Source(name, folder, values, _lines(text))
