@@ -1,5 +1,7 @@
 """Model files: messages with lines, all at once; overrides; units; the way out and back."""
 
+import contextlib
+import functools
 import hashlib
 import re
 from importlib.resources import files
@@ -11,7 +13,10 @@ import pytest
 import shellcut
 from shellcut import ModelFileError, guillotine, opening_test, read_model
 from shellcut.model_file import shipped_models
+from shellcut.model_file.cutter import Teeth
+from shellcut.model_file.layout import LISTS, SECTIONS
 from shellcut.model_file.reference import reference
+from shellcut.model_file.run_settings import Head
 from shellcut.model_file.source import parse
 from shellcut.model_file.writer import is_as_written, model_text
 from shellcut.tool_shapes import tooth_ring
@@ -126,6 +131,44 @@ def test_refusals(write, text, said):
     assert any(said in line for line in refusal(write(text)))
 
 
+TEETH = functools.cache(tooth_ring)
+JUNK = [
+    "3",
+    "-1.5",
+    "nan",
+    "'x'",
+    "''",
+    "true",
+    "[]",
+    "[[]]",
+    "['x', 1]",
+    "{ a = 1 }",
+    "1979-05-27",
+]
+
+
+@pytest.mark.parametrize("junk", JUNK)
+def test_junk_ends_in_no_other_error(write, monkeypatch, junk):
+    monkeypatch.setattr(Teeth, "constructor", staticmethod(TEETH))  # spares most of the time
+    for model, sections in SECTIONS.items():
+        for title, kinds in [*sections.items(), *LISTS[model].items()]:
+            head = f"[{title}]" if title in sections else f"[[{title}]]"
+            for kind in kinds:
+                lines = [f"{name} = {junk}" for name in kind.keys()]  # noqa: SIM118
+                lines += [f"kind = '{kind.kind}'"] if kind.kind else []
+                with contextlib.suppress(ModelFileError):  # 3 is a damping
+                    read_model(write("\n".join([f"model = '{model}'", head, *lines])))
+            assert refusal(write(f"model = '{model}'\n{head}\nkind = {junk}\n"))
+            if title in sections:
+                name = next(iter(kinds[0].keys()))
+                text = f"model = '{model}'\n{title} = {junk}\n"
+                assert refusal(write(text), {f"{title}.{name}": "z"})
+    for name in Head.keys():  # noqa: SIM118
+        others = "" if name == "model" else "model = 'opening'\n"
+        with contextlib.suppress(ModelFileError):  # name = "x", threads = 3
+            read_model(write(f"{others}{name} = {junk}\n"))
+
+
 def test_lines_are_found_past_strings_arrays_and_comments():
     text = '''a = "x # [no]"   # [neither]
 b = """
@@ -215,6 +258,7 @@ def test_overrides_by_dotted_and_bare_keys():
         ({"tol.teeth": 3}, "set tol.teeth=3: there is no section [tol]; did you mean tool?"),
         ({"tool.teeth": "many"}, "set tool.teeth=many: [tool].teeth must be a whole number"),
         ({"tool.teeth": 0}, "set tool.teeth=0: [tool]: n_teeth must be at least 1"),
+        ({"tool.teeth": 3, "tool.file": "x.stl"}, "[tool].file belongs to kind"),
         ({"loads.value": 3}, "[[loads]] may stand several times: write it in the file"),
     ],
 )

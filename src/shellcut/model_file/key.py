@@ -79,6 +79,13 @@ class Section:
         """Return the keys by name."""
         return {f.name: f.metadata["key"] for f in fields(cls)}  # type: ignore[arg-type]
 
+    @classmethod
+    def names(cls) -> list[str]:
+        """Return all names that may stand in the section, second ones too."""
+        keys = cls.keys()
+        own = ["kind"] if cls.kind else []
+        return [*own, *keys, *(key.also for key in keys.values() if key.also)]
+
     def arguments(self) -> dict[str, Any]:
         """Return the values that are arguments of the constructor."""
         assert self.constructor is not None

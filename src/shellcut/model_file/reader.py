@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, replace
+from dataclasses import MISSING
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from .errors import ModelFileError, Problem, guess, listed
 from .key import Key, Section
 from .layout import LISTS, SECTIONS, Kinds
 from .model import Model
+from .overrides import overridden
 from .run_settings import Head
 from .source import KeyPath, Source, parse
 
@@ -54,7 +55,7 @@ def read_model(
     ('opening', 6.0)
     """
     source = _source(name_or_path)
-    return _Reading(_overridden(source, overrides or {})).model()
+    return _Reading(overridden(source, overrides or {})).model()
 
 
 def shipped_models() -> dict[str, str]:
@@ -82,86 +83,6 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
 
 
-# --- overrides -----------------------------------------------------------------------------------
-
-
-def _overridden(source: Source, overrides: Mapping[str, object]) -> Source:
-    if not overrides:
-        return source
-    values = {
-        title: dict(table) if isinstance(table, dict) else table
-        for title, table in source.values.items()
-    }
-    settings: dict[KeyPath, str] = {}
-    problems = []
-    # The model first: it decides which keys there are.
-    for name, value in sorted(overrides.items(), key=lambda pair: pair[0] != "model"):
-        place = f"set {name}={value}"
-        try:
-            path = _path_of(name, str(values.get("model", "")))
-        except ValueError as problem:
-            problems.append(Problem(place, str(problem)))
-            continue
-        settings[path] = place
-        if len(path) == 1:
-            values[str(path[0])] = value
-        else:
-            title, key = str(path[0]), str(path[1])
-            kinds = SECTIONS.get(str(values.get("model", "")), {}).get(title, ())
-            table = _fitting(values.get(title, {}), key, kinds)
-            values[title] = {**table, key: value}
-    if problems:
-        raise ModelFileError(problems)
-    return replace(source, values=values, settings=settings)
-
-
-def _fitting(table: dict[str, Any], key: str, kinds: Kinds) -> dict[str, Any]:
-    """Return what of a section stays when a key is set that tells its kind.
-
-    What belongs to other kinds only goes; what nobody knows stays, to be refused.
-    """
-    for kind in kinds:
-        if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also):
-            known = {name for other in kinds for name in _names_of(other)}
-            foreign = known - set(_names_of(kind)) | {"kind"}
-            return {name: value for name, value in table.items() if name not in foreign}
-    return table
-
-
-def _path_of(name: str, model: str) -> KeyPath:
-    head = Head.keys()
-    if name in head:
-        return (name,)
-    title, _, rest = name.partition(".")
-    layout = SECTIONS.get(model, {})
-    if rest:
-        if title in LISTS.get(model, {}):
-            raise ValueError(f"[[{title}]] may stand several times: write it in the file")
-        if title not in layout:
-            hint = guess(title, layout) or listed(layout)
-            raise ValueError(f"there is no section [{title}]{hint}")
-        return (title, rest)
-    owners = [
-        title for title, kinds in layout.items() if any(name in _names_of(kind) for kind in kinds)
-    ]
-    if len(owners) == 1:
-        return (owners[0], name)
-    if owners:
-        candidates = ", ".join(f"{owner}.{name}" for owner in owners)
-        raise ValueError(f"several sections have this key: write one of {candidates}")
-    everything = {known for kinds in layout.values() for kind in kinds for known in _names_of(kind)}
-    raise ValueError(f"no section has this key{guess(name, sorted(everything | set(head)))}")
-
-
-def _names_of(kind: type[Section]) -> list[str]:
-    keys = kind.keys()
-    own = ["kind"] if kind.kind else []
-    return [*own, *keys, *(key.also for key in keys.values() if key.also)]
-
-
-# --- checks --------------------------------------------------------------------------------------
-
-
 class _Reading:
     """One reading of a file, which collects the problems as it goes."""
 
@@ -176,7 +97,7 @@ class _Reading:
         misplaced = {k: v for k, v in tables.items() if k in head_keys}
         head_table = {k: v for k, v in values.items() if k not in tables} | misplaced
         model = head_table.get("model")
-        known = str(model) if model in SECTIONS else ""
+        known = model if isinstance(model, str) and model in SECTIONS else ""
         head = self.section((Head,), head_table, (), known)
         if isinstance(head, Head) and head.name and not _STEM.fullmatch(head.name):
             self.say(("name",), f"name must be letters, digits, '.', '_', '-', got {head.name!r}")
@@ -267,10 +188,10 @@ class _Reading:
     def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> type[Section] | None:
         by_name = {kind.kind: kind for kind in kinds if kind.kind}
         if by_name and "kind" in table:
-            given = table["kind"]
+            given = str(table["kind"])
             if given in by_name:
                 return by_name[given]
-            hint = guess(str(given), by_name) or listed(by_name)
+            hint = guess(given, by_name) or listed(by_name)
             self.say((*path, "kind"), f"{_shown(path)}kind {given!r} is unknown{hint}")
             return None
         for kind in kinds:
@@ -287,7 +208,7 @@ class _Reading:
     ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
         for kind in kinds:
-            if kind is not cls and name in _names_of(kind):
+            if kind is not cls and name in kind.names():
                 chosen = f'kind = "{cls.kind}"' if cls.kind else "this one"
                 theirs = f'kind = "{kind.kind}"' if kind.kind else f"one with {kind.sign}"
                 self.say(place, f"key {shown} belongs to {theirs}, not to {chosen}")
@@ -295,12 +216,12 @@ class _Reading:
         owners = [
             title
             for title, others in SECTIONS.get(model, {}).items()
-            if title != (path[0] if path else "") and any(name in _names_of(k) for k in others)
+            if title != (path[0] if path else "") and any(name in k.names() for k in others)
         ]
-        hint = guess(name, _names_of(cls))
+        hint = guess(name, cls.names())
         if not hint and owners:
             hint = f"; there is [{owners[0]}].{name}"
-        self.say(place, f"unknown key {shown}{hint or listed(_names_of(cls))}")
+        self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
 
     def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
         if key.kind.tables is not None:
