@@ -43,7 +43,7 @@ def save_checkpoint(
     sim: Simulation,
     path: str | os.PathLike[str],
     *,
-    extra: Mapping[str, float | int] | None = None,
+    extra: Mapping[str, Any] | None = None,
 ) -> None:
     """Write a checkpoint; the run is not changed by it.
 
@@ -56,8 +56,9 @@ def save_checkpoint(
         Between two steps.
     path : path
         The file, by custom ``checkpoint.h5``.
-    extra : mapping of str to float or int, optional
-        Numbers to go with it; :func:`load_checkpoint` returns them.
+    extra : mapping of str, optional
+        Numbers, texts and arrays to go with it, nested if need be; :func:`load_checkpoint` returns
+        them.
 
     Raises
     ------
@@ -218,7 +219,7 @@ def _checksum(content: Mapping[str, Any]) -> str:
             continue
         rows = np.asarray(value)
         numbers = rows.dtype.kind in "biuf"
-        digest.update(np.ascontiguousarray(rows) if numbers else str(rows.tolist()).encode())
+        digest.update(rows.tobytes() if numbers else str(rows.tolist()).encode())
     return digest.hexdigest()
 
 
@@ -261,7 +262,7 @@ def _described(name: str, value: Any) -> Iterator[tuple[str, str]]:
 def _digest(rows: Any) -> str:
     if rows.size <= _SHOWN:
         return str(rows.tolist())
-    digest = hashlib.sha256(np.ascontiguousarray(rows)).hexdigest()[:16]
+    digest = hashlib.sha256(rows.tobytes()).hexdigest()[:16]
     return f"{' x '.join(map(str, rows.shape))} numbers ({digest})"
 
 

@@ -211,9 +211,7 @@ class PenaltyContact:
         self._bind(state)
 
     def _bind(self, state: State) -> None:
-        """Collect the kernel's arguments, in its order; good until the next split, which renews
-        the list.
-        """
+        """Collect the kernel's arguments in its order, good until a split renews the list."""
         n, near = state.node, self.near.ids
         self._arguments = (
             near,

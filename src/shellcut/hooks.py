@@ -67,11 +67,11 @@ class StopWhen:
     def __init__(self, asked: Callable[[], bool]) -> None:
         self._asked = asked
 
-    def due(self, _: Simulation) -> bool:
+    def due(self, sim: Simulation) -> bool:
         """Whether the condition holds."""
         return self._asked()
 
-    def __call__(self, _: Simulation) -> None:
+    def __call__(self, sim: Simulation) -> None:
         """Stop."""
         raise StopRun
 
