@@ -105,7 +105,7 @@ def save_checkpoint(
             target.flush()
             os.fsync(target.fileno())
         os.replace(aside, path)
-    except OSError:
+    except BaseException:  # of a full disk, or of a second Ctrl-C
         aside.unlink(missing_ok=True)
         raise
 

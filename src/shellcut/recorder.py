@@ -25,7 +25,7 @@ from scipy.integrate import trapezoid
 
 from ._jit import Floats
 from .capture import capture
-from .checkpoint import load_checkpoint, save_checkpoint
+from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .frame import Frame
 from .history import HistoryWriter, read_history
 from .hooks import Trigger
@@ -284,6 +284,10 @@ class Recorder:
                 f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
             )
         mark = load_checkpoint(self._sim, path)
+        if "due" not in mark:
+            raise CheckpointError(
+                f"{path} was saved by hand: it goes on with load_checkpoint, in another folder"
+            )
         if self._sim.state.time >= self._until:
             raise RunEnded(f"{self.name} in {self.folder} ended already, at {self.place()}")
         due = {name: Trigger(**trigger) for name, trigger in mark["due"].items()}

@@ -25,6 +25,7 @@ from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.meshing import rectangle
 from shellcut.models import Case
 from shellcut.motion import ScrewMotion, StraightMotion
+from shellcut.parting import partings_of
 from shellcut.recorder import Recorder, RunEnded
 from shellcut.simulation import Simulation, UnstableStep
 from shellcut.state import BROKEN
@@ -102,6 +103,7 @@ def cutting(
 RUNS = {
     "force": {},
     "stress": {"fracture": Fracture(criterion="stress", candidates="all", stress_place="largest")},
+    "all": {"fracture": Fracture(candidates="all")},
     "layers": {"material": LAYERED},
     "threads": {"threads": 2},
     "start": {"fracture": Fracture(equilibrium_start=True), "damping_beta": 0.0},
@@ -231,6 +233,21 @@ def test_a_loaded_simulation_is_the_saved_one(whole, tmp_path):
     np.testing.assert_array_equal(again.shell.blocks.corner, sim.shell.blocks.corner)
     assert isinstance(again.state.step, int)
     assert isinstance(again.state.split_log[0].place, tuple)
+
+
+def test_what_the_criterion_keeps_is_what_it_would_find_again():
+    # Splits beside a crack divide its cables, and with them the partings on the other flank.
+    sim = cutting(**RUNS["all"])
+    criterion, divided = sim.criterion, 0
+    while sim.state.time < END:
+        sim.step()
+        if sim.state.step % 5 == 0:
+            criterion._forget(sim.state)
+            for node, ways in criterion._partings.items():
+                found = partings_of(sim.state, node, sim.shell.mass, criterion._free_edges)
+                assert ways == found, (sim.state.step, node)
+        divided = max(divided, sim.state.n_cable - len(sim.state.split_log))
+    assert divided > 0
 
 
 def test_number_of_threads_may_change(tmp_path):
@@ -524,9 +541,10 @@ def test_checkpoints_do_not_change_the_records(uninterrupted, tmp_path):
 @pytest.mark.usefixtures("_no_pictures")
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+    with monkeypatch.context() as patch:
         interrupted_at(400, patch)
-        first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
+        with pytest.raises(KeyboardInterrupt):
+            first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
     # Between steps, at once, everything saved and said.
     assert first.simulation.between_steps
     assert first.simulation.state.step == 400
@@ -660,6 +678,14 @@ def test_a_file_that_is_gone_is_named(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     (tmp_path / "cut.vtkhdf").unlink()
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
+        Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_checkpoint_saved_by_hand_is_told_from_a_runs(tmp_path):
+    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    save_checkpoint(cutting(), tmp_path / "checkpoint.h5")
+    with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
         Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
 
 
