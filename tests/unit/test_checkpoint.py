@@ -538,7 +538,15 @@ def test_checkpoints_do_not_change_the_records(uninterrupted, tmp_path):
     assert_same_records(tmp_path, uninterrupted)
 
 
-@pytest.mark.usefixtures("_no_pictures")
+@pytest.fixture
+def _listening():
+    # A shell starts programs in the background with Ctrl-C ignored, and a run respects that.
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, former)
+
+
+@pytest.mark.usefixtures("_no_pictures", "_listening")
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:

@@ -109,8 +109,10 @@ def test_in_another_thread_nothing_is_held_back(received):
 
 
 _WAITING = """
+import signal
 import time
 from shellcut.interruption import Interruption
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
 with Interruption() as interruption:
     print("running", flush=True)
     while not interruption.requested:
