@@ -10,6 +10,7 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 
 from importlib.metadata import version
 
+from .checkpoint import load_checkpoint, save_checkpoint
 from .cohesive_law import CohesiveLaw
 from .contact import Contact
 from .criterion import Fracture
@@ -63,6 +64,7 @@ __all__ = [
     "blade_path",
     "guillotine",
     "imprint",
+    "load_checkpoint",
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
@@ -70,5 +72,6 @@ __all__ = [
     "read_film",
     "read_model",
     "read_tool",
+    "save_checkpoint",
     "warmup",
 ]

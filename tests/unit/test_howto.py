@@ -1,4 +1,4 @@
-"""The code of the how-to pages on films and tools runs as it stands."""
+"""The code of the how-to pages on films, tools and restart runs as it stands."""
 
 import logging
 import re
@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import shellcut
+from shellcut.models import guillotine
 from shellcut.tool_shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
@@ -41,3 +43,19 @@ def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
     assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+
+
+def test_resume(tmp_path, monkeypatch):
+    # As it stands, on a smaller model.
+    def small(name):
+        assert name == "quick"
+        return guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shellcut, "opening_test", small)
+    names = {"opening_test": small}
+    for code in blocks("resume.md", "python"):
+        exec(compile(code, "resume.md", "exec"), names)
+    assert names["extra"] == {"note": "before the teeth touch"}
+    assert names["again"].state.time >= 2e-4
+    assert names["case"].simulation.state.time >= names["case"].duration

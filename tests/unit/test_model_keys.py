@@ -288,7 +288,7 @@ def test_divisions_instead_of_a_size(built):
 
 
 # What else a constructor takes comes from other sections, or is no value.
-ELSEWHERE = {"self", "folder", "progress", "log", "factor", "layers"}
+ELSEWHERE = {"self", "folder", "progress", "log", "resume", "factor", "layers"}
 NOT_IN_FILES = {"velocity": "an array, a row a node"}
 
 

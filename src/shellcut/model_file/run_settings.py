@@ -116,6 +116,9 @@ class Output(Section):
     rows: int = key(count(1), "rows of history.csv", parameter="n_row")
     frames: int = key(count(1), "frames of the result file", parameter="n_frame")
     snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
+    checkpoint_every_s: float = key(
+        number("s", least=0.0), "wall time between two checkpoints", parameter="checkpoint_every"
+    )
 
 
 @section("supports", of=Support)
