@@ -10,6 +10,7 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 
 from importlib.metadata import version
 
+from .checkpoint import load_checkpoint, save_checkpoint
 from .cohesive_law import CohesiveLaw
 from .comparison import Comparison, compare
 from .contact import Contact
@@ -20,6 +21,7 @@ from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .material import ShellMaterial
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .mesh import Mesh
+from .model_file import ModelFileError, read_model
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
 from .outline_mesh import mesh_from_outline
@@ -50,6 +52,7 @@ __all__ = [
     "ImprintResult",
     "MeasuredCurve",
     "Mesh",
+    "ModelFileError",
     "NodalForce",
     "NodalMoment",
     "PathCurve",
@@ -69,6 +72,7 @@ __all__ = [
     "compare",
     "guillotine",
     "imprint",
+    "load_checkpoint",
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
@@ -76,7 +80,9 @@ __all__ = [
     "read",
     "read_film",
     "read_measured_curve",
+    "read_model",
     "read_tool",
     "report",
+    "save_checkpoint",
     "warmup",
 ]

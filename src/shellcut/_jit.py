@@ -17,12 +17,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numba as nb
 import numpy as np
 import numpy.typing as npt
+from numba.core import event
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -81,3 +83,26 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     """
     compiled: Callable[P, R] = nb.njit(forceinline=True, **_OPTIONS)(function)
     return compiled
+
+
+class _Once(event.Listener):
+    def __init__(self, call: Callable[[], None]) -> None:
+        self._call: Callable[[], None] | None = call
+
+    def on_start(self, event: Any) -> None:
+        if self._call is not None:
+            call, self._call = self._call, None
+            call()
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+@contextmanager
+def on_compilation(call: Callable[[], None]) -> Iterator[None]:
+    """Call a function when the first kernel is compiled within the block; not if all are cached.
+
+    Numba tells of compilations only, not of kernels that it loads from the cache.
+    """
+    with event.install_listener("numba:compile", _Once(call)):
+        yield

@@ -9,6 +9,7 @@ nodes' positions only: no list of nodes of an expected path exists.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -89,6 +90,14 @@ class BladeCut:
             trace = np.cross(n.t[node], rotation @ self._edges.segments[edge_of[i], NORMAL])
             traces[node] = trace / np.linalg.norm(trace)
         return traces
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list of nodes near the edges."""
+        return self._near.saved()
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._near.restore(state, saved)
 
 
 @inline

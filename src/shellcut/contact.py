@@ -115,6 +115,24 @@ class ContactForces(NamedTuple):
     """Largest depth [mm]."""
 
 
+class _Lookups(NamedTuple):
+    """Of each listed node, what its last look-up in the tool found."""
+
+    place: Floats
+    """Where it was then, in the body frame [mm], shape (n_near, 3)."""
+    lasts: Floats
+    """How far from there this lasts [mm], shape (n_near,)."""
+    within: Bools
+    """Whether it was inside, shape (n_near,)."""
+    closest: Ints
+    """The closest triangles of all and of its side if it was, shape (n_near, 2)."""
+
+
+_NO_LOOKUPS = _Lookups(
+    np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.bool_), np.zeros((0, 2), np.int64)
+)
+
+
 class PenaltyContact:
     """Contact forces of all nodes.
 
@@ -146,6 +164,7 @@ class PenaltyContact:
         )
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
+        self._lookups = _NO_LOOKUPS
         self._pose = np.eye(3), np.zeros(3)
         self._arguments: tuple[Any, ...] = ()
         self._call: Callable[..., Any] = _add_contact_forces
@@ -168,6 +187,20 @@ class PenaltyContact:
         """
         return self.near.within(state, *self._pose)
 
+    def saved(self) -> dict[str, Any]:
+        """Return the list of near nodes and what each of them found last."""
+        return {"near": self.near.saved(), "lookups": self._lookups._asdict()}
+
+    def restore(
+        self, state: State, rotation: Floats, translation: Floats, saved: dict[str, Any]
+    ) -> None:
+        """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
+        self._pose = rotation, translation
+        self.near.restore(state, saved["near"])
+        self._listed = self.near.ids
+        self._lookups = _Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
+        self._bind(state)
+
     def _take_list(self, state: State) -> None:
         """Go over to the new list; what has left it is outside."""
         n = state.node
@@ -176,11 +209,17 @@ class PenaltyContact:
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
         near = self._listed = self.near.ids
-        # Of each listed node: where it was looked up last (body frame), how far from there this
-        # lasts, and the closest triangles of all and of its side if it was inside.
-        place, lasts = np.zeros((near.size, 3)), np.zeros(near.size)
-        within, closest = np.zeros(near.size, np.bool_), np.zeros((near.size, 2), np.int64)
-        # In the order of the kernel; good until the next split, which renews the list.
+        self._lookups = _Lookups(
+            np.zeros((near.size, 3)),
+            np.zeros(near.size),
+            np.zeros(near.size, np.bool_),
+            np.zeros((near.size, 2), np.int64),
+        )
+        self._bind(state)
+
+    def _bind(self, state: State) -> None:
+        """Collect the kernel's arguments in its order, good until a split renews the list."""
+        n, near = state.node, self.near.ids
         self._arguments = (
             near,
             n.x,
@@ -195,10 +234,7 @@ class PenaltyContact:
             n.contact_area,
             self.parameters.penalty,
             self.smoothing_depth,
-            place,
-            lasts,
-            within,
-            closest,
+            *self._lookups,
             n.contact_side,
             n.contact_depth,
             n.contact_offset,

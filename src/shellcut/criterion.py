@@ -29,6 +29,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -208,14 +209,30 @@ class SplitCriterion:
         by_measure = self._by_force if self.fracture.criterion == "force" else self._by_stress
         return _strongest_apart(found + by_measure(state, nodes, tips, dt))
 
+    def saved(self) -> dict[str, Any]:
+        """Return its count and the blade's list; the partings follow from the state."""
+        blade = {} if self._blade is None else self._blade.saved()
+        return {"n_borrowed": self.n_borrowed, "blade": blade}
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
+        self.n_borrowed = saved["n_borrowed"]
+        if self._blade is not None:
+            self._blade.restore(state, saved["blade"])
+
     def _forget(self, state: State) -> None:
-        """Drop what splits since the last call have changed: all around the nodes they split."""
+        """Drop what splits since the last call have changed: all around the nodes they split.
+
+        Across the crack too: a split may divide the cables of both its flanks.
+        """
         if self._revision == state.revision:
             return
+        ends = state.cable.ends[: state.n_cable]
         for record in state.split_log[max(self._revision, 0) :]:
             for half in (record.node, record.twin):
                 around = state.node.quads[half, : state.node.n_quad_at[half]]
-                for n in np.unique(state.quads[around]).tolist():
+                across = ends[(ends == half).any(axis=1)]
+                for n in np.union1d(state.quads[around], across).tolist():
                     self._partings.pop(n, None)
         self._table = None
         self._revision = state.revision

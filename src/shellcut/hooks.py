@@ -40,7 +40,8 @@ class Trigger:
     """Due at t = 0, then at the first step past every multiple of an interval of time [s]."""
 
     interval: float
-    _next: float = 0.0
+    next: float = 0.0
+    """The next moment [s]."""
 
     def __post_init__(self) -> None:
         if not self.interval > 0:
@@ -48,10 +49,34 @@ class Trigger:
 
     def __call__(self, time: float) -> bool:
         """Whether the moment has come; each moment is reported once."""
-        if time < self._next:
+        if time < self.next:
             return False
-        self._next = (time // self.interval + 1.0) * self.interval
+        self.next = (time // self.interval + 1.0) * self.interval
         return True
+
+
+class StopWhen:
+    """End the run between two steps, as soon as a condition holds.
+
+    Parameters
+    ----------
+    asked : callable
+        Called after every step; whether to stop.
+    """
+
+    def __init__(self, asked: Callable[[], bool]) -> None:
+        self._asked = asked
+
+    def due(self, sim: Simulation) -> bool:
+        """Whether the condition holds."""
+        return self._asked()
+
+    def __call__(self, sim: Simulation) -> None:
+        """Stop."""
+        raise StopRun
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to release."""
 
 
 class Sampler:

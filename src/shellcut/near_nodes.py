@@ -9,6 +9,8 @@ list looks at each node of it anew.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ._jit import Floats, Ints, inline, kernel
@@ -78,6 +80,26 @@ class NearNodes:
         self._state, self._revision = state, state.revision
         self._time, self._walked = state.time, 0.0
         return True
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list, and when and where it was made."""
+        rotation, translation = self._pose
+        return {
+            "ids": self.ids,
+            "rotation": rotation,
+            "translation": translation,
+            "time": self._time,
+            "walked": self._walked,
+            "revision": self._revision,
+        }
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._state = state
+        self.ids = saved["ids"].copy()
+        self._pose = saved["rotation"].copy(), saved["translation"].copy()
+        self._time, self._walked = saved["time"], saved["walked"]
+        self._revision = saved["revision"]
 
     def within(self, state: State, rotation: Floats, translation: Floats) -> Ints:
         """Return the nodes within half the margin of the boxes.

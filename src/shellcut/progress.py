@@ -37,6 +37,8 @@ class Progress:
     stream : text stream, optional
         Where to; standard error by default. On a terminal a bar is drawn in place, elsewhere
         plain lines are written, at most one every `LINE_INTERVAL`.
+    log : callable, optional
+        Also given every line of text that is shown; what is drawn in place is not.
     clock : callable
         Returns the time [s]; for tests.
     """
@@ -50,6 +52,7 @@ class Progress:
         figure_units: Mapping[str, str] | None = None,
         position_name: str = "angle",
         stream: TextIO | None = None,
+        log: Callable[[str], None] | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._total = total
@@ -58,6 +61,7 @@ class Progress:
         self._figure_units = dict(figure_units or {})
         self._position_name = position_name
         self._stream = sys.stderr if stream is None else stream
+        self._log = log
         self._clock = clock
         self._alive = self._stream is not None  # pythonw and some services have no stderr
         self._bar: _Bar | None = None
@@ -99,6 +103,8 @@ class Progress:
 
     def note(self, text: str) -> None:
         """Show a line of text at once, e.g. ``"compiling (first run only)"``."""
+        if self._log is not None:
+            self._log(text)
         self._guard(lambda: self._bar.note(text) if self._bar else self._write(text))
 
     def close(self) -> None:
@@ -151,7 +157,10 @@ class Progress:
             self._bar.draw(position, ", ".join(texts))
         else:
             done = 100.0 * position / self._total if self._total else 100.0
-            self._write(f"{done:.0f} %: {', '.join(texts)}")
+            line = f"{done:.0f} %: {', '.join(texts)}"
+            if self._log is not None:
+                self._log(line)
+            self._write(line)
 
     def _write(self, text: str) -> None:
         self._stream.write(f"{self._label}: {text}\n")

@@ -34,6 +34,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -126,6 +127,22 @@ class QuadFrequencies:
         )
         self._evaluated[which] = self._bounds(x, t, which)
         self.squared[which] = self._evaluated[which]
+
+    def saved(self) -> dict[str, Any]:
+        """Return what the evaluations so far have left: bounds depend on when each was made."""
+        return {
+            "row": self._row,
+            "strain": self._strain,
+            "evaluated": self._evaluated,
+            "squared": self.squared,
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._row[:] = saved["row"]
+        self._strain = saved["strain"].copy()
+        self._evaluated[:] = saved["evaluated"]
+        self.squared[:] = saved["squared"]
 
     def _at_rest(self) -> Floats:
         first, same = _classes(self._mesh)

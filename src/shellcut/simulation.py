@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -118,6 +120,23 @@ class Simulation:
 
         self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         self.law = law
+        self.inputs = {
+            "mesh": mesh,
+            "material": material,
+            "supports": tuple(supports),
+            "loads": tuple(loads),
+            "tool": tool,
+            "motion": motion,
+            "law": law,
+            "contact": contact or Contact(),
+            "fracture": fracture or Fracture(),
+            "directional": directional,
+            "damping_alpha": damping_alpha,
+            "damping_beta": damping_beta,
+            "velocity": None if velocity is None else np.asarray(velocity, float),
+        }
+        """What it was built from, by the names of the arguments: all that makes the run what it is
+        and does not change in time. Not the threads, nor the stepping, which only paces it."""
         workers = Workers(mesh.n_quad, threads)
         self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta, workers=workers)
         self.supports = SupportSet(mesh, supports)
@@ -167,6 +186,7 @@ class Simulation:
         self.n_joint_made = self.n_cable_broken = 0
         self._mass_damping = 0.0
         self._dt = 0.0
+        self._between_steps = True
         # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
         self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
         self._place_tool()
@@ -180,11 +200,17 @@ class Simulation:
         """Length of the step that comes next [s]."""
         return self._dt
 
+    @property
+    def between_steps(self) -> bool:
+        """Whether the last step is complete; what is raised within one leaves it half done."""
+        return self._between_steps
+
     # ---------------------------------------------------------------- the order of a step
 
     def step(self) -> None:
         """Take the state from t_n to t_{n+1}."""
         s = self.state
+        self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
         s.step += 1  # 2 clock
         s.time += self._dt
@@ -196,6 +222,7 @@ class Simulation:
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
         self._dt = dt_next
+        self._between_steps = True
 
     def _forces(self) -> None:
         s, book = self.state, self.ledger
@@ -314,6 +341,61 @@ class Simulation:
         book.cohesive_stored, book.cohesive_dissipated = self.cables.energies(self.state)
         book.contact_stored = self.contact_forces.stored
         return book
+
+    # ---------------------------------------------------------------- restart
+
+    def saved(self) -> dict[str, Any]:
+        """Return all that has changed since it was built: arrays and numbers, nested by name.
+
+        The arrays are those of the simulation, not copies. What follows from the state or from
+        ``inputs`` is left out. :mod:`shellcut.checkpoint` puts it into a file.
+        """
+        saved = {
+            "state": self.state.saved(),
+            "ledger": asdict(self.ledger),
+            "frequencies": self.shell.frequencies.saved(),
+            "time_step": self.time_step.saved(),
+            "tips": np.array(self.tips, np.int64),
+            "rotation": self.rotation,
+            "translation": self.translation,
+            "contact_forces": self.contact_forces._asdict(),
+            "cable_forces": self.cable_forces._asdict(),
+            "contact_wrench": self._contact_wrench,
+            "wrench": self._wrench,
+            "n_joint_made": self.n_joint_made,
+            "n_cable_broken": self.n_cable_broken,
+            "mass_damping": self._mass_damping,
+            "dt": self._dt,
+        }
+        if self.contact is not None:
+            saved["contact"] = self.contact.saved()
+        if self.criterion is not None:
+            saved["criterion"] = self.criterion.saved()
+        return saved
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved` of another simulation of the same inputs, in place of t_0."""
+        s = self.state
+        s.restore(saved["state"])
+        split = np.flatnonzero((s.quads != self.mesh.quads).any(axis=1))
+        self.shell.blocks.rewire(s.quads, split)
+        self.ledger = Ledger(**saved["ledger"])
+        self.shell.frequencies.restore(saved["frequencies"])
+        self.time_step.restore(saved["time_step"])
+        self.tips = saved["tips"].tolist()
+        self.contact_forces = ContactForces(**saved["contact_forces"])
+        self.cable_forces = CableForces(**saved["cable_forces"])
+        self._contact_wrench = saved["contact_wrench"].copy()
+        self._wrench = saved["wrench"].copy()
+        self.n_joint_made = saved["n_joint_made"]
+        self.n_cable_broken = saved["n_cable_broken"]
+        self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
+        self.rotation = saved["rotation"].copy()
+        self.translation = saved["translation"].copy()
+        if self.contact is not None:
+            self.contact.restore(s, self.rotation, self.translation, saved["contact"])
+        if self.criterion is not None:
+            self.criterion.restore(s, saved["criterion"])
 
     def _serve(self, hooks: Sequence[Hook]) -> bool:
         going = True

@@ -8,7 +8,8 @@ stores the ``revision`` it was built for.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
@@ -73,6 +74,22 @@ class _Table:
                 array[new] = 0
         self.count += 1
         return new
+
+    def saved(self) -> dict[str, Any]:
+        """Return the rows in use of every array, by name."""
+        return {
+            f.name: getattr(self, f.name)[: self.count]
+            for f in fields(self)
+            if isinstance(getattr(self, f.name), np.ndarray)
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over the rows of :meth:`saved`, of no fewer entities than there are now."""
+        count = len(next(iter(saved.values())))
+        self.reserve(count - self.count)
+        self.count = count
+        for name, rows in saved.items():
+            getattr(self, name)[:count] = rows
 
 
 @dataclass
@@ -248,6 +265,37 @@ class State:
     def n_cable(self) -> int:
         """Number of cables ever made."""
         return self.cable.count
+
+    def saved(self) -> dict[str, Any]:
+        """Return all of it as arrays and numbers by name, in nested dictionaries."""
+        splits = [asdict(record) for record in self.split_log]
+        saved = {f.name: getattr(self, f.name) for f in fields(self)}
+        return saved | {
+            "node": self.node.saved(),
+            "cable": self.cable.saved(),
+            "strain_forms": np.array(self.strain_forms),
+            "split_log": {
+                f.name: np.array([split[f.name] for split in splits]) for f in fields(SplitRecord)
+            },
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved` of a state of the same mesh; the arrays stay where they are."""
+        for name in ("quads", "strain", "strain_before", "history"):
+            getattr(self, name)[:] = saved[name]
+        for name in ("time", "dt", "step", "revision", "crack_length"):
+            setattr(self, name, saved[name])
+        self.node.restore(saved["node"])
+        self.cable.restore(saved["cable"])
+        a, b = saved["strain_forms"].tolist()
+        self.strain_forms = a, b
+        splits = {name: column.tolist() for name, column in saved["split_log"].items()}
+        for name in ("place", "reference"):
+            splits[name] = [tuple(place) for place in splits[name]]
+        self.split_log = [
+            SplitRecord(**dict(zip(splits, row, strict=True)))
+            for row in zip(*splits.values(), strict=True)
+        ]
 
 
 def initial_state(mesh: Mesh) -> State:

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -113,6 +114,22 @@ class StableStep:
         """Look afresh at the next call: the state has been moved from outside."""
         self._next = 0
         self._dt = 0.0
+
+    def saved(self) -> dict[str, Any]:
+        """Return when it looked last and what it found; the frequencies are the shell's."""
+        return {
+            "next": self._next,
+            "revision": self._revision,
+            "dt": self._dt,
+            "free": self._free,
+            "known": self._known,
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._next, self._revision = saved["next"], saved["revision"]
+        self._dt, self._free = saved["dt"], saved["free"]
+        self._known[:] = saved["known"]
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import shellcut
 from run_folder import write_run
 from shellcut import guillotine, opening_test
 from shellcut.tool_shapes import tooth_ring
@@ -102,3 +103,19 @@ def test_pictures(tmp_path, monkeypatch):
     exec(compile(code, "pictures.md", "exec"), {})
     for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
         assert Path(name).stat().st_size > 1000
+
+
+def test_resume(tmp_path, monkeypatch):
+    # As it stands, on a smaller model.
+    def small(name):
+        assert name == "quick"
+        return guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shellcut, "opening_test", small)
+    names = {"opening_test": small}
+    for code in blocks("resume.md", "python"):
+        exec(compile(code, "resume.md", "exec"), names)
+    assert names["extra"] == {"note": "before the teeth touch"}
+    assert names["again"].state.time >= 2e-4
+    assert names["case"].simulation.state.time >= names["case"].duration

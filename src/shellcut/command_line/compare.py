@@ -9,7 +9,7 @@ from typing import Any
 
 from shellcut.comparison import compare
 
-_DONE, _BAD_INPUT = 0, 2
+from .exit_code import BAD_INPUT, DONE
 
 
 def add_to(commands: Any) -> None:
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     except (ValueError, OSError) as problem:
         print(f"shellcut compare: {problem}", file=sys.stderr)
-        return _BAD_INPUT
+        return BAD_INPUT
     print(comparison)
     out = Path(arguments.out)
     folder = out if out.is_dir() else out.parent
@@ -72,12 +72,12 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"no picture: {missing}", file=sys.stderr)
             # Only who asked for a picture gets an error for its absence.
             if arguments.picture:
-                return _BAD_INPUT
+                return BAD_INPUT
     except (ValueError, OSError) as problem:
         print(f"shellcut compare: cannot write: {problem}", file=sys.stderr)
-        return _BAD_INPUT
+        return BAD_INPUT
     print("written: " + ", ".join(map(str, written)))
-    return _DONE
+    return DONE
 
 
 def _parted(text: str) -> tuple[str | None, str | None]:

@@ -23,7 +23,8 @@ from shellcut import contact
 from shellcut.threads import Workers, available_cores
 from shellcut.view import why_not_pyvista
 
-_DONE, _CANNOT_RUN = 0, 2
+from .exit_code import BAD_INPUT, DONE
+
 _LARGE_FILM = 10**6
 """Quads of a film for which all threads are used."""
 _LITTLE_SPACE = 1e9
@@ -77,7 +78,7 @@ def run(_: argparse.Namespace) -> int:
         for finding in check():
             print(finding, flush=True)
             stopped = stopped or finding.stops
-    return _CANNOT_RUN if stopped else _DONE
+    return BAD_INPUT if stopped else DONE
 
 
 def _versions() -> Iterator[Finding]:

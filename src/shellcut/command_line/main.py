@@ -5,12 +5,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from . import compare, doctor, report, warmup
+from . import compare, doctor, preview, report, resume, run, warmup
 
-_COMMANDS = (compare, doctor, report, warmup)
-
-DONE, BAD_INPUT, STOPPED = 0, 2, 3
-"""Exit codes: done; bad arguments or model; a guard stopped the run."""
+_COMMANDS = (run, resume, preview, compare, report, doctor, warmup)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -19,7 +16,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 2 bad input (argparse leaves with it by itself), 3 stopped by a guard.
+        Exit code: 0 done, 2 bad input (argparse leaves with it by itself), 3 stopped by a guard,
+        130 interrupted.
     """
     parser = argparse.ArgumentParser(
         prog="shellcut", description="Explicit dynamics of thin shells cut by a sharp rigid blade."

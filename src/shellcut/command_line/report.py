@@ -9,6 +9,8 @@ from typing import Any
 
 from shellcut.report import report
 
+from .exit_code import BAD_INPUT, DONE
+
 
 def add_to(commands: Any) -> None:
     """Add the subcommand to the parser's."""
@@ -31,6 +33,6 @@ def run(arguments: argparse.Namespace) -> int:
         path = report(arguments.folder, arguments.output)
     except OSError as error:
         print(f"shellcut report: {error}", file=sys.stderr)
-        return 2
+        return BAD_INPUT
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-    return 0
+    return DONE

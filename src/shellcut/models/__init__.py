@@ -1,7 +1,8 @@
-"""Ready models: the opening test of the paper and the guillotine."""
+"""Ready models: the opening test of the paper, the guillotine, and a cut from parts."""
 
 from .case import Case
+from .free_cut import free_cut
 from .guillotine import guillotine
 from .opening import opening_test
 
-__all__ = ["Case", "guillotine", "opening_test"]
+__all__ = ["Case", "free_cut", "guillotine", "opening_test"]

@@ -30,6 +30,9 @@ from .case import Case
 # Gap between the cutting edge and the film's end at the start [mm].
 _CLEARANCE = 0.05
 
+BLADE_HEIGHT = 3.0
+"""Of the default blade [mm]; it is as long as the strip."""
+
 
 def notched_strip(length: float, width: float, size: float, notch: float) -> Mesh:
     """Return a strip, x from 0 to ``length``, cut from x = 0 to ``notch`` along its middle [mm]."""
@@ -107,7 +110,7 @@ def guillotine(
     film = notched_strip(length, width, size, notch) if mesh is None else mesh
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     way = extent - 2.5 if travel is None else travel
-    blade = tool or straight_blade(length=extent, height=3.0)
+    blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
     blade = blade.translated((start - _CLEARANCE, 0.0, 0.0))
     motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp)
     duration = way / speed + 0.5 * ramp

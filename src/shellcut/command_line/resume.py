@@ -1,0 +1,53 @@
+"""``shellcut resume``: go on with an interrupted run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from .carry_out import USED, carry_out
+from .exit_code import BAD_INPUT
+from .run_log import RunLog
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "resume",
+        help="go on with an interrupted run",
+        description="Go on with an interrupted run, bit for bit, appending to its files.",
+    )
+    parser.add_argument("out", metavar="OUT", type=Path, help="the folder of the run")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Build the model that the folder tells, and go on from its checkpoint."""
+    from shellcut.model_file import ModelFileError, read_model
+    from shellcut.model_file.writer import is_as_written
+
+    folder: Path = arguments.out
+    used = folder / USED
+    if not used.is_file():
+        return _refuse(f"{folder} holds no {USED}: it is no folder of shellcut run")
+    try:
+        model = read_model(used)
+    except ModelFileError as problem:
+        return _refuse(str(problem))
+    wrong = []
+    if not is_as_written(used.read_text(encoding="utf-8")):
+        wrong.append(f"{used} has been changed")
+    wrong += [f"{path} is gone or has been changed" for path in model.changed_files()]
+    if wrong:
+        return _refuse(
+            "\n".join(f"{text} since the run began" for text in wrong)
+            + "\nput it back, or run the model anew into another folder"
+        )
+    return carry_out(model, folder, RunLog(), resume=True)
+
+
+def _refuse(text: str) -> int:
+    print(text, file=sys.stderr)
+    return BAD_INPUT

@@ -1,0 +1,137 @@
+"""``shellcut run``: run a model file, or a model of the package by its name."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from .carry_out import LOG, USED, carry_out
+from .exit_code import BAD_INPUT, DONE
+from .run_log import RunLog
+
+_RESULTS = (
+    *(USED, LOG, "history.csv", "summary.json", "splits.csv", "checkpoint.h5"),
+    *("*.vtkhdf", "*.pvd", "snapshot_*.png", "torque.png", "force*.png", "energy.png"),
+)
+"""What a run leaves, as patterns; with --overwrite all of it goes."""
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "run",
+        help="run a model",
+        description="Run a model file, or a model of the package by its name.",
+    )
+    parser.add_argument("model", metavar="MODEL", nargs="?", help="a file in TOML, or a name")
+    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
+    add_settings_to(parser)
+    parser.add_argument("--frames", metavar="N", type=int, help="frames of the result file")
+    parser.add_argument(
+        "--pvd", action="store_true", help="frames as PVD + VTU too, for ParaView before 5.12"
+    )
+    parser.add_argument(
+        "--no-pictures", action="store_true", help="no pictures of the film during the run"
+    )
+    parser.add_argument(
+        "--overwrite",
+        action="store_true",
+        help="replace the run in the folder",
+    )
+    parser.add_argument("--list", action="store_true", help="list the models of the package")
+    parser.add_argument(
+        "--write-model", metavar="FILE", type=Path, help="write the model file to edit; no run"
+    )
+    parser.set_defaults(run=run)
+
+
+def add_settings_to(parser: argparse.ArgumentParser) -> None:
+    """Add ``--set``."""
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        dest="settings",
+        help="replace a key, e.g. membrane.mesh=quick or mesh=quick; any number of times",
+    )
+
+
+def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
+    """Return the keys set, with their values read as TOML; bare words are strings.
+
+    Raises
+    ------
+    ModelFileError
+        If one is not of the form key=value.
+    """
+    from shellcut.model_file.errors import ModelFileError, Problem
+    from shellcut.model_file.source import parse_value
+
+    settings: dict[str, object] = {}
+    wrong = []
+    for text in arguments.settings:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            wrong.append(Problem(f"--set {text}", "must be KEY=VALUE"))
+        settings[key.strip()] = parse_value(value.strip())
+    if wrong:
+        raise ModelFileError(wrong)
+    return settings
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read, check, run."""
+    from shellcut.model_file import ModelFileError, read_model, shipped_models
+
+    if arguments.list:
+        for name, text in shipped_models().items():
+            print(f"{name:<12} {text.splitlines()[0].lstrip('# ')}")
+        return DONE
+    if arguments.model is None:
+        return _refuse("name a MODEL: a file, or one of " + ", ".join(shipped_models()))
+    if arguments.write_model is not None:
+        return _write_model(arguments.model, arguments.write_model)
+    if arguments.out is None:
+        return _refuse("say where the results go: -o OUT")
+    try:
+        settings = settings_of(arguments)
+        if arguments.frames is not None:
+            settings["output.frames"] = arguments.frames
+        if arguments.pvd:
+            settings["output.pvd"] = True
+        if arguments.no_pictures:
+            settings["output.snapshots"] = 0
+        model = read_model(arguments.model, settings)
+    except ModelFileError as problem:
+        return _refuse(str(problem))
+    folder: Path = arguments.out
+    if folder.exists() and not folder.is_dir():
+        return _refuse(f"{folder} is a file: -o must name a folder")
+    earlier = [path for pattern in _RESULTS for path in sorted(folder.glob(pattern))]
+    if earlier and not arguments.overwrite:
+        return _refuse(
+            f"{folder} holds a run ({earlier[0].name}): --overwrite replaces it, "
+            f"shellcut resume {folder} goes on with it"
+        )
+    return carry_out(model, folder, RunLog(), replaces=earlier)
+
+
+def _write_model(name: str, path: Path) -> int:
+    from shellcut.model_file import shipped_models
+
+    shipped = shipped_models()
+    if name not in shipped:
+        return _refuse(f"{name}: the models to write are {', '.join(shipped)}")
+    if path.exists():
+        return _refuse(f"{path} is there already: choose another name")
+    path.write_text(shipped[name], encoding="utf-8")
+    print(f"wrote {path}; run it by: shellcut run {path} -o OUT")
+    return DONE
+
+
+def _refuse(text: str) -> int:
+    print(text, file=sys.stderr)
+    return BAD_INPUT

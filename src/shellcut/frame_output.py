@@ -1,0 +1,84 @@
+"""Frames on their way into the files of a run, while the run goes on.
+
+Packing and writing a frame takes as long as twenty steps; a thread of its own does it. At most one
+frame is on its way: the next one waits for it, and so does whoever needs the files whole.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Literal
+
+from .frame import Frame
+from .pvd import PvdWriter
+from .vtkhdf import VtkHdfWriter
+
+
+class FrameOutput:
+    """Write frames to ``NAME.vtkhdf`` and, if asked for, to ``NAME.pvd`` with its ``.vtu`` files.
+
+    Parameters
+    ----------
+    stem : Path
+        Of the files, ``folder / NAME``.
+    pvd : bool
+        Whether to write PVD + VTU too.
+    mode, until
+        As :class:`GrowingFile`, ``until`` in s.
+
+    Raises
+    ------
+    ValueError
+        If the file to go on with was not written by :class:`VtkHdfWriter`.
+    """
+
+    def __init__(
+        self,
+        stem: Path,
+        *,
+        pvd: bool = False,
+        mode: Literal["w", "a"] = "w",
+        until: float | None = None,
+    ) -> None:
+        self._result = VtkHdfWriter(result_file(stem), mode=mode, until=until)
+        self._pvd: PvdWriter | None = None
+        if pvd:
+            path = stem.with_name(f"{stem.name}.pvd")
+            if self._result.goes_on:  # with the frames that are kept there
+                self._pvd = PvdWriter(path, mode="a", until=self._result.last_time)
+            else:
+                self._pvd = PvdWriter(path)
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
+        self._writing: Future[None] | None = None
+
+    def append(self, frame: Frame) -> None:
+        """Begin to write a frame; raises what went wrong with the one before it."""
+        self.settle()
+        self._writing = self._thread.submit(self._write, frame)
+
+    def settle(self) -> None:
+        """Wait until all frames are in the files; raises what went wrong with the last."""
+        writing, self._writing = self._writing, None
+        if writing is not None:
+            writing.result()
+
+    def close(self) -> None:
+        """Settle and close the files; a second call does nothing."""
+        try:
+            self.settle()
+        finally:
+            self._thread.shutdown()
+            self._result.close()
+            if self._pvd is not None:
+                self._pvd.close()
+
+    def _write(self, frame: Frame) -> None:
+        self._result.append(frame)
+        if self._pvd is not None:
+            self._pvd.append(frame)
+
+
+def result_file(stem: Path) -> Path:
+    """Return the path of the VTKHDF file, ``folder / NAME.vtkhdf``."""
+    return stem.with_name(f"{stem.name}.vtkhdf")

@@ -1,0 +1,38 @@
+"""The error of model files: every problem there is, each with its place."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong."""
+
+    place: str
+    """``file:line``, or the setting that overrides the file."""
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.text}"
+
+
+class ModelFileError(ValueError):
+    """A model file that describes no model; the message lists every problem, a line each."""
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in problems))
+
+
+def guess(name: str, names: Iterable[str]) -> str:
+    """Return "; did you mean x?" for the nearest of the names, nothing if none is near."""
+    close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.6)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return "; there are x, y, z"."""
+    return f"; there are {', '.join(names)}"

@@ -1,0 +1,103 @@
+"""A model: everything that a model file says, checked and with all defaults filled in."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .key import Section
+from .run_settings import Head
+from .source import Source
+
+if TYPE_CHECKING:
+    from shellcut.models import Case
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a model file describes; made by :func:`read_model`.
+
+    Attributes
+    ----------
+    head : Head
+        The keys before the first section.
+    sections : dict of str to Section
+        Those that stand once, by title, all of them.
+    lists : dict of str to tuple of Section
+        ``supports`` and ``loads``.
+    recorded : dict of str to str
+        SHA-256 of files that the model reads, as a ``used.toml`` tells them.
+    source : Source
+        Where the values stand, for messages.
+
+    Examples
+    --------
+    >>> from shellcut import read_model
+    >>> model = read_model("opening", {"membrane.mesh": "quick", "cohesive.strength": "20 MPa"})
+    >>> model.sections["cohesive"].strength
+    20.0
+    """
+
+    head: Head
+    sections: Mapping[str, Any]
+    lists: Mapping[str, tuple[Any, ...]]
+    recorded: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
+    source: Source = field(default_factory=Source.empty, compare=False, repr=False)
+
+    @property
+    def name(self) -> str:
+        """Stem of the result file."""
+        return self.head.name or self.head.model
+
+    def build(self) -> Case:
+        """Build the case, ready to run.
+
+        Raises
+        ------
+        ModelFileError
+            If the parts do not fit together, or a file they are read from cannot be used.
+        """
+        from .build import build
+
+        return build(self)
+
+    def run_options(self) -> dict[str, Any]:
+        """Return the arguments of :meth:`Case.run` that ``[output]`` says."""
+        options: dict[str, Any] = self.sections["output"].arguments()
+        return options
+
+    def write(self, path: str | Path) -> None:
+        """Write the model with every default filled in; reading it back gives the same model."""
+        from .writer import model_text
+
+        Path(path).write_text(model_text(self), encoding="utf-8")
+
+    def files(self) -> list[str]:
+        """Return the absolute paths of the files the model reads."""
+        return [
+            str(getattr(one, name))
+            for one in self.all_sections()
+            for name, key in one.keys().items()
+            if key.kind.is_file
+        ]
+
+    def changed_files(self) -> list[str]:
+        """Return those files that are gone or are not what they were when the model was written."""
+        return [path for path, digest in self.recorded.items() if digest_of(path) != digest]
+
+    def all_sections(self) -> Iterator[Section]:
+        """Yield every section, those of lists too."""
+        yield from self.sections.values()
+        for several in self.lists.values():
+            yield from several
+
+
+def digest_of(path: str | Path) -> str:
+    """Return the SHA-256 of a file, or of nothing if it cannot be read."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except OSError:
+        return "none"

@@ -1,0 +1,96 @@
+"""Keys that replace what a model file says: by section and key, or by the key alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from .errors import ModelFileError, Problem, guess, listed
+from .layout import LISTS, SECTIONS, Kinds
+from .run_settings import Head
+from .source import KeyPath, Source
+
+
+def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
+    """Return a source with keys replaced.
+
+    Raises
+    ------
+    ModelFileError
+        If a key is in no section, or in several.
+    """
+    if not overrides:
+        return source
+    values = {
+        title: dict(table) if isinstance(table, dict) else table
+        for title, table in source.values.items()
+    }
+    settings: dict[KeyPath, str] = {}
+    problems = []
+    # The model first: it decides which keys there are.
+    for name, value in sorted(overrides.items(), key=lambda pair: pair[0] != "model"):
+        place = f"set {name}={value}"
+        try:
+            path = _path_of(name, str(values.get("model", "")))
+        except ValueError as problem:
+            problems.append(Problem(place, str(problem)))
+            continue
+        if len(path) == 1:
+            values[str(path[0])] = value
+        else:
+            title, key = str(path[0]), str(path[1])
+            kinds = SECTIONS.get(str(values.get("model", "")), {}).get(title, ())
+            table = values.get(title, {})
+            if not isinstance(table, dict):
+                problems.append(Problem(source.place((title,)), f"[{title}] must be a section"))
+                continue
+            others = {str(path[1]) for path in settings if path[0] == title and len(path) == 2}
+            values[title] = {**_fitting(table, key, kinds, others), key: value}
+        settings[path] = place
+    if problems:
+        raise ModelFileError(problems)
+    return replace(source, values=values, settings=settings)
+
+
+def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) -> dict[str, Any]:
+    """Return what of a section stays when a key is set that tells its kind.
+
+    What belongs to other kinds only goes; what nobody knows, and what was set as well, stays, to be
+    refused.
+    """
+    for kind in kinds:
+        if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also):
+            known = {name for other in kinds for name in other.names()}
+            foreign = known - set(kind.names()) | {"kind"}
+            return {
+                name: value
+                for name, value in table.items()
+                if name in others or name not in foreign
+            }
+    return table
+
+
+def _path_of(name: str, model: str) -> KeyPath:
+    head = Head.keys()
+    if name in head:
+        return (name,)
+    title, _, rest = name.partition(".")
+    layout = SECTIONS.get(model, {})
+    if rest:
+        if title in LISTS.get(model, {}):
+            raise ValueError(f"[[{title}]] may stand several times: write it in the file")
+        if title not in layout:
+            hint = guess(title, layout) or listed(layout)
+            raise ValueError(f"there is no section [{title}]{hint}")
+        return (title, rest)
+    owners = [
+        title for title, kinds in layout.items() if any(name in kind.names() for kind in kinds)
+    ]
+    if len(owners) == 1:
+        return (owners[0], name)
+    if owners:
+        candidates = ", ".join(f"{owner}.{name}" for owner in owners)
+        raise ValueError(f"several sections have this key: write one of {candidates}")
+    everything = {known for kinds in layout.values() for kind in kinds for known in kind.names()}
+    raise ValueError(f"no section has this key{guess(name, sorted(everything | set(head)))}")

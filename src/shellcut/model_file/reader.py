@@ -1,0 +1,279 @@
+"""Read a model file: find it, check it, fill in what it leaves out."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from .errors import ModelFileError, Problem, guess, listed
+from .key import Key, Section
+from .layout import LISTS, SECTIONS, Kinds
+from .model import Model
+from .overrides import overridden
+from .run_settings import Head
+from .source import KeyPath, Source, parse
+
+FILES = "files"
+"""Section of a ``used.toml`` with the digests of the files that the model reads."""
+
+_STEM = re.compile(r"[\w.-]+")
+
+
+def read_model(
+    name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
+) -> Model:
+    """Read a model file, or a model of the package by its name.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        ``"opening"``, ``"guillotine"``, or the path of a file in TOML. Paths in the file are
+        relative to it.
+    overrides : mapping from key to value, optional
+        Replaces what the file says: ``{"membrane.mesh": "quick"}``, or ``{"mesh": "quick"}`` where
+        only one section has such a key. Paths here are relative to the working directory.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    ModelFileError
+        Lists every problem with its line.
+
+    Examples
+    --------
+    >>> model = read_model("opening", {"mesh": "quick", "motion.angle_deg": 5})
+    >>> case = model.build()
+    >>> case.name, round(1e3 * case.duration, 3)
+    ('opening', 6.0)
+    """
+    source = _source(name_or_path)
+    return _Reading(overridden(source, overrides or {})).model()
+
+
+def shipped_models() -> dict[str, str]:
+    """Return the text of each model file that comes with the package, by name."""
+    folder = files("shellcut.models")
+    return {
+        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
+        for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
+        if entry.name.endswith(".toml")
+    }
+
+
+def _source(name_or_path: str | os.PathLike[str]) -> Source:
+    path = Path(name_or_path)
+    if path.is_file():
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise ModelFileError([Problem(str(path), f"cannot be read: {error}")]) from None
+        return parse(text, str(name_or_path), path.resolve().parent)
+    shipped = shipped_models()
+    if str(name_or_path) in shipped:
+        return parse(shipped[str(name_or_path)], f"{name_or_path}.toml", Path.cwd())
+    text = f"there is no such file, and the models by name are {', '.join(shipped)}"
+    raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
+
+
+class _Reading:
+    """One reading of a file, which collects the problems as it goes."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.problems: list[Problem] = []
+
+    def model(self) -> Model:
+        values = self.source.values
+        tables = {k: v for k, v in values.items() if isinstance(v, dict | list)}
+        head_keys = Head.keys()
+        misplaced = {k: v for k, v in tables.items() if k in head_keys}
+        head_table = {k: v for k, v in values.items() if k not in tables} | misplaced
+        model = head_table.get("model")
+        known = model if isinstance(model, str) and model in SECTIONS else ""
+        head = self.section((Head,), head_table, (), known)
+        if isinstance(head, Head) and head.name and not _STEM.fullmatch(head.name):
+            self.say(("name",), f"name must be letters, digits, '.', '_', '-', got {head.name!r}")
+        if not known:
+            self.raise_if_wrong()
+        sections, lists = SECTIONS[known], LISTS[known]
+        for title in tables:
+            if title not in (*sections, *lists, *misplaced, FILES):
+                self.unknown_section(title, known)
+        read = {
+            title: self.section(kinds, self.table(title), (title,), known)
+            for title, kinds in sections.items()
+        }
+        several = {
+            title: tuple(
+                self.section(kinds, table, (title, n), known)
+                for n, table in enumerate(self.array(title))
+            )
+            for title, kinds in lists.items()
+        }
+        recorded = {str(k): str(v) for k, v in self.table(FILES).items()}
+        self.raise_if_wrong()
+        assert isinstance(head, Head)
+        return Model(head, read, several, recorded, self.source)
+
+    def say(self, path: KeyPath, text: str) -> None:
+        self.problems.append(Problem(self.source.place(path), text))
+
+    def raise_if_wrong(self) -> None:
+        if self.problems:
+            raise ModelFileError(sorted(self.problems, key=_line))
+
+    def table(self, title: str) -> dict[str, Any]:
+        table = self.source.values.get(title, {})
+        if isinstance(table, dict):
+            return table
+        self.say((title,), f"[{title}] stands once, write it with single brackets")
+        return {}
+
+    def array(self, title: str) -> list[dict[str, Any]]:
+        array = self.source.values.get(title, [])
+        if isinstance(array, list) and all(isinstance(one, dict) for one in array):
+            return array
+        self.say((title,), f"[[{title}]] is written with double brackets")
+        return []
+
+    def unknown_section(self, title: str, model: str) -> None:
+        known = [*SECTIONS[model], *LISTS[model]]
+        if title in LISTS["free"]:
+            self.say(
+                (title,),
+                f'[[{title}]] belongs to model = "free"; the {model} holds its film by itself',
+            )
+        else:
+            self.say((title,), f"unknown section [{title}]{guess(title, known) or listed(known)}")
+
+    def section(
+        self, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
+    ) -> Section | None:
+        """Return the section, or None if something in it is wrong, which is then noted."""
+        before = len(self.problems)
+        cls = self.choose(kinds, table, path)
+        if cls is None:
+            return None
+        keys, title = cls.keys(), _shown(path)
+        values: dict[str, Any] = {}
+        aliases = {key.also: name for name, key in keys.items() if key.also}
+        for given, value in table.items():
+            if given == "kind" and cls.kind:
+                continue
+            name = aliases.get(given, given)
+            if name not in keys:
+                self.unknown_key(given, cls, kinds, path, model)
+            elif name in values:
+                self.say((*path, given), f"{title}{given} is {name} once more: leave one out")
+            else:
+                values[name] = self.value(keys[name], value, (*path, given), f"{title}{given}")
+        for name, key in keys.items():
+            default = cls.__dataclass_fields__[name].default  # type: ignore[attr-defined]
+            if name not in values and default is MISSING:
+                self.say(path, f"{title}{name} must be given: {key.doc}")
+        if len(self.problems) > before:
+            return None
+        made = cls(**values)
+        self.try_out(made, path)
+        return made
+
+    def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> type[Section] | None:
+        by_name = {kind.kind: kind for kind in kinds if kind.kind}
+        if by_name and "kind" in table:
+            given = str(table["kind"])
+            if given in by_name:
+                return by_name[given]
+            hint = guess(given, by_name) or listed(by_name)
+            self.say((*path, "kind"), f"{_shown(path)}kind {given!r} is unknown{hint}")
+            return None
+        for kind in kinds:
+            also = kind.keys()[kind.sign].also if kind.sign else ""
+            if kind.sign and (kind.sign in table or (also and also in table)):
+                return kind
+        if path and len(path) > 1 and len(kinds) > 1:
+            self.say(path, f"{_shown(path)}kind must be given: one of {', '.join(by_name)}")
+            return None
+        return kinds[0]
+
+    def unknown_key(
+        self, name: str, cls: type[Section], kinds: Kinds, path: KeyPath, model: str
+    ) -> None:
+        place, shown = (*path, name), f"{_shown(path)}{name}"
+        for kind in kinds:
+            if kind is not cls and name in kind.names():
+                chosen = f'kind = "{cls.kind}"' if cls.kind else "this one"
+                theirs = f'kind = "{kind.kind}"' if kind.kind else f"one with {kind.sign}"
+                self.say(place, f"key {shown} belongs to {theirs}, not to {chosen}")
+                return
+        owners = [
+            title
+            for title, others in SECTIONS.get(model, {}).items()
+            if title != (path[0] if path else "") and any(name in k.names() for k in others)
+        ]
+        hint = guess(name, cls.names())
+        if not hint and owners:
+            hint = f"; there is [{owners[0]}].{name}"
+        self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
+
+    def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
+        if key.kind.tables is not None:
+            if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+                self.say(path, f"{shown} must be an array of tables, got {value!r}")
+                return ()
+            of = key.kind.tables
+            return tuple(self.section((of,), one, (*path, n), "") for n, one in enumerate(value))
+        try:
+            read = key.kind.read(value)
+        except ValueError as problem:
+            self.say(path, f"{shown} {problem}")
+            return None
+        if not key.kind.is_file:
+            return read
+        found = (self.source.base(path) / Path(read).expanduser()).resolve()
+        if not found.is_file():
+            self.say(path, f"{shown}: there is no file {found}")
+        return str(found)
+
+    def try_out(self, made: Section, path: KeyPath) -> None:
+        """Note what the constructor refuses, at the line of the first key that it names."""
+        if made.constructor is None or made.deferred or made.title == "output":
+            return
+        try:
+            made.made()
+        except ValueError as problem:
+            reasons: Sequence[str] = getattr(problem, "problems", None) or [str(problem)]
+            for reason in reasons:
+                self.say(_named_key(made, path, reason), f"{_shown(path)[:-1]}: {reason}")
+
+
+def _line(problem: Problem) -> int:
+    # in the order of the file, settings first
+    number = problem.place.rpartition(":")[2]
+    return int(number) if number.isdigit() else 0
+
+
+def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
+    words = re.findall(r"\w+", reason)
+    for word in words:
+        for name, key in made.keys().items():
+            if word in (name, key.parameter):
+                return (*path, name)
+    return path
+
+
+def _shown(path: KeyPath) -> str:
+    """Return "[tool]." of a section, "[[loads]] 2: " of one of several, nothing at the top."""
+    if not path:
+        return ""
+    titles = ".".join(str(part) for part in path if isinstance(part, str))
+    if isinstance(path[-1], int):
+        return f"[[{titles}]] {path[-1] + 1}."
+    return f"[{titles}]."

@@ -1,0 +1,148 @@
+"""The text of a model file: its values, and on which line each of them stands.
+
+``tomllib`` gives no lines, so a scanner of headings and ``key =`` finds them. It needs to know of
+TOML only where a value ends: strings, comments and brackets.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .errors import ModelFileError, Problem
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+KeyPath = tuple[str | int, ...]
+"""From the top: section, number in an array of tables, key."""
+
+_HEADING = re.compile(r"\s*(\[\[?)\s*([^\[\]#]+?)\s*\]\]?\s*(?:#.*)?")
+_KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*)\s*=(.*)")
+_TOKEN = re.compile(
+    r"\"\"\"|'''|\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*|[\[\]{}]",
+)
+_ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a model is read from: a file, and what overrides it."""
+
+    name: str
+    """Of the file, in messages."""
+    folder: Path
+    """To which paths in the file are relative."""
+    values: dict[str, Any]
+    lines: Mapping[KeyPath, int]
+    settings: Mapping[KeyPath, str] = field(default_factory=dict)
+    """Overridden keys, each with the text of its setting."""
+
+    @classmethod
+    def empty(cls) -> Source:
+        """Return the source of a model that was not read."""
+        return cls("model", Path.cwd(), {}, {})
+
+    def place(self, path: KeyPath) -> str:
+        """Return where a key stands, or the nearest thing above it."""
+        for end in range(len(path), 0, -1):
+            if path[:end] in self.settings:
+                return self.settings[path[:end]]
+            if path[:end] in self.lines:
+                return f"{self.name}:{self.lines[path[:end]]}"
+        return self.name
+
+    def base(self, path: KeyPath) -> Path:
+        """Return the folder to which a path given at a key is relative."""
+        return Path.cwd() if path in self.settings else self.folder
+
+
+def parse(text: str, name: str, folder: Path) -> Source:
+    """Return values and lines of a text in TOML.
+
+    Raises
+    ------
+    ModelFileError
+        If it is no TOML.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = _ERROR_LINE.fullmatch(str(error))
+        place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
+        said = found[1] if found else str(error)
+        raise ModelFileError([Problem(place, f"is no TOML: {said}")]) from None
+    return Source(name, folder, values, _lines(text))
+
+
+def parse_value(text: str) -> object:
+    """Return a value written in TOML; what is none is a string.
+
+    Examples
+    --------
+    >>> parse_value("4"), parse_value("[1, 2]"), parse_value("M1"), parse_value("12 um")
+    (4, [1, 2], 'M1', '12 um')
+    """
+    try:
+        values = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return values["value"] if len(values) == 1 else text
+
+
+def _lines(text: str) -> dict[KeyPath, int]:
+    found: dict[KeyPath, int] = {}
+    counts: dict[str, int] = {}
+    section: KeyPath = ()
+    depth, quote = 0, ""  # of brackets, and the multi-line string that is open
+    for number, line in enumerate(text.splitlines(), start=1):
+        rest = line
+        if not depth and not quote:
+            if heading := _HEADING.fullmatch(line):
+                section = tuple(_names(heading[2]))
+                if heading[1] == "[[":
+                    n = counts.get(heading[2], 0)
+                    counts[heading[2]] = n + 1
+                    found.setdefault(section, number)
+                    section = (*section, n)
+                found.setdefault(section, number)
+                continue
+            if entry := _KEY.fullmatch(line):
+                path = (*section, *_names(entry[1]))
+                for end in range(len(section) + 1, len(path) + 1):
+                    found.setdefault(path[:end], number)
+                rest = entry[2]
+        depth, quote = _still_open(rest, depth, quote)
+    return found
+
+
+def _names(dotted: str) -> list[str]:
+    return [name.strip("\"'") for name in re.findall(r"\"[^\"]*\"|'[^']*'|[\w-]+", dotted)]
+
+
+def _still_open(text: str, depth: int, quote: str) -> tuple[int, str]:
+    at = 0
+    while at < len(text):
+        if quote:
+            end = text.find(quote, at)
+            if end < 0:
+                return depth, quote
+            at, quote = end + len(quote), ""
+            continue
+        token = _TOKEN.search(text, at)
+        if token is None:
+            break
+        at = token.end()
+        if token[0] in ('"""', "'''"):
+            quote = token[0]
+        elif token[0] in "[{":
+            depth += 1
+        elif token[0] in "]}":
+            depth -= 1
+    return depth, quote

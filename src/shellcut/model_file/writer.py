@@ -1,0 +1,84 @@
+"""Write a model with every default filled in, unit and meaning beside each key."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from importlib.metadata import version
+from typing import Any
+
+from .key import Key, Section
+from .model import Model, digest_of
+from .reader import FILES
+
+_DIGEST = "# sha256 of all below: "
+_COLUMN = 34
+"""Where comments begin, if the value leaves room."""
+
+
+def model_text(model: Model) -> str:
+    """Return a model as text in TOML; its first line is the digest of what follows."""
+    lines = [
+        f"# shellcut {version('shellcut')}, model {model.head.model}: every default filled in.",
+        "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
+        *_keys(model.head),
+    ]
+    for title, section in model.sections.items():
+        lines += ["", f"[{title}]", *_section(section, title)]
+    for title, several in model.lists.items():
+        for section in several:
+            lines += ["", f"[[{title}]]", *_section(section, title)]
+    if files := model.files():
+        lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
+        lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
+    body = "\n".join(lines) + "\n"
+    return f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
+
+
+def is_as_written(text: str) -> bool:
+    """Whether a text that :func:`model_text` made is still what it was."""
+    first, _, body = text.partition("\n")
+    return first == f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}"
+
+
+def _section(section: Section, title: str) -> Iterator[str]:
+    if section.kind:
+        yield _commented(f'kind = "{section.kind}"', (section.__doc__ or "").split("\n")[0])
+    yield from _keys(section)
+    for name, key in section.keys().items():
+        if key.kind.tables is not None:
+            for one in getattr(section, name):
+                yield from ["", f"[[{title}.{name}]]", *_keys(one)]
+
+
+def _keys(section: Section) -> Iterator[str]:
+    for name, key in section.keys().items():
+        value = getattr(section, name)
+        if key.kind.tables is not None:
+            continue
+        if value is None:
+            yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.unset})")
+        else:
+            yield _commented(f"{name} = {written(value)}", _meaning(key))
+
+
+def _meaning(key: Key) -> str:
+    return f"[{key.kind.unit}] {key.doc}" if key.kind.unit else key.doc
+
+
+def _commented(text: str, comment: str) -> str:
+    return f"{text.ljust(_COLUMN)}  # {comment}"
+
+
+def written(value: Any) -> str:
+    """Return a value in TOML."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if value and all(isinstance(one, tuple) and isinstance(one[0], str) for one in value):
+        return "{ " + ", ".join(f"{axis} = {rate!r}" for axis, rate in value) + " }"
+    return "[" + ", ".join(written(one) for one in value) + "]"

@@ -1,0 +1,746 @@
+"""A run that goes on from a checkpoint is the uninterrupted run, bit for bit."""
+
+import errno
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import shellcut.checkpoint
+import shellcut.recorder
+from shellcut.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.criterion import Fracture
+from shellcut.history import read_history
+from shellcut.hooks import StopWhen
+from shellcut.load import EdgeTraction, Gravity, NodalForce, Pressure
+from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.meshing import rectangle
+from shellcut.models import Case
+from shellcut.motion import ScrewMotion, StraightMotion
+from shellcut.parting import partings_of
+from shellcut.recorder import Recorder, RunEnded
+from shellcut.simulation import Simulation, UnstableStep
+from shellcut.state import BROKEN
+from shellcut.support import Support
+from shellcut.table_motion import TableMotion
+from shellcut.time_step import Stepping
+from shellcut.tool_shapes import straight_blade
+
+END = 8e-5
+
+LAYERED = ShellMaterial(
+    [Layer(Elastic(2000.0, 0.3, 1.1e-9), 0.03), Layer(Elastic(900.0, 0.4, 0.9e-9), 0.05)],
+    points_per_layer=2,
+)
+
+
+class Sliding:
+    """A motion of the user's own, which no list of fields describes."""
+
+    coordinate_unit = "mm"
+
+    def __init__(self, speed):
+        self._speed = speed
+
+    def pose(self, time):
+        return np.eye(3), np.array([self._speed * time, 0.0, 0.0])
+
+    def twist(self, time):
+        return np.zeros(3), np.array([self._speed, 0.0, 0.0])
+
+    def coordinate(self, time):
+        return self._speed * time
+
+
+def cutting(
+    *,
+    size=0.4,
+    material=None,
+    blade=0.1,
+    motion=None,
+    strength=18.0,
+    pressure=1e-3,
+    set_name="sides",
+    **options,
+):
+    """A blade that cuts a notched strip whose long sides move, under loads of every kind."""
+    mesh = rectangle(8 * size, 4 * size, n_x=8, n_y=4)
+    mesh = mesh.cut([18, 19])
+    sides = {name: mesh.node_set(name) for name in ("bottom", "top")}
+    mesh = mesh.with_sets(node_sets={"sides": [*sides["bottom"], *sides["top"]]})
+    options.setdefault("fracture", Fracture(check_every=5))
+    return Simulation(
+        mesh,
+        material or ShellMaterial.homogeneous(),
+        supports=[
+            Support(sides["bottom"], velocity={"y": lambda t: -200.0 * np.sin(3e4 * t)}),
+            Support(sides["top"], velocity={"y": lambda t: 300.0}),
+        ]
+        if set_name == "sides"
+        else [Support.clamped(sides["bottom"])],
+        loads=[
+            Pressure(pressure),
+            Pressure(1e-3, following=True, factor=lambda t: 1.0 + 1e4 * t),
+            Gravity((0.0, 0.0, -1e6)),
+            EdgeTraction("right", (0.05, 0.0, 0.0), factor=lambda t: 2e4 * t),
+            NodalForce([12], (0.0, 0.0, 1e-4)),
+        ],
+        tool=straight_blade(half_thickness=blade, length=2.0, height=2.0),
+        motion=motion or StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
+        law=CohesiveLaw(strength=strength, opening_a=0.05, opening_p=0.2, opening_u=0.3),
+        **options,
+    )
+
+
+RUNS = {
+    "force": {},
+    "stress": {"fracture": Fracture(criterion="stress", candidates="all", stress_place="largest")},
+    "all": {"fracture": Fracture(candidates="all")},
+    "layers": {"material": LAYERED},
+    "threads": {"threads": 2},
+    "start": {"fracture": Fracture(equilibrium_start=True), "damping_beta": 0.0},
+}
+
+
+def flat(saved, prefix=""):
+    """Return nested dictionaries as one, of arrays."""
+    rows = {}
+    for name, value in saved.items():
+        rows |= (
+            flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+        )
+    return {name: np.array(value) for name, value in rows.items()}
+
+
+def differing(a, b):
+    """Return the names of what is saved of one simulation and not the same of the other."""
+    mine, other = flat(a.saved()), flat(b.saved())
+    assert mine.keys() == other.keys()
+    return [
+        name
+        for name, rows in mine.items()
+        if rows.dtype != other[name].dtype or not np.array_equal(rows, other[name])
+    ]
+
+
+# Follows from the state whenever it is asked for, at the latest at the next step.
+_CACHES = {"_arguments", "_partings", "_table", "_nodes", "_pool"}
+
+
+def numbers_of(thing, path="sim", seen=None):
+    """Return every array and number that can be reached from an object, by its path."""
+    seen = set() if seen is None else seen
+    if isinstance(thing, (bool, int, float, str, np.ndarray)):
+        return {path: np.array(thing)}
+    if id(thing) in seen:
+        return {}
+    seen.add(id(thing))
+    parts = {}
+    if isinstance(thing, dict):
+        parts = {f"[{key!r}]": value for key, value in thing.items()}
+    elif isinstance(thing, (list, tuple)):
+        parts = {f"[{k}]": value for k, value in enumerate(thing)}
+    elif type(thing).__module__.startswith("shellcut"):
+        names = {*getattr(thing, "__dict__", {}), *getattr(thing, "_fields", ())} - _CACHES
+        parts = {f".{name}": getattr(thing, name) for name in sorted(names)}
+    found = {}
+    for name, part in parts.items():
+        found |= numbers_of(part, path + name, seen)
+    return found
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def whole(request, tmp_path_factory):
+    """An uninterrupted run, checkpoints of it at some steps, and the steps it took."""
+    folder = tmp_path_factory.mktemp(request.param)
+    sim = cutting(**RUNS[request.param])
+    steps = {}
+    dts = []
+    moments = {"start": lambda: True, "before contact": lambda: sim.state.step == 5}
+    moments |= {
+        "contact": lambda: sim.contact_forces.n_inside > 0,
+        "split": lambda: sim.state.n_cable > 0,
+        "joint": lambda: sim.n_joint_made > 0,
+        "amid": lambda: sim.state.n_cable >= 2,
+        "break": lambda: sim.n_cable_broken > 0,
+        "late": lambda: sim.state.time > 0.93 * END,
+    }
+    while sim.state.time < END:
+        for moment, has_come in moments.items():
+            if moment not in steps and has_come():
+                save_checkpoint(sim, folder / f"{moment}.h5")
+                steps[moment] = sim.state.step
+        sim.step()
+        dts.append(sim.state.dt)
+    assert steps.keys() == moments.keys()
+    return request.param, sim, folder, steps, dts
+
+
+def test_from_any_moment_on_it_is_the_same_run(whole):
+    name, sim, folder, steps, dts = whole
+    for moment, step in steps.items():
+        again = cutting(**RUNS[name])
+        assert load_checkpoint(again, folder / f"{moment}.h5") == {}
+        assert again.state.step == step
+        went = []
+        while again.state.time < END:
+            again.step()
+            went.append(again.state.dt)
+        assert went == dts[step:], moment
+        assert again.state.split_log == sim.state.split_log, moment
+        assert differing(sim, again) == [], moment
+
+
+def test_nothing_else_has_a_history(whole):
+    name, sim, folder, *_ = whole
+    again = cutting(**RUNS[name])
+    load_checkpoint(again, folder / "break.h5")
+    while again.state.time < END:
+        again.step()
+    mine, other = numbers_of(sim), numbers_of(again)
+    assert len(mine) > 300
+    # The tables of the state have rows in reserve, which nobody reads.
+    rows = {"node": sim.state.n_node, "cable": sim.state.n_cable}
+
+    def used(path, array):
+        table = path.removeprefix("sim.state.").partition(".")[0]
+        return (
+            array[: rows[table]]
+            if path.startswith("sim.state.") and table in rows and array.ndim
+            else array
+        )
+
+    assert mine.keys() == other.keys()
+    assert [
+        path for path in mine if not np.array_equal(used(path, mine[path]), used(path, other[path]))
+    ] == []
+
+
+def test_a_loaded_simulation_is_the_saved_one(whole, tmp_path):
+    name, sim, *_ = whole
+    save_checkpoint(sim, tmp_path / "end.h5")
+    again = cutting(**RUNS[name])
+    load_checkpoint(again, tmp_path / "end.h5")
+    assert differing(sim, again) == []
+    np.testing.assert_array_equal(again.shell.blocks.corner, sim.shell.blocks.corner)
+    assert isinstance(again.state.step, int)
+    assert isinstance(again.state.split_log[0].place, tuple)
+
+
+def test_what_the_criterion_keeps_is_what_it_would_find_again():
+    # Splits beside a crack divide its cables, and with them the partings on the other flank.
+    sim = cutting(**RUNS["all"])
+    criterion, divided = sim.criterion, 0
+    while sim.state.time < END:
+        sim.step()
+        if sim.state.step % 5 == 0:
+            criterion._forget(sim.state)
+            for node, ways in criterion._partings.items():
+                found = partings_of(sim.state, node, sim.shell.mass, criterion._free_edges)
+                assert ways == found, (sim.state.step, node)
+        divided = max(divided, sim.state.n_cable - len(sim.state.split_log))
+    assert divided > 0
+
+
+def test_number_of_threads_may_change(tmp_path):
+    runs = []
+    for threads in (1, 2):
+        sim = cutting(threads=threads)
+        sim.run(3e-5)
+        save_checkpoint(sim, tmp_path / "c.h5")
+        again = cutting(threads=3 - threads)
+        load_checkpoint(again, tmp_path / "c.h5")
+        again.run(END)
+        runs.append(again)
+    assert differing(*runs) == []
+
+
+def test_saving_changes_nothing_and_is_repeatable(tmp_path):
+    plain, saving = cutting(), cutting()
+    plain.run(3e-5)
+    while saving.state.time < 3e-5:
+        saving.step()
+        if saving.state.step % 40 == 0:
+            save_checkpoint(saving, tmp_path / "c.h5", extra={"a": 1, "b": {"c": 2.5}})
+    assert differing(plain, saving) == []
+    assert load_checkpoint(cutting(), tmp_path / "c.h5") == {"a": 1, "b": {"c": 2.5}}
+    assert [p.name for p in tmp_path.iterdir()] == ["c.h5"]
+
+
+def test_a_relaxed_film_goes_on(tmp_path):
+    def stretched():
+        mesh = rectangle(2.0, 2.0, n_x=4, n_y=4)
+        return Simulation(
+            mesh,
+            ShellMaterial.homogeneous(),
+            supports=[Support.pinned([*mesh.node_set("left"), *mesh.node_set("right")])],
+            loads=[Pressure(1e-2)],
+        )
+
+    sim = stretched()
+    sim.relax(sim.mesh.nodes * (0.01, 0.0, 0.0), tolerance=1e-2)
+    save_checkpoint(sim, tmp_path / "c.h5")
+    again = stretched()
+    load_checkpoint(again, tmp_path / "c.h5")
+    assert differing(sim, again) == []
+    for one in (sim, again):
+        one.run(5e-6)
+    assert differing(sim, again) == []
+
+
+# ---------------------------------------------------------------- refusals
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("saved") / "checkpoint.h5"
+    sim = cutting()
+    sim.run(2e-5)
+    save_checkpoint(sim, path)
+    return path
+
+
+TWIN_LAYERS = [Layer(Elastic(1678.0, 0.3, 1.0e-9), 0.037)] * 2
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"size": 0.5}, "mesh.nodes: 46 x 3 numbers"),
+        ({"material": ShellMaterial.homogeneous(thickness=0.08)}, "layers[0].thickness: 0.074 in"),
+        ({"material": ShellMaterial.homogeneous(young=1700.0)}, "layers[0].material.young: 1678.0"),
+        ({"material": ShellMaterial(TWIN_LAYERS)}, "material.layers: 1 entries in"),
+        ({"material": ShellMaterial.homogeneous(points_per_layer=2)}, "points_per_layer: None in"),
+        ({"blade": 0.12}, "tool.vertices: "),
+        ({"motion": StraightMotion((1, 0, 0), 2.1e4, ramp=5e-6)}, "motion.speed: 20000.0 in"),
+        (
+            {"motion": ScrewMotion(100.0, axis=(1, 0, 0))},
+            "motion: StraightMotion in the checkpoint",
+        ),
+        (
+            {"motion": TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])},
+            "motion.times: nothing in the checkpoint, [0.0, 1.0] in",
+        ),
+        ({"strength": 17.0}, "law.strength: 18.0 in the checkpoint, 17.0 in this simulation"),
+        ({"fracture": Fracture(criterion="stress")}, "fracture.criterion: 'force' in"),
+        ({"pressure": 2e-3}, "loads[0].value: 0.001 in"),
+        ({"set_name": "bottom"}, "supports: 2 entries in the checkpoint, 1 entries in"),
+        ({"damping_beta": 1e-8}, "damping_beta: 5e-08 in"),
+        ({"directional": False}, "directional: 1.0 in"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_another_model_is_refused_and_left_as_it_is(saved, options, named):
+    sim = cutting(**options)
+    before = {name: rows.copy() for name, rows in flat(sim.saved()).items()}
+    with pytest.raises(CheckpointError, match="belongs to another model") as refusal:
+        load_checkpoint(sim, saved)
+    assert named in str(refusal.value)
+    after = flat(sim.saved())
+    assert all(np.array_equal(before[name], after[name]) for name in before)
+
+
+def test_another_motion_of_the_users_own_is_told_by_its_pose(tmp_path):
+    sim = cutting(motion=Sliding(2e4))
+    sim.run(1e-6)
+    save_checkpoint(sim, tmp_path / "c.h5")
+    load_checkpoint(cutting(motion=Sliding(2e4)), tmp_path / "c.h5")
+    with pytest.raises(CheckpointError, match="motion: the translation at 1"):
+        load_checkpoint(cutting(motion=Sliding(2.1e4)), tmp_path / "c.h5")
+
+
+def test_stepping_may_change_to_save_a_run_that_blew_up(saved):
+    sim = cutting(stepping=Stepping(safety=0.5))
+    load_checkpoint(sim, saved)
+    before = sim.dt
+    sim.run(4e-5)
+    assert sim.dt < 0.6 * before
+
+
+def test_all_differences_are_named_at_once(saved):
+    with pytest.raises(CheckpointError) as refusal:
+        load_checkpoint(cutting(strength=17.0, pressure=2e-3, blade=0.12), saved)
+    assert all(part in str(refusal.value) for part in ("law.strength", "loads[0]", "tool.vertices"))
+
+
+def test_a_simulation_that_has_run_is_refused(saved):
+    sim = cutting()
+    sim.step()
+    with pytest.raises(ValueError, match="just built, this one is at step 1: build it again"):
+        load_checkpoint(sim, saved)
+
+
+def test_no_file(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"there is no checkpoint .*none\.h5"):
+        load_checkpoint(cutting(), tmp_path / "none.h5")
+
+
+def one_bit_flipped(content):
+    with h5py.File(io.BytesIO(content), "r") as file:
+        place = file["run/state/node/x"].id.get_offset() + 40
+    return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda content: content[: len(content) // 2],
+        lambda content: b"",
+        lambda content: b"nothing!" + content[8:],
+        one_bit_flipped,
+    ],
+    ids=["cut off", "empty", "foreign", "one bit"],
+)
+def test_a_damaged_file_is_refused(saved, tmp_path, spoil):
+    (tmp_path / "c.h5").write_bytes(spoil(saved.read_bytes()))
+    sim = cutting()
+    with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or no checkpoint"):
+        load_checkpoint(sim, tmp_path / "c.h5")
+    assert sim.state.step == 0
+
+
+def test_a_foreign_hdf5_file_and_another_format_are_refused(saved, tmp_path):
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["x"] = 1.0
+    with pytest.raises(CheckpointError, match="is no checkpoint of shellcut"):
+        load_checkpoint(cutting(), tmp_path / "foreign.h5")
+    newer = tmp_path / "newer.h5"
+    newer.write_bytes(saved.read_bytes())
+    with h5py.File(newer, "r+") as file:
+        file.attrs["format"] = 99
+    with pytest.raises(CheckpointError, match="has format 99, this version of shellcut reads"):
+        load_checkpoint(cutting(), newer)
+
+
+def test_a_full_disk_leaves_the_last_good_one(tmp_path, monkeypatch):
+    sim = cutting()
+    save_checkpoint(sim, tmp_path / "c.h5")
+    good = (tmp_path / "c.h5").read_bytes()
+    sim.step()
+
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(shellcut.checkpoint.os, "fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        save_checkpoint(sim, tmp_path / "c.h5")
+    assert (tmp_path / "c.h5").read_bytes() == good
+    assert [p.name for p in tmp_path.iterdir()] == ["c.h5"]
+
+
+def test_a_step_half_done_is_not_saved(tmp_path):
+    sim = cutting(stepping=Stepping(fixed=2e-6))
+    with pytest.raises(UnstableStep), np.errstate(all="ignore"):
+        sim.run(1e-2)
+    assert not sim.between_steps
+    with pytest.raises(RuntimeError, match=r"step \d+ was not completed"):
+        save_checkpoint(sim, tmp_path / "c.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---------------------------------------------------------------- runs in a folder
+
+
+@pytest.fixture
+def _no_pictures(monkeypatch):
+    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+
+
+RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 3, "progress": False}
+
+
+def case(**options):
+    return Case("cut", cutting(**options), END)
+
+
+def frames(path):
+    """Return all that a reader finds of every frame."""
+    found = []
+    with h5py.File(path, "r") as file:
+        root = file["VTKHDF"]
+        steps = root["Steps"]
+        for k in range(int(steps.attrs["NSteps"])):
+            part = int(steps["PartOffsets"][k])
+            n_point, n_cell, n_id = (
+                int(root[name][part])
+                for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+            )
+            point = int(steps["PointOffsets"][k])
+            cell, first_id = (int(steps[f"{n}Offsets"][k, 0]) for n in ("Cell", "ConnectivityId"))
+            frame = {
+                "time": steps["Values"][k],
+                "points": root["Points"][point : point + n_point],
+                "types": root["Types"][cell : cell + n_cell],
+                "offsets": root["Offsets"][cell + part : cell + part + n_cell + 1],
+                "connectivity": root["Connectivity"][first_id : first_id + n_id],
+            }
+            for kind, count in (("Point", n_point), ("Cell", n_cell), ("Field", 1)):
+                for name, column in root[f"{kind}Data"].items():
+                    first = int(steps[f"{kind}DataOffsets/{name}"][k])
+                    frame[f"{kind} {name}"] = column[first : first + count]
+            found.append(frame)
+    return found
+
+
+def assert_same_records(folder, other):
+    assert (folder / "history.csv").read_bytes() == (other / "history.csv").read_bytes()
+    assert (folder / "splits.csv").read_bytes() == (other / "splits.csv").read_bytes()
+    mine, theirs = frames(folder / "cut.vtkhdf"), frames(other / "cut.vtkhdf")
+    assert len(mine) == len(theirs) > 10
+    for a, b in zip(mine, theirs, strict=True):
+        assert a.keys() == b.keys()
+        assert [name for name in a if not np.array_equal(a[name], b[name])] == []
+    assert sorted(p.name for p in folder.iterdir()) == sorted(p.name for p in other.iterdir())
+    figures = [summary(one) for one in (folder, other)]
+    for one in figures:
+        for name in ("wall_s", "ns_per_quad_step", "pictures_s"):
+            assert one.pop(name) >= 0
+    assert figures[0] == figures[1]
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        case().run(folder, checkpoint_every=None, **RECORDS)
+    return folder
+
+
+def interrupted_at(step, patch):
+    """Make checkpoints raise SIGINT at a step."""
+    real, raised = save_checkpoint, []
+
+    def save(sim, path, *, extra):
+        real(sim, path, extra=extra)
+        if sim.state.step == step and not raised:
+            raised.append(step)
+            signal.raise_signal(signal.SIGINT)
+
+    patch.setattr(shellcut.recorder, "save_checkpoint", save)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_checkpoints_do_not_change_the_records(uninterrupted, tmp_path):
+    case().run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    assert_same_records(tmp_path, uninterrupted)
+
+
+@pytest.fixture
+def _listening():
+    # A shell starts programs in the background with Ctrl-C ignored, and a run respects that.
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, former)
+
+
+@pytest.mark.usefixtures("_no_pictures", "_listening")
+def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
+    first = case()
+    with monkeypatch.context() as patch:
+        interrupted_at(400, patch)
+        with pytest.raises(KeyboardInterrupt):
+            first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    # Between steps, at once, everything saved and said.
+    assert first.simulation.between_steps
+    assert first.simulation.state.step == 400
+    assert "cut stopped at path" in caplog.text
+    assert f"resume from the checkpoint in {tmp_path}" in caplog.text
+    assert read_history(tmp_path / "history.csv")[0]["time"][-1] < END
+    assert frames(tmp_path / "cut.vtkhdf")[-1]["time"] == first.simulation.state.time
+    walls = summary(tmp_path)["wall_s"]
+
+    case().run(tmp_path, resume=True, progress=False)
+    assert_same_records(tmp_path, uninterrupted)
+    assert summary(tmp_path)["wall_s"] > walls
+
+
+_KILLED = """
+import os, signal, sys
+sys.path.insert(0, {tests!r})
+import shellcut.recorder
+from shellcut.checkpoint import save_checkpoint
+from test_checkpoint import RECORDS, case
+
+killed = []
+
+def save(sim, path, *, extra):
+    if sim.state.step <= 300:
+        save_checkpoint(sim, path, extra=extra)
+    if sim.state.step == 520 and not killed:
+        killed.append(520)
+        os.kill(os.getpid(), {signal})
+
+shellcut.recorder.save_checkpoint = save
+shellcut.recorder._matplotlib_is_there = lambda: False
+case().run({folder!r}, checkpoint_every=0.0, **RECORDS)
+"""
+
+
+@pytest.mark.usefixtures("_no_pictures")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
+    script = _KILLED.format(
+        tests=str(Path(__file__).parent), signal=int(number), folder=str(tmp_path)
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    assert done.returncode == -number, done.stderr.decode()
+    assert (b"cut stopped at path" in done.stderr) == (number == signal.SIGTERM)
+    # There is more than the checkpoint knows of.
+    again = case()
+    load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
+    times = read_history(tmp_path / "history.csv")[0]["time"]
+    assert (times > again.simulation.state.time).sum() > 3
+
+    case().run(tmp_path, resume=True, progress=False)
+    assert_same_records(tmp_path, uninterrupted)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
+    # By a hook that stops after any number of steps, not only where records are looked at.
+    parts = [1, 7, 333, 10, 204, 10_000]
+    for k, n_step in enumerate(parts):
+        one = case()
+        records = {} if k else RECORDS
+        recorder = Recorder(
+            one.simulation,
+            tmp_path,
+            until=END,
+            name="cut",
+            resume=k > 0,
+            **records | {"progress": False},
+        )
+        start = one.simulation.state.step
+        stop = StopWhen(lambda sim=one.simulation, last=start + n_step: sim.state.step >= last)
+        one.simulation.run(END, [recorder, stop])
+    assert_same_records(tmp_path, uninterrupted)
+
+
+def test_pictures_go_on_where_they_were(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    Case("cut", cutting(), 8e-6).run(whole, **records)
+    first = cutting()
+    recorder = Recorder(first, part, until=8e-6, name="cut", **records)
+    first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
+    # The last one shows where it stopped, and is drawn again in its turn.
+    assert sorted(p.name for p in part.glob("*.png")) == [
+        "energy.png",
+        "force.png",
+        "snapshot_00.png",
+        "snapshot_01.png",
+    ]
+    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
+    pictures = sorted(p.name for p in whole.glob("*.png"))
+    assert sorted(p.name for p in part.glob("*.png")) == pictures
+    for name in pictures:
+        assert (part / name).read_bytes() == (whole / name).read_bytes()
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_run_that_has_ended_is_left_as_it_is(tmp_path, caplog):
+    short = Case("cut", cutting(), 2e-6)
+    short.run(tmp_path, **RECORDS)
+    before = {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
+    Case("cut", cutting(), 2e-6).run(tmp_path, resume=True, progress=False)
+    assert "ended already, at path" in caplog.text
+    assert before == {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
+    with pytest.raises(RunEnded):
+        Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_run_goes_on_to_a_later_end(tmp_path):
+    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    longer = Case("cut", cutting(), 4e-6)
+    longer.run(tmp_path, resume=True, progress=False)
+    assert longer.simulation.state.time >= 4e-6
+    times = read_history(tmp_path / "history.csv")[0]["time"]
+    assert times[0] == 0.0
+    assert times[-1] > 3.5e-6
+    assert (np.diff(times) > 0).all()
+
+
+def test_nothing_to_resume(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"has no checkpoint\.h5 to resume from"):
+        case().run(tmp_path / "none", resume=True, progress=False)
+    assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_file_that_is_gone_is_named(tmp_path):
+    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    (tmp_path / "cut.vtkhdf").unlink()
+    with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
+        Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_checkpoint_saved_by_hand_is_told_from_a_runs(tmp_path):
+    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    save_checkpoint(cutting(), tmp_path / "checkpoint.h5")
+    with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
+        Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_new_run_removes_the_checkpoint_of_the_old(tmp_path):
+    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS)._history.close()
+    assert not (tmp_path / "checkpoint.h5").exists()
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
+    blown = case(stepping=Stepping(fixed=3e-7))
+    with pytest.raises(UnstableStep), np.errstate(all="ignore"):
+        blown.run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    died = blown.simulation.state.step
+    again = case(stepping=Stepping(safety=0.9))
+    load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
+    assert died - 10 <= again.simulation.state.step < died
+    assert all(np.isfinite(frame["points"]).all() for frame in frames(tmp_path / "cut.vtkhdf"))
+    # Closed: it can be opened for writing.
+    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):
+        pass
+
+
+@pytest.mark.usefixtures("_no_pictures")
+def test_a_full_disk_is_said_once_and_the_run_goes_on(tmp_path, monkeypatch, caplog):
+    def full(_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(shellcut.checkpoint.os, "fsync", full)
+    short = Case("cut", cutting(), 5e-6)
+    short.run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    assert short.simulation.state.time >= 5e-6
+    assert caplog.text.count("no checkpoint could be written") == 1
+    assert not (tmp_path / "checkpoint.h5").exists()
+
+
+@pytest.mark.parametrize("interval", [-1.0, float("nan")])
+def test_checkpoint_interval_is_checked(tmp_path, interval):
+    with pytest.raises(ValueError, match="checkpoint_every must be a wall time in s, or None"):
+        case().run(tmp_path, checkpoint_every=interval, progress=False)
+
+
+def test_the_runs_here_have_all_kinds_of_events(whole):
+    _, sim, *_ = whole
+    cable = sim.state.cable
+    assert sim.state.n_cable >= 3
+    assert (cable.status[: cable.count] == BROKEN).any()
+    assert len(np.unique(sim.state.node.contact_side[: sim.state.n_node])) > 1

@@ -1,0 +1,428 @@
+"""Model files: messages with lines, all at once; overrides; units; the way out and back."""
+
+import contextlib
+import functools
+import hashlib
+import re
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shellcut
+from shellcut import ModelFileError, guillotine, opening_test, read_model
+from shellcut.model_file import shipped_models
+from shellcut.model_file.cutter import Teeth
+from shellcut.model_file.layout import LISTS, SECTIONS
+from shellcut.model_file.reference import reference
+from shellcut.model_file.run_settings import Head
+from shellcut.model_file.source import parse
+from shellcut.model_file.writer import is_as_written, model_text
+from shellcut.tool_shapes import tooth_ring
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def write(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def write(text, name="x.toml"):
+        Path(name).write_text(text)
+        return name
+
+    return write
+
+
+def refusal(name, overrides=None):
+    with pytest.raises(ModelFileError) as found:
+        read_model(name, overrides)
+    return str(found.value).splitlines()
+
+
+def test_all_problems_at_once_each_with_its_line(write):
+    name = write(
+        """model = "opening"
+naem = "x"
+[tool]
+teehs = 4
+radius = "3 MPa"
+[motion]
+pitch = [1,
+  2]
+angle = 3
+[cohesiv]
+strength = 1
+[cohesive]
+plateau = 30
+[contact]
+penalty = -2
+[material]
+density = "1 g/cm2"
+pitch = 3
+[[supports]]
+nodes = "rim"
+[[loads]]
+kind = "wind"
+[[loads]]
+following = true
+[time]
+safety = true
+"""
+    )
+    assert refusal(name) == [
+        "x.toml:2: unknown key naem; did you mean name?",
+        "x.toml:4: unknown key [tool].teehs; did you mean teeth?",
+        "x.toml:5: [tool].radius must be a number in mm, got '3 MPa', which is in N/mm^2",
+        "x.toml:7: [motion].pitch must be a number in mm, got [1, 2]",
+        "x.toml:9: unknown key [motion].angle; did you mean angle_deg?",
+        "x.toml:10: unknown section [cohesiv]; did you mean cohesive?",
+        "x.toml:13: [cohesive]: the law must decrease: 0 < plateau <= strength, got plateau "
+        "30.0 MPa, strength 18.0 MPa",
+        "x.toml:15: [contact]: penalty must be positive, got -2.0",
+        "x.toml:17: [material].density must be a number in t/mm^3, got '1 g/cm2', which is in "
+        "N s^2/mm^3",
+        "x.toml:18: unknown key [material].pitch; there is [motion].pitch",
+        'x.toml:19: [[supports]] belongs to model = "free"; the opening holds its film by itself',
+        "x.toml:22: [[loads]] 1.kind 'wind' is unknown; there are gravity, pressure, force, "
+        "moment, traction",
+        "x.toml:23: [[loads]] 2.kind must be given: one of gravity, pressure, force, moment, "
+        "traction",
+        "x.toml:26: [time].safety must be a number, got True",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("model = 3", "model must be one of"),
+        ("[tool]\nteeth = 3", "model must be given"),
+        ("model = 'opening'\nmodel = 'free'", "x.toml:2: is no TOML"),
+        ("model = 'opening'\n[tool\n", "x.toml:2: is no TOML"),
+        ("model = 'opening'\n[[tool]]\nteeth = 3", "x.toml:2: [tool] stands once"),
+        ("model = 'opening'\n[loads]\nvalue = 3", "x.toml:2: [[loads]] is written with double"),
+        ("model = 'opening'\n[tool]\nn_teeth = 3", "x.toml:3: unknown key [tool].n_teeth; did you"),
+        (
+            "model = 'opening'\n[tool]\nfile='a.stl'\nstl='a.stl'",
+            "x.toml:4: [tool].stl is file onc",
+        ),
+        ("model = 'opening'\n[tool]\nfile='gone.stl'", "x.toml:3: [tool].file: there is no file /"),
+        ("model = 'opening'\n[tool]\nkind = 'blade'", "[tool].kind 'blade' is unknown; there are"),
+        (
+            "model = 'free'\n[tool]\nteeth = 4\nedge_angle_deg = 90",
+            'x.toml:4: key [tool].edge_angle_deg belongs to kind = "blade", not to kind = "teeth"',
+        ),
+        ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
+        ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),
+        ("model = 'opening'\n[material]\nlayers = 3", "must be an array of tables, got 3"),
+        ("model = 'opening'\n[fracture]\ncriterion = 'froce'", "must be one of"),
+        ("model = 'opening'\nthreads = 1.5", "x.toml:2: threads must be a whole number, got 1.5"),
+        ("model = 'opening'\n[damping]\nbeta = -1", "x.toml:3: [damping].beta must be 0 or more"),
+        ("model = 'opening'\n[tool]\nshift = [1, 2]", "[tool].shift must be an array of 3 numbers"),
+        (
+            "model = 'opening'\n[[material.layers]]\nyoung = 1\npoisson = 0.3\ndensity = 1\n"
+            "thickness = 1",
+            "x.toml:5: [[material.layers]] 1: density must be in t/mm",
+        ),
+    ],
+)
+def test_refusals(write, text, said):
+    assert any(said in line for line in refusal(write(text)))
+
+
+TEETH = functools.cache(tooth_ring)
+JUNK = [
+    "3",
+    "-1.5",
+    "nan",
+    "'x'",
+    "''",
+    "true",
+    "[]",
+    "[[]]",
+    "['x', 1]",
+    "{ a = 1 }",
+    "1979-05-27",
+]
+
+
+@pytest.mark.parametrize("junk", JUNK)
+def test_junk_ends_in_no_other_error(write, monkeypatch, junk):
+    monkeypatch.setattr(Teeth, "constructor", staticmethod(TEETH))  # spares most of the time
+    for model, sections in SECTIONS.items():
+        for title, kinds in [*sections.items(), *LISTS[model].items()]:
+            head = f"[{title}]" if title in sections else f"[[{title}]]"
+            for kind in kinds:
+                lines = [f"{name} = {junk}" for name in kind.keys()]  # noqa: SIM118
+                lines += [f"kind = '{kind.kind}'"] if kind.kind else []
+                with contextlib.suppress(ModelFileError):  # 3 is a damping
+                    read_model(write("\n".join([f"model = '{model}'", head, *lines])))
+            assert refusal(write(f"model = '{model}'\n{head}\nkind = {junk}\n"))
+            if title in sections:
+                name = next(iter(kinds[0].keys()))
+                text = f"model = '{model}'\n{title} = {junk}\n"
+                assert refusal(write(text), {f"{title}.{name}": "z"})
+    for name in Head.keys():  # noqa: SIM118
+        others = "" if name == "model" else "model = 'opening'\n"
+        with contextlib.suppress(ModelFileError):  # name = "x", threads = 3
+            read_model(write(f"{others}{name} = {junk}\n"))
+
+
+def test_lines_are_found_past_strings_arrays_and_comments():
+    text = '''a = "x # [no]"   # [neither]
+b = """
+[not] = here
+key = 1
+"""
+c = [ # a list
+  [1, 2],
+  "]",
+]
+[one.two]
+"quoted key" = 3
+d.e = 4
+[[many]]
+k = { l = 1, m = [2] }
+[[many]]
+k = 2
+'''
+    lines = parse(text, "x", Path()).lines
+    assert lines == {
+        ("a",): 1,
+        ("b",): 2,
+        ("c",): 6,
+        ("one", "two"): 10,
+        ("one", "two", "quoted key"): 11,
+        ("one", "two", "d"): 12,
+        ("one", "two", "d", "e"): 12,
+        ("many",): 13,
+        ("many", 0): 13,
+        ("many", 0, "k"): 14,
+        ("many", 1): 15,
+        ("many", 1, "k"): 16,
+    }
+
+
+# --- names and overrides -------------------------------------------------------------------------
+
+
+def test_an_unknown_name_lists_those_there_are():
+    (line,) = refusal("openign")
+    assert "guillotine, opening; did you mean opening?" in line
+
+
+def test_the_models_are_package_data():
+    shipped = shipped_models()
+    assert set(shipped) == {"guillotine", "opening"}
+    for name, text in shipped.items():
+        assert text == files("shellcut.models").joinpath(f"{name}.toml").read_text("utf-8")
+        assert all(len(line) <= 90 for line in text.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("name", "builder"), [("opening", opening_test), ("guillotine", guillotine)]
+)
+def test_a_shipped_model_is_the_builder_with_its_defaults(name, builder):
+    quick = {"opening": {"mesh": "quick"}, "guillotine": {"size": 1.0, "membrane.length": 8.0}}[
+        name
+    ]
+    case = read_model(name, quick).build()
+    same = builder("quick") if name == "opening" else builder(1.0, length=8.0)
+    assert (case.name, case.duration) == (same.name, same.duration)
+    for ours, theirs in ((case.simulation, same.simulation),):
+        np.testing.assert_array_equal(ours.mesh.nodes, theirs.mesh.nodes)
+        np.testing.assert_array_equal(ours.tool.vertices, theirs.tool.vertices)
+        assert (ours.material, ours.law, ours.motion) == (
+            theirs.material,
+            theirs.law,
+            theirs.motion,
+        )
+        assert ours.fracture == theirs.fracture
+        assert ours.dt == theirs.dt
+
+
+def test_overrides_by_dotted_and_bare_keys():
+    model = read_model("opening", {"mesh": "quick", "tool.teeth": 3, "strength": "20 MPa"})
+    assert model.sections["membrane"].mesh == "quick"
+    assert model.sections["tool"].teeth == 3
+    assert model.sections["cohesive"].strength == 20.0
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        ({"file": "x"}, "several sections have this key: write one of membrane.file, tool.file"),
+        ({"mseh": "quick"}, "set mseh=quick: no section has this key; did you mean mesh?"),
+        ({"tool.teehs": 3}, "set tool.teehs=3: unknown key [tool].teehs; did you mean teeth?"),
+        ({"tol.teeth": 3}, "set tol.teeth=3: there is no section [tol]; did you mean tool?"),
+        ({"tool.teeth": "many"}, "set tool.teeth=many: [tool].teeth must be a whole number"),
+        ({"tool.teeth": 0}, "set tool.teeth=0: [tool]: n_teeth must be at least 1"),
+        ({"tool.teeth": 3, "tool.file": "x.stl"}, "[tool].file belongs to kind"),
+        ({"loads.value": 3}, "[[loads]] may stand several times: write it in the file"),
+    ],
+)
+def test_an_override_that_fits_not_is_named(overrides, said):
+    assert any(said in line for line in refusal("opening", overrides))
+
+
+def test_an_override_may_change_the_kind_of_a_section(tmp_path, monkeypatch):
+    tooth_ring().write(tmp_path / "cap.stl")
+    monkeypatch.chdir(tmp_path)
+    tool = read_model("opening", {"tool.stl": "cap.stl"}).sections["tool"]
+    assert tool.file == str(tmp_path / "cap.stl")  # relative to where the user is
+    assert tool.kind == "file"
+
+
+def test_paths_in_a_file_are_relative_to_it(tmp_path, monkeypatch):
+    (tmp_path / "parts").mkdir()
+    tooth_ring().write(tmp_path / "parts" / "cap.stl")
+    path = tmp_path / "x.toml"
+    path.write_text('model = "opening"\n[tool]\nstl = "parts/cap.stl"\nscale = 1\n')
+    monkeypatch.chdir("/")
+    tool = read_model(path).sections["tool"]
+    assert tool.file == str(tmp_path / "parts" / "cap.stl")
+    assert tool.unit == 1.0
+
+
+# --- used.toml -----------------------------------------------------------------------------------
+
+
+def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
+    model = read_model("opening", {"mesh": "quick"})
+    model.write(tmp_path / "used.toml")
+    text = (tmp_path / "used.toml").read_text()
+    first, _, body = text.partition("\n")
+    assert first == f"# sha256 of all below: {hashlib.sha256(body.encode()).hexdigest()}"
+    assert f"# shellcut {shellcut.__version__}" in body
+    assert re.search(r"^young = 1678.0 +# \[MPa\] Young's modulus$", text, re.M)
+    for section in model.sections.values():
+        for key in section.keys():  # noqa: SIM118
+            assert re.search(rf"^(# )?{key} =", text, re.M), key
+    assert is_as_written(text)
+    assert not is_as_written(text.replace("1678", "1679"))
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [("opening", {"mesh": "quick"}), ("guillotine", {"size": 1.0, "membrane.length": 8.0})],
+)
+def test_read_back_it_is_the_same_run_bit_for_bit(tmp_path, name, overrides):
+    model = read_model(name, overrides)
+    model.write(tmp_path / "used.toml")
+    again = read_model(tmp_path / "used.toml")
+    assert again == model
+    assert model_text(again) == (tmp_path / "used.toml").read_text()
+    one, two = model.build().simulation, again.build().simulation
+    for _ in range(30):
+        one.step()
+        two.step()
+    np.testing.assert_array_equal(one.state.node.x, two.state.node.x)
+    assert one.ledger == two.ledger
+
+
+def test_a_file_that_has_changed_since_is_found(tmp_path, monkeypatch):
+    tooth_ring().write(tmp_path / "cap.stl")
+    monkeypatch.chdir(tmp_path)
+    model = read_model("opening", {"tool.file": "cap.stl"})
+    model.write("used.toml")
+    assert read_model("used.toml").changed_files() == []
+    tooth_ring(n_teeth=2).write(tmp_path / "cap.stl")
+    assert read_model("used.toml").changed_files() == [str(tmp_path / "cap.stl")]
+
+
+# --- what the parts refuse -----------------------------------------------------------------------
+
+FREE = """model = "free"
+[membrane]
+length = 6.0
+width = 4.0
+size = 0.5
+clamp = ["bottom", "top"]
+notch = 1.0
+[tool]
+kind = "blade"
+length = 6.0
+height = 3.0
+shift = [-0.05, 0.0, 0.0]
+[motion]
+direction = [1, 0, 0]
+speed = "6 m/s"
+ramp = "0.1 ms"
+duration = "0.5 ms"
+"""
+
+
+def test_a_free_model_cuts_as_the_guillotine_does(write):
+    case = read_model(write(FREE)).build()
+    same = guillotine(0.5, length=6.0, width=4.0, notch=1.0, travel=2.7)
+    assert case.simulation.tips == same.simulation.tips
+    case.simulation.run(5e-4)
+    same.simulation.run(5e-4)
+    ours, theirs = case.simulation, same.simulation
+    # Round-off: the path's imprint finds the line in the mesh and moves nothing.
+    np.testing.assert_allclose(ours.state.node.x, theirs.state.node.x, rtol=0, atol=1e-9)
+    assert ours.state.crack_length == pytest.approx(theirs.state.crack_length)
+    assert ours.state.n_cable == theirs.state.n_cable >= 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('["bottom", "top"]', '["bottom", "tpo"]', "x.toml:6: [membrane]: "),
+        ("notch = 1.0", "notch = 0.1", "notch of 0.1 mm must be at least one edge"),
+        ("notch = 1.0", "imprint = false\nnotch = 1.0", "a notch follows the path"),
+        ('"0.5 ms"', "-1.0", "x.toml:17: [motion].duration must be above 0, got -1.0"),
+        ("-0.05", "3.0", "tool"),
+        (
+            "[motion]",
+            '[[supports]]\nnodes = "lfet"\n[motion]',
+            "x.toml:13: [supports]: ",
+        ),
+        ("[motion]", '[[loads]]\nvalue = 1\nquads = "all"\n[motion]', "x.toml:13: [loads]: "),
+        ("length = 6.0\nwidth", "outline = [[0,0],[1,1],[1,0],[0,1]]\nsize=1\n[a]\nwidth", "[a]"),
+        ("[1, 0, 0]", "[0, 0, 0]", "x.toml:14: [motion]: direction must"),
+    ],
+)
+def test_what_the_parts_refuse_names_its_section(write, old, new, said):
+    assert old in FREE
+    with pytest.raises(ModelFileError) as refused:
+        read_model(write(FREE.replace(old, new, 1))).build()
+    assert said in str(refused.value)
+
+
+def test_a_film_of_ones_own_is_clamped_by_its_set(write):
+    film = "*NODE\n" + "".join(
+        f"{1 + i + 9 * j}, {i - 4}, {j - 4}\n" for j in range(9) for i in range(9)
+    )
+    film += "*ELEMENT, TYPE=S4R\n" + "".join(
+        f"{1 + i + 8 * j}, {1 + i + 9 * j}, {2 + i + 9 * j}, {11 + i + 9 * j}, {10 + i + 9 * j}\n"
+        for j in range(8)
+        for i in range(8)
+    )
+    film += "*NSET, NSET=held\n1, 2, 3\n*NSET, NSET=rim\n4\n"
+    Path("film.inp").write_text(film)
+    name = write(
+        'model = "opening"\n[membrane]\nfile = "film.inp"\nunit = "mm"\nclamp = "held"\n'
+        "imprint = false\n[tool]\nradius = 3.0\nteeth = 2\nheight = 1.0\n"
+    )
+    sim = read_model(name).build().simulation
+    assert np.flatnonzero(sim.state.node.supported[: sim.mesh.n_node]).tolist() == [0, 1, 2]
+    with pytest.raises(ModelFileError, match=r"x.toml:5: \[membrane\]: .*'hedl'.*held"):
+        read_model(write(Path("x.toml").read_text().replace('"held"', '"hedl"'))).build()
+
+
+def test_the_model_on_the_page_reads(write):
+    page = (ROOT / "docs" / "howto" / "model-file.md").read_text()
+    for name in ("disc.msh", "cap.stl"):
+        write("", name)
+    model = read_model(write(re.search(r"```toml\n(.*?)```", page, re.S)[1]))
+    assert model.sections["membrane"].clamp == ("rim",)
+    assert model.sections["motion"].duration == 6e-3
+
+
+def test_the_page_of_the_keys_is_up_to_date():
+    page = (ROOT / "docs" / "howto" / "model-file.md").read_text()
+    assert page.endswith(reference()), (
+        "put the return value of shellcut.model_file.reference.reference() at its end"
+    )

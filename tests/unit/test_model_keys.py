@@ -1,0 +1,348 @@
+"""No key of a model file is silently ignored: each is varied, and what is built must differ.
+
+The builders are replaced by ones that keep their arguments, and the readers of files by ones that
+keep theirs, so that nothing but the way from the file to them is looked at.
+"""
+
+import dataclasses
+import functools
+import inspect
+
+import numpy as np
+import pytest
+
+from shellcut import read_model
+from shellcut.material import ShellMaterial
+from shellcut.meshing import disc, opening_disc, rectangle
+from shellcut.model_file import build
+from shellcut.model_file.film import Homogeneous, Ply
+from shellcut.model_file.layout import LISTS, SECTIONS
+from shellcut.model_file.run_settings import Head, Output, SupportSection
+from shellcut.model_file.writer import written
+from shellcut.models import Case
+from shellcut.outline_mesh import mesh_from_outline
+from shellcut.simulation import Simulation
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
+# What a kind needs to be there at all.
+GIVEN = {
+    ("membrane", "opening"): {"mesh": "quick"},
+    ("membrane", "rectangle"): {"length": 4.0, "width": 4.0, "size": 1.0},
+    ("membrane", "disc"): {"radius": 5.0, "n_side": 4},
+    ("membrane", "file"): {"file": "film.inp"},
+    ("membrane", "outline"): {"outline": SQUARE, "size": 1.0},
+    ("tool", "file"): {"file": "cap.stl"},
+    ("motion", "screw"): {"angle_deg": 20.0, "duration": 1e-3},
+    ("motion", "straight"): {"direction": [1.0, 0.0, 0.0], "speed": 100.0, "duration": 1e-3},
+    ("motion", "table"): {"file": "motion.csv"},
+    ("loads", "gravity"): {"acceleration": [0.0, 0.0, 1.0]},
+    ("loads", "pressure"): {"value": 1.0},
+    ("loads", "force"): {"nodes": "rim", "force": [0.0, 0.0, 1.0]},
+    ("loads", "moment"): {"nodes": "rim", "moment": [0.0, 1.0, 0.0]},
+    ("loads", "traction"): {"nodes": "rim", "traction": [0.0, 0.0, 1.0]},
+    ("supports", ""): {"nodes": "rim"},
+}
+GIVEN_TO_THE_GUILLOTINE = {("motion", "straight"): {"speed": 100.0}}
+PLY = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
+# Other values where a tenth more, one more, or the other choice would not do.
+VARIED = {
+    "edge_angle_deg": 80.0,
+    "mesh": "M1",
+    "clamp": ["other"],
+    "unit": 2.0,
+    "axis": [1.0, 0.0, 0.0],
+    "outline": [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]],
+    "holes": [[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]]],
+    "ring_radii": [4.0],
+    "leave_out": ["C3D8"],
+    "not_cutting": [1],
+    "merge": 1e-3,
+    "n_arc": 40,
+    "n_layer": 3,
+    "points_per_layer": 3,
+    "fixed": 1e-8,
+    "threads": 2,
+    "name": "other",
+    "nodes": [1, 2],
+    "quads": "chosen",
+    "translation": "xy",
+    "rotation": "",
+    "velocity": (("x", 2.0),),
+    "spin": (("z", 2.0),),
+    "advance": [0.0, 1.0, 0.0],
+    "travel": 3.0,
+    "duration": 1.5e-3,
+    "safety": 0.9,
+    "poisson": 0.2,
+    "density": 2e-9,
+    "file": "other",
+    "length": 4.4,
+    "width": 7.2,
+    "notch": 1.0,
+    "ramp": 1e-4,
+    "model": None,
+}
+
+
+def cases():
+    for layout in (SECTIONS, LISTS):
+        for model, sections in layout.items():
+            for title, kinds in sections.items():
+                for kind in kinds:
+                    for key in list(kind.keys()):
+                        if key not in ("layers", "n_x", "n_y", "quads"):  # the next tests
+                            yield pytest.param(
+                                model, title, kind, key, id=f"{model}-{title}-{kind.__name__}-{key}"
+                            )
+    for model in SECTIONS:
+        for key in ("name", "directional", "threads"):
+            yield pytest.param(model, "", Head, key, id=f"{model}-{key}")
+    for key in PLY:
+        yield pytest.param("opening", "material.layers", Ply, key, id=f"layers-{key}")
+
+
+def other_value(kind, key):
+    what = kind.keys()[key].kind
+    default = kind.__dataclass_fields__[key].default
+    if key in VARIED:
+        return VARIED[key]
+    if what.wants.startswith('"'):
+        return next(c for c in what.wants.replace('"', "").split(", ") if c != default)
+    if isinstance(default, bool):
+        return not default
+    if isinstance(default, tuple) or what.wants == "array of 3 numbers":
+        return [0.5, 0.25, 2.0]
+    base = default if isinstance(default, int | float) else 4
+    if what.wants.startswith("whole number"):
+        return base + 2
+    return 1.1 * base if base else 0.1
+
+
+def described(thing):
+    """Everything about a thing in text: arrays by their bytes, dataclasses by their fields."""
+    if isinstance(thing, np.ndarray):
+        return thing.shape, thing.tobytes()
+    if dataclasses.is_dataclass(thing):
+        fields = {f.name: described(getattr(thing, f.name)) for f in dataclasses.fields(thing)}
+        return type(thing).__name__, tuple(fields.items())
+    if hasattr(thing, "items"):
+        return tuple((name, described(value)) for name, value in thing.items())
+    if isinstance(thing, tuple | list):
+        return tuple(described(one) for one in thing)
+    return repr(thing)
+
+
+MIRRORS = sorted(
+    {
+        kind
+        for layout in (SECTIONS, LISTS)
+        for sections in layout.values()
+        for kinds in sections.values()
+        for kind in kinds
+        if kind.constructor is not None
+    }
+    | {Ply},
+    key=lambda kind: kind.__name__,
+)
+# Teeth and discs are the same in nearly all of these models.
+ONCE = {real: functools.cache(real) for real in (tooth_ring, straight_blade, opening_disc)}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    tmp_path = tmp_path_factory.mktemp("model")
+    sheet = rectangle(4.0, 4.0, size=1.0)
+    sheet = sheet.with_sets(
+        node_sets={"rim": sheet.boundary_nodes(), "other": sheet.node_set("left")},
+        quad_sets={"chosen": [0, 1]},
+    )
+    for name in ("film.inp", "other.inp"):
+        lines = ["*NODE", *(f"{k + 1}, {x}, {y}" for k, (x, y, _) in enumerate(sheet.nodes))]
+        lines += ["*ELEMENT, TYPE=S4R, ELSET=chosen"]
+        lines += [f"{k + 1}, {', '.join(str(n + 1) for n in q)}" for k, q in enumerate(sheet.quads)]
+        for group, members in sheet.node_sets.items():
+            lines += [f"*NSET, NSET={group}", *(f"{n + 1}," for n in members)]
+        (tmp_path / name).write_text("\n".join(lines) + "\n")
+    tooth_ring().write(tmp_path / "cap.stl")
+    tooth_ring(n_teeth=2).write(tmp_path / "other.stl")
+    for name, z in (("motion", -1.0), ("other", -2.0)):
+        (tmp_path / f"{name}.csv").write_text(f"time [ms], z [mm]\n0, 0\n1, {z}\n2, {2 * z}\n")
+    return tmp_path
+
+
+def model_text(model, title, kind, values):
+    """A model file with one section of this kind and the least of others."""
+    texts = {"": {"model": model}}
+    if model == "free":
+        texts["membrane"] = {"kind": "opening", "mesh": "quick"}
+        texts["motion"] = {"kind": "screw", "angle_deg": 20.0, "duration": 1e-3}
+    elif model == "opening":
+        texts["membrane"] = {"mesh": "quick"}
+    if title == "loads" and model == "guillotine":
+        values = {**values, **({"nodes": "top"} if values.get("nodes") == "rim" else {})}
+    if title == "material.layers":
+        texts["material"] = {}
+    elif kind.kind:
+        texts[title] = {"kind": kind.kind, **values}
+    else:
+        texts[title] = {**texts.get(title, {}), **values}
+    lines = []
+    for section, content in texts.items():
+        if section in LISTS["free"]:
+            lines.append(f"[[{section}]]")
+        elif section:
+            lines.append(f"[{section}]")
+        lines += [f"{name} = {written(value)}" for name, value in content.items()]
+    if title == "material.layers" or kind.sign == "layers":
+        for ply in (PLY, values if title == "material.layers" else PLY):
+            lines.append("[[material.layers]]")
+            lines += [f"{name} = {written(value)}" for name, value in ply.items()]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def built(monkeypatch, files):
+    """Read a text, check that it survives being written, and return all that is built of it."""
+    read = []
+    for kind in MIRRORS:
+        if kind.constructor in ONCE:
+            monkeypatch.setattr(kind, "constructor", staticmethod(ONCE[kind.constructor]))
+        if kind.deferred:
+            real = kind.constructor
+
+            def reader(real=real):
+                @functools.wraps(real)
+                def spy(**arguments):
+                    read.append(described(arguments))
+                    if real is mesh_from_outline:
+                        sheet = rectangle(4.0, 4.0, size=1.0)
+                        rim = sheet.boundary_nodes()
+                        sets = {"outline": rim, "rim": rim, "other": sheet.node_set("left")}
+                        return sheet.with_sets(node_sets=sets)
+                    plain = {k: v for k, v in arguments.items() if k in ("path", "unit")}
+                    if "unit" in plain:
+                        plain["unit"] = "mm"
+                    return real(**plain)
+
+                return spy
+
+            monkeypatch.setattr(kind, "constructor", staticmethod(reader()))
+    for name in ("opening_test", "guillotine", "free_cut"):
+
+        def keep(*positional, _name=name, **named):
+            return Case(_name, (positional, named), 1.0)
+
+        monkeypatch.setattr(build, name, keep)
+
+    def make(text):
+        read.clear()
+        (files / "model.toml").write_text(text)
+        model = read_model(files / "model.toml")
+        model.write(files / "used.toml")
+        assert read_model(files / "used.toml") == model
+        case = model.build()
+        return described([case.name, list(case.simulation), model.run_options(), list(read)])
+
+    return make
+
+
+def with_sets_of(kind, title, model, values):
+    """Give a set name that the mesh of this model has."""
+    if "clamp" in values and kind.kind in ("opening", "disc"):
+        return {**values, "clamp": ["rim"]}
+    if "clamp" in values and kind.kind == "rectangle":
+        return {**values, "clamp": ["left"]}
+    return values
+
+
+@pytest.mark.parametrize(("model", "title", "kind", "key"), list(cases()))
+def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
+    given = {**GIVEN.get((title, kind.kind), {})}
+    if model == "guillotine":
+        given = GIVEN_TO_THE_GUILLOTINE.get((title, kind.kind), given)
+    if model == "opening" and (title, kind.kind) == ("motion", "screw"):
+        given = {}
+    if title == "material.layers":
+        given = dict(PLY)
+    other = other_value(kind, key)
+    if key == "file":
+        other = "other" + given["file"][given["file"].rindex(".") :]
+    varied = with_sets_of(kind, title, model, {**given, key: other})
+    before = built(model_text(model, title, kind, given))
+    assert built(model_text(model, title, kind, varied)) != before
+
+
+def test_the_quads_of_a_pressure(built):
+    text = 'model = "free"\n[membrane]\nfile = "film.inp"\n[motion]\nfile = "motion.csv"\n'
+    text += "[[loads]]\nvalue = 1.0\n"
+    assert built(text + 'quads = "chosen"\n') != built(text)
+
+
+def test_divisions_instead_of_a_size(built):
+    text = 'model = "free"\n[membrane]\nlength = 4.0\nwidth = 3.0\nn_x = 4\n'
+    motion = "[motion]\nangle_deg = 20\nduration = 1e-3\n"
+    coarse = built(f"{text}n_y = 2\n{motion}")
+    assert built(f"{text}n_y = 4\n{motion}") != coarse
+    assert built(f"{text.replace('n_x = 4', 'n_x = 8')}n_y = 2\n{motion}") != coarse
+
+
+# What else a constructor takes comes from other sections, or is no value.
+ELSEWHERE = {"self", "folder", "progress", "log", "resume", "factor", "layers"}
+NOT_IN_FILES = {"velocity": "an array, a row a node"}
+
+
+@pytest.mark.parametrize("kind", MIRRORS, ids=lambda kind: kind.__name__)
+def test_every_parameter_has_a_key_with_its_default(kind):
+    parameters = inspect.signature(kind.constructor).parameters
+    keys = {key.parameter or name: name for name, key in kind.keys().items()}
+    assert set(parameters) - ELSEWHERE <= set(keys)
+    for parameter, name in keys.items():
+        if parameter not in parameters or name in ("layers", "velocity", "spin"):
+            continue
+        default = kind.__dataclass_fields__[name].default
+        wanted = parameters[parameter].default
+        # The blade of the guillotine is made by the guillotine, and a rectangle by its size or not.
+        if kind.__name__ in ("StripBlade", "Strip") or wanted is inspect.Parameter.empty:
+            continue
+        assert default == wanted, name
+
+
+def test_every_option_of_a_simulation_is_in_some_section():
+    taken = {"mesh", "material", "supports", "loads", "tool", "motion", "law"}
+    taken |= {"contact", "fracture", "stepping"}  # sections
+    taken |= {"directional", "threads"}  # at the top
+    taken |= {"damping_alpha", "damping_beta"}  # [damping]
+    assert set(inspect.signature(Simulation).parameters) - taken == set(NOT_IN_FILES)
+
+
+def test_layers_make_a_laminate(tmp_path):
+    ply = "[[material.layers]]\nyoung = {}\npoisson = 0.3\ndensity = 1e-9\nthickness = 0.02\n"
+    path = tmp_path / "x.toml"
+    path.write_text('model = "opening"\n' + ply.format(70000.0) + ply.format(200.0))
+    made = read_model(path).sections["material"].made()
+    assert isinstance(made, ShellMaterial)
+    assert [layer.material.young for layer in made.layers] == [70000.0, 200.0]
+    assert Homogeneous().made() == ShellMaterial.homogeneous()
+
+
+def test_rates_of_supports_are_constant():
+    support = SupportSection(nodes="rim", velocity=(("x", 2.0),), spin=(("z", 3.0),)).made()
+    assert support.velocity["x"](0.1) == 2.0
+    assert support.spin["z"](7.0) == 3.0
+
+
+def test_a_ramp_rises_to_one(tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text('model = "opening"\n[[loads]]\nvalue = 1.0\nramp = "2 ms"\n')
+    factor = read_model(path).lists["loads"][0].made().factor
+    assert [factor(t) for t in (0.0, 1e-3, 2e-3, 9.0)] == [0.0, 0.5, 1.0, 1.0]
+
+
+def test_outputs_are_those_of_a_run():
+    assert set(Output().arguments()) <= set(inspect.signature(Case.run).parameters)
+
+
+def test_the_disc_of_a_free_model():
+    kind = SECTIONS["free"]["membrane"][2]
+    assert kind(radius=5.0, n_side=4).made().n_quad == disc(5.0, n_side=4).n_quad
