@@ -286,7 +286,6 @@ class Recorder:
             "due": {name: asdict(trigger) for name, trigger in due.items() if trigger},
             "row_time": self._row_time,
             "frame_time": self._frame_time,
-            "captured_time": self._captured_time,
             "n_picture": self._n_picture,
             "unfelt": self._unfelt,
             "largest_unfelt": self._largest_unfelt,
@@ -317,7 +316,6 @@ class Recorder:
         self._row_due, self._frame_due = due["row"], due["frame"]
         self._picture_due = due.get("picture")
         self._row_time, self._frame_time = mark["row_time"], mark["frame_time"]
-        self._captured_time = mark["captured_time"]
         self._n_picture = mark["n_picture"]
         self._unfelt, self._largest_unfelt = mark["unfelt"], mark["largest_unfelt"]
         self._wall_before, self._drawing = mark["wall"], mark["drawing"]
