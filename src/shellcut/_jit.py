@@ -13,6 +13,11 @@
 ``cache=True``
     Compile once a machine. A cached caller does not see an edit in a kernel it imports, hence
     the tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
+
+Kernels do not call kernels: the machine code of a cached kernel has a copy of its callees, which
+may differ from the callees' own in the last bit. A process that has compiled both runs one, a
+process that has found the caller in the cache the other; a function inlined into both has no such
+freedom.
 """
 
 from __future__ import annotations

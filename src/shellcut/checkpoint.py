@@ -130,6 +130,19 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
         differs; the simulation is then as it was.
     ValueError
         If the simulation has already run.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from shellcut.models import guillotine
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = f"{folder.name}/checkpoint.h5"
+    >>> def build():
+    ...     return guillotine(1.0, length=6.0, width=4.0, notch=1.0).simulation
+    >>> save_checkpoint(build(), path, extra={"note": "at rest"})
+    >>> load_checkpoint(build(), path)
+    {'note': 'at rest'}
+    >>> folder.cleanup()
     """
     if sim.state.step:
         raise ValueError(

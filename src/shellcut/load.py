@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, Number, always_inline, inline, kernel
-from ._vec3 import add, combine, cross, dot, load, scale, sub
+from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, inline, kernel
+from ._vec3 import add, combine, cross, dot, load, scale, store, sub
 from .lanes import WIDTH, add_row_columns, at, total, zero
 from .mesh import Mesh
 from .state import State, columns
@@ -395,28 +395,33 @@ def _weight(c: float, near: bool) -> float:
     return 0.5 * (1.0 - c) if near else 0.5 * (1.0 + c)
 
 
+@always_inline
+def _pressure_on_corners(x: Floats, quads: Ints, e: int, pressure: float) -> tuple[Vec3, ...]:
+    """Return ∫ p N_a a_1 x a_2 of a quad over 2 x 2 Gauss points, for its four corners."""
+    x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
+    x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
+    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+    f0 = f1 = f2 = f3 = (0.0, 0.0, 0.0)
+    for q in range(4):
+        xi = -_G if q in (0, 3) else _G
+        eta = -_G if q < 2 else _G
+        a1 = combine(0.5 * _weight(eta, True), x01, 0.5 * _weight(eta, False), x32)
+        a2 = combine(0.5 * _weight(xi, True), x03, 0.5 * _weight(xi, False), x12)
+        p = scale(pressure, cross(a1, a2))
+        f0 = add(f0, scale(_weight(xi, True) * _weight(eta, True), p))
+        f1 = add(f1, scale(_weight(xi, False) * _weight(eta, True), p))
+        f2 = add(f2, scale(_weight(xi, False) * _weight(eta, False), p))
+        f3 = add(f3, scale(_weight(xi, True) * _weight(eta, False), p))
+    return f0, f1, f2, f3
+
+
 @kernel
 def _pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: Floats) -> None:
-    """Write ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points into rows : (n, 4, 3)."""
+    """Write the pressure on the corners of the quads ``which`` into rows : (n, 4, 3)."""
     for i in range(which.shape[0]):
-        e = which[i]
-        x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
-        x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
-        x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+        corners = _pressure_on_corners(x, quads, which[i], pressure)
         for a in range(4):
-            for c in range(3):
-                rows[i, a, c] = 0.0
-        for q in range(4):
-            xi = -_G if q in (0, 3) else _G
-            eta = -_G if q < 2 else _G
-            a1 = combine(0.5 * _weight(eta, True), x01, 0.5 * _weight(eta, False), x32)
-            a2 = combine(0.5 * _weight(xi, True), x03, 0.5 * _weight(xi, False), x12)
-            p = scale(pressure, cross(a1, a2))
-            for a in range(4):
-                n = _weight(xi, a in (0, 3)) * _weight(eta, a < 2)
-                sum_ = add(load(rows[i], a), scale(n, p))
-                for c in range(3):
-                    rows[i, a, c] = sum_[c]
+            store(rows[i], a, corners[a])
 
 
 @kernel
@@ -436,14 +441,12 @@ def _pressure_on_nodes(
     quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
     before any split.
     """
-    rows, one = np.empty((1, 4, 3)), np.empty(1, np.int64)
     for i in range(nodes.shape[0]):
         for k in range(n_quad_at[nodes[i]]):
             e = quads_at[nodes[i], k]
             if pressed[e]:
-                one[0] = e
-                _pressure_rows(X, reference_quads, one, pressure, rows)
+                corners = _pressure_on_corners(X, reference_quads, e, pressure)
                 for a in range(4):
                     if quads[e, a] == nodes[i]:
                         for c in range(3):
-                            force[i, c] += rows[0, a, c]
+                            force[i, c] += corners[a][c]

@@ -20,7 +20,16 @@ class Problem:
 
 
 class ModelFileError(ValueError):
-    """A model file that describes no model; the message lists every problem, a line each."""
+    """A model file that describes no model; the message lists every problem, a line each.
+
+    Examples
+    --------
+    >>> from shellcut import read_model
+    >>> read_model("opening", {"tool.teehs": 6, "motion.pitch": "3 MPa"})
+    Traceback (most recent call last):
+    ...
+    shellcut.model_file.errors.ModelFileError: ...unknown key [tool].teehs; did you mean teeth?...
+    """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)

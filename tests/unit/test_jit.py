@@ -1,0 +1,46 @@
+"""How kernels are compiled."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+
+import shellcut
+from shellcut._jit import bound, kernel
+
+SOURCES = Path(shellcut.__file__).parent
+
+
+def compiled_functions():
+    """Yield name, decorator and syntax tree of every function that Numba compiles."""
+    for path in SOURCES.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                for decorator in node.decorator_list:
+                    if getattr(decorator, "id", "") in ("kernel", "inline", "always_inline"):
+                        yield node.name, decorator.id, node
+
+
+def test_kernels_do_not_call_kernels():
+    functions = list(compiled_functions())
+    kernels = {name for name, kind, _ in functions if kind == "kernel"}
+    assert {"_kick", "add_linear_quads"} <= kernels
+    calls = {
+        (name, call.func.id)
+        for name, _, tree in functions
+        for call in ast.walk(tree)
+        if isinstance(call, ast.Call) and getattr(call.func, "id", name) in kernels - {name}
+    }
+    assert not calls
+
+
+@kernel
+def _scaled_sum(numbers, factor):
+    return factor * numbers.sum()
+
+
+def test_bound_is_the_kernel_for_these_types():
+    numbers = np.arange(4.0)
+    call = bound(_scaled_sum, numbers, 2.0)
+    assert call(numbers, 2.0) == _scaled_sum(numbers, 2.0) == 12.0
+    assert bound(sum, [1, 2])([1, 2]) == 3  # without the compiler: the function itself
