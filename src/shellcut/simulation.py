@@ -411,7 +411,10 @@ class Simulation:
 
     def _place_tool(self) -> None:
         if self.motion is not None:
-            self.rotation, self.translation = self.motion.pose(self.state.time)
+            rotation, translation = self.motion.pose(self.state.time)
+            # A user's motion may return views of any kind; the kernels take rows of doubles.
+            self.rotation = np.ascontiguousarray(rotation, float)
+            self.translation = np.ascontiguousarray(translation, float)
 
     def _split_due_nodes(self) -> None:
         s = self.state

@@ -23,15 +23,33 @@ def cutting(**options):
     mesh = mesh.cut([18, 19])
     mesh = mesh.with_sets(node_sets={"sides": [*mesh.node_set("bottom"), *mesh.node_set("top")]})
     options.setdefault("law", CohesiveLaw(opening_a=0.05, opening_p=0.2, opening_u=0.3))
+    options.setdefault("motion", StraightMotion((1, 0, 0), 2e4, ramp=5e-6))
     return Simulation(
         mesh,
         FILM,
         supports=[Support.clamped("sides")],
         loads=[Pressure(1e-3)],
         tool=straight_blade(half_thickness=0.1, length=2.0, height=2.0),
-        motion=StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
         **options,
     )
+
+
+class ColumnMotion(StraightMotion):
+    """The same motion from arrays that are laid out otherwise now and then, as a user's may be."""
+
+    def pose(self, time):
+        rotation, translation = super().pose(time)
+        if round(time * 1e9) % 2:
+            translation = np.repeat(translation, 2)[::2]
+        return rotation, translation
+
+
+def test_a_pose_may_come_in_any_layout():
+    ours, other = cutting(), cutting(motion=ColumnMotion((1, 0, 0), 2e4, ramp=5e-6))
+    for sim in (ours, other):
+        sim.run(until=6e-5)
+    assert ours.ledger.contact_work != 0.0
+    assert other.ledger == ours.ledger
 
 
 def resting(**options):
