@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.cut import OF_THE_FILM
 from benchmarks.gates import gates
+from benchmarks.instructions import told
 from benchmarks.peers import OURS
 from benchmarks.plots import draw_profile, draw_scaling
 from benchmarks.results import Results, load
@@ -128,8 +129,20 @@ def steps(r: Results) -> list[str]:
         ),
         "![Cost over the size of the mesh](img/performance_scaling.png)",
         "",
+        *_instructions(r),
         f"One and two threads give the same bits (1e5 quads, 50 steps): "
         f"{ {None: 'not measured', True: 'yes', False: 'no'}[r.same_bits] }.",
+        "",
+    ]
+
+
+def _instructions(r: Results) -> list[str]:
+    machine = r.machine or r.machine_after
+    if r.block is None or machine is None:
+        return []
+    return [
+        "The linear element's machine code has " + told(r.block, machine) + ". Gathers, loads and"
+        " stores come on top.",
         "",
     ]
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from benchmarks.compile import Compilation, Start
 from benchmarks.cut import Cut
+from benchmarks.instructions import Block
 from benchmarks.machine import Machine
 from benchmarks.memory import Footprint, Memory
 from benchmarks.peers import PeerRun
@@ -28,6 +29,8 @@ class Results:
     machine: Machine | None = None
     machine_after: Machine | None = None
     steps: list[StepCost] = field(default_factory=list)
+    block: Block | None = None
+    """Instructions of the linear element."""
     same_bits: bool | None = None
     memory: Memory | None = None
     cuts: list[Cut] = field(default_factory=list)
@@ -65,6 +68,7 @@ def load(file: Path) -> Results:
         "machine": lambda m: Machine(**m),
         "machine_after": lambda m: Machine(**m),
         "steps": lambda rows: [StepCost(**row) for row in rows],
+        "block": lambda b: Block(**b),
         "memory": lambda m: Memory(Footprint(**m["small"]), Footprint(**m["large"])),
         "cuts": lambda rows: [Cut(**row) for row in rows],
         "compilation": lambda c: Compilation(

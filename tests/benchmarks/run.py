@@ -19,7 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks import compile, cut, gates, machine, memory, peers, steps
+from benchmarks import compile, cut, gates, instructions, machine, memory, peers, steps
 from benchmarks.discs import SIZES
 from benchmarks.harness import Neighbours
 from benchmarks.results import Results
@@ -43,6 +43,14 @@ def run_steps(results: Results) -> None:
     results.steps = steps.measure(names, repeats=repeats, say=print_now)
     results.same_bits = steps.same_bits()
     print_now(f"one and two threads give the same bits: {results.same_bits}")
+
+
+def run_instructions(results: Results) -> None:
+    results.block = instructions.measure()
+    if results.block is None:
+        print_now("the machine code is not that of an x86 with AVX: not counted")
+    else:
+        print_now(instructions.told(results.block, results.machine))
 
 
 def run_memory(results: Results) -> None:
@@ -79,6 +87,7 @@ def run_machine_again(results: Results) -> None:
 PARTS: dict[str, Callable[[Results], None]] = {
     "machine": run_machine,
     "steps": run_steps,
+    "instructions": run_instructions,
     "memory": run_memory,
     "cut": run_cut,
     "compile": run_compile,

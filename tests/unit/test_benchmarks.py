@@ -6,7 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks import calculix_disc, cut, gates, machine, memory, peers, report, steps, traffic
+from benchmarks import (
+    calculix_disc,
+    cut,
+    gates,
+    instructions,
+    machine,
+    memory,
+    peers,
+    report,
+    steps,
+    traffic,
+)
 from benchmarks.discs import build_mesh, pressurised_disc
 from benchmarks.harness import Gate, Neighbours
 from benchmarks.results import Results, load
@@ -28,12 +39,33 @@ def results() -> Results:
         machine=limits,
         machine_after=limits,
         steps=costs,
+        block=instructions.Block(600, 80, 24, 300),
         memory=memory.Memory(small, replace(small, n_quad=small.n_quad + 1)),
         cuts=[cut.measure("quick", 1.0, 0.5)],
         peers=[peers.run_ours(peers.build(4, 2))],
         missing_peers={peers.CALCULIX: "not installed"},
         neighbours={"machine": Neighbours().report()},
     )
+
+
+def test_instructions_are_counted_where_a_block_gathers():
+    code = """
+        vfmadd231pd %zmm1, %zmm2, %zmm3
+.LBB0_1:
+        vgatherdpd (%rax,%ymm1,8), %zmm2 {%k1}
+        vaddpd 64(%rsp), %zmm2, %zmm3
+        vfnmadd213pd %zmm1, %zmm2, %zmm3
+        vunpcklpd %zmm1, %zmm2, %zmm3
+        vaddsd %xmm1, %xmm2, %xmm3
+        vmovupd %zmm3, (%rax)
+        jne .LBB0_1
+"""
+    found = instructions.count(code)
+    assert found == {"arithmetic": 2, "shuffle": 1, "gather": 1, "move": 1}
+    two_ports = machine.Machine("", 8, 4.0, 128.0, None, 15.0, None, 1.0, 1.0, 1)
+    # Three instructions on two ports at 4 GHz, for eight quads.
+    assert instructions.Block(**found).least_ns(two_ports) == 3 / 2 / 4 / 8
+    assert instructions.count("        vaddpd %zmm1, %zmm2, %zmm3") is None
 
 
 def test_the_machine_has_limits(results):
