@@ -37,6 +37,14 @@ def test_teeth_that_do_not_meet_cut_arcs():
     assert longer[0].length == pytest.approx(paths[0].length + 2.0, rel=1e-4)
 
 
+@pytest.mark.parametrize("angle_deg", [5.0, 10.0, 20.0, 30.0])
+def test_a_short_way_through_the_film_is_on_the_same_circle(angle_deg):
+    # 1 to 3 vertices of the edge pass; a fit to the chords between them misses the circle by up to
+    # 8e-3 mm where the path is led on
+    (first, *_) = blade_path(tooth_ring(), screw(angle_deg), DISC, 6e-3)
+    assert abs(np.linalg.norm(first.point(first.knots), axis=1) - 9.4).max() < 1e-9
+
+
 def test_a_screw_off_the_middle_cuts_a_circle_about_its_axis():
     motion = screw(axis_point=(0.4, -0.2, 0.0))
     tool = tooth_ring(radius=8.0).translated((0.4, -0.2, 0.0))
@@ -52,6 +60,18 @@ def test_a_straight_blade_cuts_a_line_and_the_crack_runs_ahead():
     (path,) = blade_path(blade, motion, SHEET, 10e-3)
     np.testing.assert_allclose(path.point(0.0)[0], [-0.05, 0.3, 0.0], atol=1e-12)
     np.testing.assert_allclose(path.point(path.length)[0], [9.95 + 3.0, 0.3, 0.0], atol=1e-9)
+
+
+def test_a_straight_way_in_six_digits_is_not_the_arc_of_a_huge_circle():
+    times = np.linspace(0.0, 1e-2, 41)
+    places = np.zeros((41, 3))
+    places[:, 0] = np.linspace(0.1, 10.1, 41)
+    places[:, 1] = 1e-6 * np.sin(np.arange(41.0))
+    (path,) = blade_path(
+        straight_blade(length=20.0, height=3.0), TableMotion(times, places), SHEET, 1e-2
+    )
+    assert len(path.knots) == 2
+    np.testing.assert_allclose(path.point(path.length)[0], [13.1, 0.0, 0.0], atol=1e-5)
 
 
 def test_an_edge_that_comes_down_flat_cuts_its_own_length():

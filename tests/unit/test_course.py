@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from shellcut import ImprintError, PathCurve
-from shellcut.imprinting.course import find_courses
+from shellcut.imprinting.course import check_room, find_courses
 from shellcut.imprinting.film_plane import FilmPlane
 from shellcut.meshing import annulus, disc, rectangle
 
@@ -10,7 +10,9 @@ from shellcut.meshing import annulus, disc, rectangle
 def courses(mesh, *curves):
     film = FilmPlane(mesh)
     flat = [c.mapped(film.flatten) if c.dimension == 3 else c for c in curves]
-    return find_courses(film, flat)
+    found = find_courses(film, flat)
+    check_room(film, found)
+    return found
 
 
 def refusal(mesh, *curves):

@@ -232,6 +232,28 @@ def test_the_opening_test_imprints_another_radius_into_the_package_s_disc():
     assert not opening_test("quick").imprint.changed
 
 
+@pytest.mark.parametrize("name", ["quick", "M1"])
+@pytest.mark.parametrize("angle_deg", [5.0, 10.0, 20.0, 45.0])
+def test_the_package_s_disc_stays_as_it_is_for_any_angle(name, angle_deg):
+    case = opening_test(name, angle_deg=angle_deg)
+    result = case.imprint
+    disc = opening_disc(name)
+    np.testing.assert_array_equal(case.simulation.mesh.nodes, disc.nodes)
+    np.testing.assert_array_equal(case.simulation.mesh.quads, disc.quads)
+    assert not result.changed
+    assert np.isin(np.concatenate(result.chains), disc.node_set("ring")).all()
+
+
+def test_the_guillotine_leaves_a_strip_that_has_the_line():
+    mesh = rectangle(12.0, 4.0, size=0.5)
+    case = guillotine(mesh=mesh, travel=4.3)
+    assert case.imprint.mesh is mesh
+    # 0.05 mm before the strip, and 3 mm ahead of the blade
+    x = mesh.nodes[case.imprint.chains[0], 0]
+    np.testing.assert_allclose(x, np.linspace(0.0, 7.5, 16), atol=1e-12)
+    assert case.simulation.mesh.n_node == mesh.n_node + 4  # the notch of 2 mm
+
+
 def test_a_refusal_says_how_to_do_without():
     with pytest.raises(ImprintError, match="imprint=False"):
         opening_test("quick", tool=tooth_ring(radius=10.0))

@@ -8,7 +8,10 @@ leaves are all the same to it.
 
 Where the points lie on a straight line or a circle to 0.005 edge lengths, the path is that line or
 circle, and stretches of one circle (one line) that several teeth cut are joined. Otherwise it is
-the spline through points half an edge length apart.
+the spline through points half an edge length apart. A blade that goes through the film for a short
+way only tells its circle badly, or seems to go straight; but an edge that stays in a cylinder
+upright on the film, as teeth on a screw do, cuts the trace of that cylinder, and the whole edge in
+its whole motion tells it.
 """
 
 from __future__ import annotations
@@ -85,16 +88,20 @@ def blade_path(
     h = float(np.median(film.edge_length))
     times = np.linspace(0.0, duration, n_time + 1)
     poses = [motion.pose(t) for t in times.tolist()]
-    stretches = []
+    found: list[_Line | _Arc | PathCurve] = []
     for k in range(tool.n_chain):
         segments = tool.edges[tool.edge_chain == k]
         vertices = tool.vertices[np.append(segments[:, 0], segments[-1, 1])]
-        stretches += _Crossings(film, vertices, motion, times, poses).stretches()
-    found = [_simplest(x, is_vertex, h, ahead) for x, is_vertex in stretches if _extent(x) > h]
+        crossings = _Crossings(film, vertices, motion, times, poses)
+        swept = crossings.swept()
+        for x, is_vertex in crossings.stretches():
+            if _extent(x) > h:
+                found.append(_simplest(x, is_vertex, swept, h, ahead))
     if not found:
         raise ImprintError(
-            "a cutting edge must pass through the film's plane, got none that moves in it from "
-            f"t = 0 to {duration:g} s; check the tool's position, the motion and its duration"
+            f"a cutting edge must pass through the film's plane and move in it by an edge of the "
+            f"mesh, here {h:.2g} mm, got none that does from t = 0 to {duration:g} s; check the "
+            "tool's position, the motion and its duration"
         )
     lines = _joined_lines([c for c in found if isinstance(c, _Line)], h)
     arcs = _joined_arcs([c for c in found if isinstance(c, _Arc)], h)
@@ -117,6 +124,10 @@ class _Crossings:
         self._places = np.stack([vertices @ R.T + r for R, r in poses])
         self._height: Floats = film.off_plane(self._places)
         self._above = self._height >= 0.0
+
+    def swept(self) -> Floats:
+        """Return where the vertices stand over the plane at all times, shape (n, 2)."""
+        return self._film.flatten(self._places.reshape(-1, 3))
 
     def stretches(self) -> list[tuple[Floats, Bools]]:
         """Return points in the plane, (n, 2), of each stretch, and which are those of vertices."""
@@ -201,6 +212,10 @@ class _Line:
     start: float
     end: float
 
+    def off(self, x: Floats) -> float:
+        across = np.array([-self.way[1], self.way[0]])
+        return float(np.abs((x - self.origin) @ across).max())
+
 
 @dataclass(frozen=True, eq=False)
 class _Arc:
@@ -209,6 +224,9 @@ class _Arc:
     start: float  # [rad]; end - start in (0, 2 pi]
     end: float
     backward: bool  # whether the blade came from ``end``
+
+    def off(self, x: Floats) -> float:
+        return float(np.abs(np.linalg.norm(x - self.centre, axis=1) - self.radius).max())
 
     def led_on(self, ahead: float) -> _Arc:
         angle = min(ahead / self.radius, 2.0 * np.pi - (self.end - self.start))
@@ -221,15 +239,27 @@ def _extent(x: Floats) -> float:
     return float(np.linalg.norm(np.ptp(x, axis=0)))
 
 
-def _simplest(x: Floats, is_vertex: Bools, h: float, ahead: float) -> _Line | _Arc | PathCurve:
+def _simplest(
+    x: Floats, is_vertex: Bools, swept: Floats, h: float, ahead: float
+) -> _Line | _Arc | PathCurve:
+    enough = is_vertex.sum() >= _ENOUGH_VERTICES
+    if not enough and _on_cylinder(swept, h):
+        arc = _arc(x, swept)
+        if arc.off(x) <= FIT * h:
+            return arc.led_on(ahead)
     line = _line(x)
-    if np.abs((x - line.origin) @ np.array([-line.way[1], line.way[0]])).max() <= FIT * h:
+    if line.off(x) <= FIT * h:
         return replace(line, end=line.end + ahead)
     # vertices of a polygon lie on the true edge, points between them on its chords
-    arc = _arc(x, x[is_vertex] if is_vertex.sum() >= _ENOUGH_VERTICES else x)
-    if np.abs(np.linalg.norm(x - arc.centre, axis=1) - arc.radius).max() <= FIT * h:
+    arc = _arc(x, x[is_vertex] if enough else x)
+    if arc.off(x) <= FIT * h:
         return arc.led_on(ahead)
     return _spline(x, h, ahead)
+
+
+def _on_cylinder(swept: Floats, h: float) -> bool:
+    # whether an edge stays in a circle, seen from above, and not in a line
+    return _line(swept).off(swept) > FIT * h and _arc(swept, swept).off(swept) <= FIT * h
 
 
 def _line(x: Floats) -> _Line:

@@ -9,7 +9,7 @@ the rim.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -79,6 +79,12 @@ class Course:
         """Length of the course [mm]."""
         return self.end - self.start
 
+    def as_given(self) -> Course:
+        """Return the course without the parts that were led on to the rim."""
+        if self.curve.closed:
+            return self
+        return replace(self, start=max(self.start, 0.0), end=min(self.end, self.curve.length))
+
     def unrolled(self, u: Floats) -> Floats:
         """Return parameters of a closed curve shifted to lie about the middle of the course."""
         if not self.curve.closed:
@@ -89,7 +95,7 @@ class Course:
 
 
 def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
-    """Return the stretches of the curves inside the film, checked against the mesh.
+    """Return the stretches of the curves inside the film.
 
     Parameters
     ----------
@@ -100,8 +106,8 @@ def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
     Raises
     ------
     ImprintError
-        With the place: a path outside the film, too near to the rim, to a pre-crack, to a corner,
-        to another path or to itself, too tightly curved or too short for the mesh.
+        With the place: a path outside the film, or one that crosses the rim too near to a corner or
+        too flat.
     """
     surroundings = _Surroundings(film)
     courses = [course for curve in curves for course in surroundings.courses(curve)]
@@ -110,10 +116,30 @@ def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
             "the path must run through the film, got one that lies outside of it; check its "
             "position, and the units of mesh and path"
         )
+    return courses
+
+
+def check_room(film: FilmPlane, courses: Sequence[Course], beside: Sequence[Course] = ()) -> None:
+    """Check that the mesh can take the courses.
+
+    Parameters
+    ----------
+    film : FilmPlane
+    courses : sequence of Course
+        To be put in.
+    beside : sequence of Course
+        Along lines of edges that are there; these are kept clear of, but may be as they like.
+
+    Raises
+    ------
+    ImprintError
+        With the place: a path too near to the rim, to a pre-crack, to another path or to itself,
+        too tightly curved or too short for the mesh.
+    """
+    surroundings = _Surroundings(film)
     for course in courses:
         surroundings.check(course)
-    surroundings.check_apart(courses)
-    return courses
+    surroundings.check_apart(courses, beside)
 
 
 class _Surroundings:
@@ -277,9 +303,10 @@ class _Surroundings:
                 "imprint, along the nodes of its chain"
             )
 
-    def check_apart(self, courses: list[Course]) -> None:
+    def check_apart(self, courses: Sequence[Course], beside: Sequence[Course]) -> None:
         places, along, which = [], [], []
-        for k, course in enumerate(courses):
+        every = [*courses, *beside]
+        for k, course in enumerate(every):
             n = max(8, int(np.ceil(4.0 * course.length / (self.spacing * _SAMPLES_AN_EDGE))))
             u = np.linspace(course.start, course.end, n + 1)[: n if course.closed else n + 1]
             places.append(course.curve.point(u))
@@ -291,10 +318,11 @@ class _Surroundings:
         i, j = pairs[:, 0], pairs[:, 1]
         apart = np.linalg.norm(x[i] - x[j], axis=1) / np.minimum(h[i], h[j])
         gap = np.abs(s[i] - s[j])
-        period = np.array([c.length if c.closed else np.inf for c in courses])[owner[i]]
+        period = np.array([c.length if c.closed else np.inf for c in every])[owner[i]]
         gap = np.minimum(gap, period - gap) / np.minimum(h[i], h[j])
         # on the tightest bend allowed a chord of 2.5 edges spans an arc of 2.7
         clash = (apart < LEAST_APART) & ((owner[i] != owner[j]) | (gap > 1.5 * LEAST_APART))
+        clash &= np.minimum(owner[i], owner[j]) < len(courses)
         if clash.any():
             k = int(np.flatnonzero(clash)[apart[clash].argmin()])
             a, b = (self.film.place(x[m]) for m in (i[k], j[k]))
