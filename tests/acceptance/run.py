@@ -1,6 +1,6 @@
 """Acceptance: the first fifteen minutes of a user, in a fresh environment without a display.
 
-    python tests/acceptance/run.py                   # about five minutes; 1 GB on disk
+    python tests/acceptance/run.py                   # three to five minutes; 1.5 GB on disk
     python tests/acceptance/run.py --only 7 8        # some rows, with what they need
     python tests/acceptance/run.py --keep DIR        # leave everything in DIR to be looked at
 

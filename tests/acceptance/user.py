@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ SHORT = (*QUICK, "--set", "angle_deg=14", "--set", "duration=1e-3", "--no-pictur
 
 _LIMIT = 600.0
 """No command takes longer [s]."""
+_NOT_SOURCES = shutil.ignore_patterns("__pycache__", "*.egg-info")
 
 
 class Finished(NamedTuple):
@@ -61,8 +63,12 @@ class User:
         """A fresh virtual environment with the wheel of this clone and the extra ``plot``."""
         made = self.run(sys.executable, "-m", "venv", str(self._bin.parent))
         _done(made)
-        wheels = self.folder / "wheel"
-        _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(ROOT)))
+        # From a copy: a build leaves files in the folder, and takes up what an older one left.
+        source, wheels = self.folder / "source", self.folder / "wheel"
+        shutil.copytree(ROOT / "src", source / "src", ignore=_NOT_SOURCES)
+        for name in ("pyproject.toml", "README.md", "LICENSE"):
+            shutil.copy(ROOT / name, source)
+        _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(source)))
         (wheel,) = wheels.glob("*.whl")
         installed = self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]")
         _done(installed)
