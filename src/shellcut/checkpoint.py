@@ -17,6 +17,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +95,7 @@ def save_checkpoint(
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
         file.attrs["kind"], file.attrs["format"] = _KIND, _FORMAT
+        file.attrs["version"] = version("shellcut")
         inputs = json.dumps(_described_inputs(sim))
         content = {"inputs": inputs, "run": sim.saved(), "extra": dict(extra or {})}
         file.attrs["sha256"] = _checksum(content)

@@ -6,10 +6,9 @@ import os
 
 import numpy as np
 
+from .quality import mesh_quality
 from .simulation import Simulation
 from .view.model_picture import ModelView, draw_model
-
-_LISTED = 10  # quads marked as those of the shortest steps
 
 
 def preview(
@@ -29,7 +28,7 @@ def preview(
     Returns
     -------
     str
-        What the model has and the step it starts with, a line each.
+        What the model has, the step it starts with, and the quads that shorten it, a line each.
 
     Raises
     ------
@@ -58,13 +57,13 @@ def preview(
             place = sim.motion.coordinate(at)
             title += f", {np.degrees(place):.4g}°" if unit == "rad" else f", {place:.4g} {unit}"
         titles.append(title)
-    squared = sim.shell.frequencies.squared
-    worst = np.argsort(-squared, kind="stable")[:_LISTED]
+    quality = mesh_quality(mesh, sim.material, damping_beta=sim.shell.damping_beta)
     held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
     lines = [
         f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {mesh.quad_areas().sum():.5g} mm², "
         f"{held.size} nodes held",
-        f"step   {sim.dt:.4g} s; shortest in quads {worst.tolist()}",
+        f"step   {sim.dt:.4g} s; the worst quad shortens the step to {quality.step_cost:.2f} of "
+        "the median quad's",
     ]
     if tool is not None:
         lines.append(
@@ -76,7 +75,7 @@ def preview(
             nodes=mesh.nodes,
             quads=np.asarray(mesh.quads, np.int64),
             held=held,
-            worst=worst,
+            worst=quality.worst.astype(np.int64),
             tool=poses,
             triangles=np.zeros((0, 3), np.int64) if tool is None else np.asarray(tool.triangles),
             edges=np.zeros((0, 2), np.int64) if tool is None else np.asarray(tool.edges),
@@ -86,4 +85,11 @@ def preview(
         title="the model before its run",
         caption="\n".join(lines),
     )
+    median = float(np.median(quality.step))
+    for e in quality.worst.tolist():
+        x, y, z = quality.centre[e]
+        lines.append(
+            f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) mm: step {quality.step[e]:.3g} s, "
+            f"{quality.step[e] / median:.2f} of the median"
+        )
     return "\n".join(lines)

@@ -206,6 +206,7 @@ class _Bar:
 
 def _number(value: float, unit: str) -> str:
     # Four figures are enough to watch a run; "%" and units stand apart from the number.
+    value += 0.0  # no minus before a zero
     digits = f"{value:.1f}" if 0.1 <= abs(value) < 1e5 else f"{value:.3g}"
     return f"{digits} {unit}".rstrip()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
@@ -31,6 +30,10 @@ from .threads import Workers
 from .time_step import StableStep, Stepping
 from .tool import Tool
 from .topology import split_node
+
+_EXPLODED = 1e6
+"""Strain energy over that of a film strained by one everywhere, at which the solution is given up:
+far beyond any film, yet within numbers, so that the last frame can be written."""
 
 
 class UnstableStep(RuntimeError):
@@ -139,6 +142,8 @@ class Simulation:
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
         workers = Workers(mesh.n_quad, threads)
         self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta, workers=workers)
+        stretching = sum(layer.material.young * layer.thickness for layer in material.layers)
+        self._most_strain = _EXPLODED * stretching * float(mesh.quad_areas().sum())
         self.supports = SupportSet(mesh, supports)
         self.loads = LoadSet(mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
@@ -239,7 +244,7 @@ class Simulation:
             book.cohesive_start_work += self.cable_forces.start_work
         if self.motion is not None:
             self._work_of_tool()
-        if not math.isfinite(book.strain):
+        if not book.strain <= self._most_strain:
             self._blown_up()
 
     def _kick(self, dt_last: float, dt_next: float) -> None:

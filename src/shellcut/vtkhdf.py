@@ -22,6 +22,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -204,6 +205,7 @@ class VtkHdfWriter(GrowingFile):
         self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
         self._columns = Columns(self._root)
         self._beside = Columns(self._file.create_group(_BESIDE))
+        self._file[_BESIDE].attrs["version"] = version("shellcut")
         self._beside.create("counts", np.int64, (len(Counts._fields),))
         self._beside.create("pose", np.float64, (12,))
         create = self._columns.create

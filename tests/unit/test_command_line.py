@@ -1,5 +1,6 @@
 """The command: exit codes, what it says and leaves, what it refuses."""
 
+import hashlib
 import re
 import subprocess
 import sys
@@ -8,6 +9,7 @@ from pathlib import Path
 import numba as nb
 import pytest
 
+import shellcut
 from shellcut import read_model
 from shellcut._jit import on_compilation
 from shellcut.command_line import main
@@ -64,6 +66,12 @@ def test_a_run_leaves_its_files(out):
     assert {"used.toml", "run.log", "history.csv", "summary.json", "guillotine.vtkhdf"} <= left
     assert not [name for name in left if name.startswith("snapshot")]
     assert read_model(out / "used.toml").sections["output"].frames == 4
+
+
+def test_the_log_tells_version_and_model(out):
+    digest = hashlib.sha256((out / "used.toml").read_bytes()).hexdigest()
+    said = (out / "run.log").read_text()
+    assert f"shellcut {shellcut.__version__}, used.toml with sha256 {digest}\n" in said
 
 
 def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
@@ -155,7 +163,9 @@ def test_a_run_that_blows_up_ends_with_three(tmp_path, capsys):
     code = main(["run", "guillotine", "-o", str(tmp_path), *SHORT, "--set", "fixed=1e-6"])
     assert code == 3
     said = capsys.readouterr().err
-    assert re.search(r"stopped: .* at step \d+, t = \S+ s, dt = 1e-06 s: quad \d+ at \(", said)
+    told = re.search(r"stopped: .* at step \d+, t = (\S+) s, dt = 1e-06 s: quad \d+ at \(", said)
+    # The frame of the end is there: it was stopped while its numbers were still numbers.
+    assert shellcut.read(tmp_path).times[-1] == pytest.approx(float(told[1]), rel=1e-5)
     assert "lower Stepping.safety, or leave Stepping.fixed unset" in said
     assert "stopped: " in (tmp_path / "run.log").read_text()
     assert (tmp_path / "history.csv").exists()

@@ -1,6 +1,6 @@
 """The look before the run: a picture with both poses, and nothing in the model changes."""
 
-import ast
+import re
 
 import numpy as np
 import pytest
@@ -22,10 +22,15 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     assert "4 bodies" in report
     assert f"{sim.dt:.4g} s" in report
     np.testing.assert_array_equal(sim.state.node.x, before)
-    # The quads of the shortest steps, shortest first.
-    listed = ast.literal_eval(report.split("quads ")[-1].split("\n")[0])
+    # The quads of the shortest steps, shortest first, and what the first costs.
+    worst = re.findall(
+        r"quad (\d+) at \(\S+, \S+, 0\) mm: step \S+ s, ([\d.]+) of the median", report
+    )
+    assert len(worst) == 10
     squared = sim.shell.frequencies.squared
-    assert squared[listed[0]] == squared.max()
+    assert squared[int(worst[0][0])] == squared.max()
+    assert [share for _, share in worst] == sorted(share for _, share in worst)
+    assert f"shortens the step to {worst[0][1]} of the median quad's" in report
 
 
 def test_a_film_without_a_tool_is_drawn_once(tmp_path):

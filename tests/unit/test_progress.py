@@ -62,6 +62,13 @@ def test_a_terminal_gets_a_bar_with_every_figure(monkeypatch):
         assert piece in text
 
 
+def test_a_zero_has_no_minus():
+    stream = io.StringIO()
+    with Progress(95.0, "opening", "deg", figure_units=UNITS, stream=stream) as shown:
+        shown.update(0.0, step=0, torque=-0.0)
+    assert "torque 0 N*mm" in stream.getvalue()
+
+
 def test_a_dumb_terminal_gets_lines(monkeypatch):
     monkeypatch.setenv("TERM", "dumb")
     stream = Terminal()

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
+import shellcut
 from opening_frame import opening_frame
 from shellcut.frame import Frame
 from shellcut.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
@@ -163,6 +164,12 @@ def test_frames_are_read_back_as_they_were_written(tmp_path):
     for k in (5, -6):
         with pytest.raises(IndexError, match=rf"run.vtkhdf, 0 to 4, got {k}"):
             reading.frame(k)
+
+
+def test_a_file_names_the_version_that_wrote_it(tmp_path):
+    write(tmp_path / "run.vtkhdf", frames(1))
+    with h5py.File(tmp_path / "run.vtkhdf") as file:
+        assert file["shellcut"].attrs["version"] == shellcut.__version__
 
 
 def test_a_foreign_or_damaged_file_is_not_read(tmp_path):

@@ -6,6 +6,7 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,6 +94,7 @@ def carry_out(
 def _run(model: Model, folder: Path, log: RunLog, resume: bool, replaces: Sequence[Path]) -> None:
     from shellcut._jit import on_compilation
     from shellcut.account import start_lines
+    from shellcut.model_file.model import digest_of
     from shellcut.resistance import Resistance
     from shellcut.warmup import warmup
 
@@ -112,6 +114,8 @@ def _run(model: Model, folder: Path, log: RunLog, resume: bool, replaces: Sequen
             log.say(f"resuming {folder}")
         else:
             model.write(folder / USED)
+        digest = digest_of(folder / USED)
+        log.say(f"shellcut {version('shellcut')}, {USED} with sha256 {digest}")
         sim = case.simulation
         assert sim.motion is not None
         if case.imprint is not None and case.imprint.changed:

@@ -1,0 +1,100 @@
+"""A row of the table: what a user does, its limits, and the check of what comes of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from user import User
+
+
+class Failed(Exception):
+    """What a row expected and did not find."""
+
+
+class Outcome(NamedTuple):
+    """What the table shows of a row."""
+
+    measured: str
+    verdict: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row.
+
+    Attributes
+    ----------
+    minute : str
+        When a user gets there.
+    what : str
+        What is done.
+    seconds : float
+        Time limit of the row; 0 for one that is to come.
+    limit : str
+        Other limits, checked by the row itself.
+    needs : tuple of str
+        Properties of the user that must be there before the clock starts.
+    do : callable
+        Does it and returns what was measured; raises `Failed`.
+    """
+
+    minute: str
+    what: str
+    seconds: float
+    limit: str
+    needs: tuple[str, ...]
+    do: Callable[[User], str]
+
+    def outcome(self, user: User) -> Outcome:
+        """Do it, against the clock."""
+        if not self.seconds:
+            return Outcome("-", "later")
+        start = time.perf_counter()
+        try:
+            for need in self.needs:
+                getattr(user, need)
+            start = time.perf_counter()
+            measured = self.do(user)
+        except Exception as reason:  # a row that breaks must not hide those that follow
+            return Outcome(f"{time.perf_counter() - start:.1f} s", "FAILED", str(reason))
+        taken = time.perf_counter() - start
+        if taken > self.seconds:
+            return Outcome(f"{taken:.1f} s; {measured}", "FAILED", "over its time limit")
+        return Outcome(f"{taken:.1f} s; {measured}", "passed")
+
+
+class Rows(list[Row]):
+    """Rows in the order in which they are declared."""
+
+    def add(
+        self,
+        minute: str,
+        what: str,
+        *,
+        seconds: float,
+        limit: str = "",
+        needs: tuple[str, ...] = (),
+    ) -> Callable[[Callable[[User], str]], Callable[[User], str]]:
+        """Declare a row; see `Row`."""
+
+        def declare(do: Callable[[User], str]) -> Callable[[User], str]:
+            self.append(Row(minute, what, seconds, limit, needs, do))
+            return do
+
+        return declare
+
+
+def expect(condition: object, text: str) -> None:
+    """Raise `Failed` with the text unless the condition holds."""
+    if not condition:
+        raise Failed(text)
+
+
+def expect_words(said: str, *words: str) -> None:
+    """Raise `Failed` unless all the words were said."""
+    missing = [word for word in words if word not in said]
+    expect(not missing, f"{missing} not in what was said:\n{said.strip()[-2000:]}")

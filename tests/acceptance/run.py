@@ -1,0 +1,93 @@
+"""Acceptance: the first fifteen minutes of a user, in a fresh environment without a display.
+
+    python tests/acceptance/run.py                   # three to five minutes; 1.5 GB on disk
+    python tests/acceptance/run.py --only 7 8        # some rows, with what they need
+    python tests/acceptance/run.py --keep DIR        # leave everything in DIR to be looked at
+
+Needs Python and an index of packages, nothing else: it builds the wheel, installs it with the extra
+``plot`` into a virtual environment of its own, and goes through what a user does, row by row, each
+against its limits. VTK, PyVista and pandas are installed for the rows that need them, after those
+that must do without. Rows that are to come are shown as ``later``. Ends with 1 if a row fails.
+
+What ``DIR/commands.log`` holds: every command, what it said, its exit code and its time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import rows_compare
+import rows_install
+import rows_parts
+import rows_results
+import rows_run
+from row import Outcome
+from user import User
+
+ROWS = [
+    *rows_install.ROWS,
+    *rows_run.ROWS,
+    *rows_results.ROWS,
+    *rows_parts.ROWS,
+    *rows_compare.ROWS,
+]
+
+
+def main() -> int:
+    """Go through the rows and print the table."""
+    arguments = _arguments()
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="shellcut-acceptance-") as scratch:
+        folder = arguments.keep.resolve() if arguments.keep else Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()):
+            print(f"--keep {folder} must be empty or not there yet", file=sys.stderr)
+            return 2
+        user = User(folder)
+        outcomes: dict[int, Outcome] = {}
+        for number, row in enumerate(ROWS, 1):
+            if arguments.only and number not in arguments.only:
+                continue
+            print(f"{number:>2}  {row.what} ...", file=sys.stderr, flush=True)
+            outcomes[number] = row.outcome(user)
+            if outcomes[number].reason:
+                print(outcomes[number].reason, file=sys.stderr, flush=True)
+    print(_table(outcomes))
+    n_failed = sum(outcome.verdict == "FAILED" for outcome in outcomes.values())
+    n_later = sum(outcome.verdict == "later" for outcome in outcomes.values())
+    print(
+        f"\n{len(outcomes) - n_failed - n_later} passed, {n_failed} failed, {n_later} later, "
+        f"in {time.perf_counter() - start:.0f} s"
+    )
+    return 1 if n_failed else 0
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="The first fifteen minutes of a user, checked.")
+    parser.add_argument("--keep", metavar="DIR", type=Path, help="leave everything there")
+    parser.add_argument("--only", metavar="N", type=int, nargs="+", help="numbers of rows")
+    arguments = parser.parse_args()
+    for number in arguments.only or ():
+        if not 1 <= number <= len(ROWS):
+            parser.error(f"--only: rows are 1 to {len(ROWS)}, got {number}")
+    return arguments
+
+
+def _table(outcomes: dict[int, Outcome]) -> str:
+    lines = ["| row | minute | what | limit | measured | verdict |", "|---|---|---|---|---|---|"]
+    for number, outcome in outcomes.items():
+        row = ROWS[number - 1]
+        limits = "; ".join(filter(None, [f"{row.seconds:g} s" if row.seconds else "", row.limit]))
+        cells = (str(number), row.minute, row.what, limits, outcome.measured, outcome.verdict)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

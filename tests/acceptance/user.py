@@ -1,0 +1,187 @@
+"""A user with nothing but Python: a folder, a fresh virtual environment, no display."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+
+QUICK = ("opening", "--set", "mesh=quick")
+"""The main job."""
+SHORT = (*QUICK, "--set", "angle_deg=14", "--set", "duration=1e-3", "--no-pictures")
+"""The same, over before the teeth have cut 5 mm; a few seconds."""
+
+_LIMIT = 600.0
+"""No command takes longer [s]."""
+_NOT_SOURCES = shutil.ignore_patterns("__pycache__", "*.egg-info")
+
+
+class Finished(NamedTuple):
+    """A command that has ended."""
+
+    code: int
+    said: str
+    """Standard output and error."""
+    seconds: float
+
+
+class Environment(NamedTuple):
+    """The installed package."""
+
+    wheel: Path
+    seconds: float
+    """That pip took to install."""
+
+
+class User:
+    """Do what a user does, in ``folder``; what was said by each command is kept in its log."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.log = folder / "commands.log"
+        self._bin = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
+        hidden = ("DISPLAY", "WAYLAND_DISPLAY", "PYTHONPATH", "VIRTUAL_ENV", "PYTHONHOME")
+        self._environ = {k: v for k, v in os.environ.items() if k not in hidden}
+        # No cache from before: the first run compiles, as a user's does.
+        self._environ["NUMBA_CACHE_DIR"] = str(folder / "numba_cache")
+
+    # ------------------------------------------------------------------ what rows build on
+
+    @cached_property
+    def environment(self) -> Environment:
+        """A fresh virtual environment with the wheel of this clone and the extra ``plot``."""
+        made = self.run(sys.executable, "-m", "venv", str(self._bin.parent))
+        _done(made)
+        # From a copy: a build leaves files in the folder, and takes up what an older one left.
+        source, wheels = self.folder / "source", self.folder / "wheel"
+        shutil.copytree(ROOT / "src", source / "src", ignore=_NOT_SOURCES)
+        for name in ("pyproject.toml", "README.md", "LICENSE"):
+            shutil.copy(ROOT / name, source)
+        _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(source)))
+        (wheel,) = wheels.glob("*.whl")
+        installed = self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]")
+        _done(installed)
+        return Environment(wheel, installed.seconds)
+
+    @cached_property
+    def first_run(self) -> Finished:
+        """The main job with nothing compiled, its results in ``out``."""
+        _ = self.environment
+        return self.shellcut("run", *QUICK, "-o", "out")
+
+    @property
+    def out(self) -> Path:
+        """Folder of the main job, done."""
+        _done(self.first_run)
+        return self.folder / "out"
+
+    @cached_property
+    def viewer(self) -> Finished:
+        """VTK, PyVista and pandas, installed after the plain rows."""
+        wheel = self.environment.wheel
+        installed = self.pip("install", f"{wheel}[view]", "pandas")
+        _done(installed)
+        return installed
+
+    @cached_property
+    def parts(self) -> Path:
+        """The user's own parts: a cap as STL and a disc as .msh, .inp and .k."""
+        _ = self.environment
+        folder = self.folder / "parts"
+        folder.mkdir()
+        self.inside("write_parts.py", str(folder))
+        return folder
+
+    # ------------------------------------------------------------------ commands
+
+    def run(self, *command: str, **environ: str) -> Finished:
+        """Run a command in the folder to its end."""
+        start = time.perf_counter()
+        done = subprocess.run(
+            command,
+            cwd=self.folder,
+            env={**self._environ, **environ},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            errors="replace",
+            timeout=_LIMIT,
+            check=False,
+        )
+        return self._kept(command, done.returncode, done.stdout, start)
+
+    def pip(self, *arguments: str) -> Finished:
+        """Run the environment's pip."""
+        quiet = ("-q", "--disable-pip-version-check")
+        return self.run(str(self._bin / "python"), "-m", "pip", *arguments, *quiet)
+
+    def shellcut(self, *arguments: str, **environ: str) -> Finished:
+        """Run the command ``shellcut``."""
+        return self.run(str(self._bin / "shellcut"), *arguments, **environ)
+
+    def python(self, text: str) -> Finished:
+        """Run a text by the environment's Python."""
+        return self.run(str(self._bin / "python"), "-c", text)
+
+    def inside(self, script: str, *arguments: str) -> dict[str, Any]:
+        """Run a script of ``inside`` by the environment's Python; return the figures it prints.
+
+        The figures are the last line, in JSON. It sees the modules beside ``tests/films.py``.
+        """
+        path = HERE / "inside" / script
+        done = self.run(
+            str(self._bin / "python"), str(path), *arguments, PYTHONPATH=str(HERE.parent)
+        )
+        if done.code:
+            last = done.said.strip().splitlines()[-1:]
+            raise RuntimeError(f"{script}: {' '.join(last)}")
+        figures: dict[str, Any] = json.loads(done.said.strip().splitlines()[-1])
+        return figures
+
+    def interrupted(self, *arguments: str, when: Callable[[], bool]) -> Finished:
+        """Run the command ``shellcut`` and press Ctrl-C as soon as ``when()``."""
+        start = time.perf_counter()
+        command = [str(self._bin / "shellcut"), *arguments]
+        with subprocess.Popen(
+            command,
+            cwd=self.folder,
+            env=self._environ,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            # A shell may have it ignored in its background jobs, and children inherit that.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        ) as process:
+            try:
+                while process.poll() is None and not when():
+                    time.sleep(0.05)
+                process.send_signal(signal.SIGINT)
+                said, _ = process.communicate(timeout=_LIMIT)
+            except BaseException:
+                process.kill()
+                raise
+        return self._kept(command, process.returncode, said, start)
+
+    def _kept(self, command: Any, code: int, said: str, start: float) -> Finished:
+        seconds = time.perf_counter() - start
+        with self.log.open("a", encoding="utf-8") as log:
+            log.write(f"$ {' '.join(command)}\n{said}\n[{code}, {seconds:.1f} s]\n\n")
+        return Finished(code, said, seconds)
+
+
+def _done(finished: Finished) -> None:
+    if finished.code:
+        raise RuntimeError(f"ended with {finished.code}:\n{finished.said.strip()[-2000:]}")
