@@ -41,7 +41,7 @@ def test_the_import_table_is_the_contract():
 def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     page = importlib.import_module("command_line_page")
-    before, mark, reference = page.PAGE.read_text(encoding="utf-8").partition(page.BEGIN)
+    before, _, reference = page.PAGE.read_text(encoding="utf-8").partition(page.BEGIN)
     # else: python docs/command_line_page.py
     assert reference == page.reference()
     commands = re.findall("### shellcut (\\w+)", reference)
