@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from gallery_run import PicturesOfRun, QuickSettings
 
 project = "shellcut"
+highlight_language = "none"  # the pages name their languages
 author = "The shellcut developers"
 copyright = author
 version = release = shellcut.__version__

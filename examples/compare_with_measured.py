@@ -39,7 +39,7 @@ def main() -> None:
     options = parser.parse_args()
 
     case = opening_test("quick", angle_deg=40.0, duration=2.5e-3)
-    case.run(options.out, n_snapshot=0)
+    case.run(options.out, n_snapshot=0, progress=False)
     table = options.out / "made_up.csv"
     table.write_text(MADE_UP, encoding="utf-8")
     # Nodes are 5° apart along the cut; twice that takes their sawtooth out of the curve.

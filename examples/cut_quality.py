@@ -28,7 +28,7 @@ def main() -> None:
     parser.add_argument("--mesh", choices=["quick", "M1", "M2"], default="quick")
     options = parser.parse_args()
 
-    shellcut.opening_test(options.mesh).run(options.out, n_snapshot=0)
+    shellcut.opening_test(options.mesh).run(options.out, n_snapshot=0, progress=False)
     results = shellcut.read(options.out)
     cut = results.cut_quality()
 

@@ -20,7 +20,6 @@ SETTINGS = {
     "membrane.mesh": "quick",
     "motion.angle_deg": 40.0,
     "motion.duration": "2.5 ms",
-    "output.snapshots": 0,
 }
 
 
@@ -45,7 +44,8 @@ def main() -> None:
 
 
 def cut(folder: Path, tool: dict[str, object]) -> dict:
-    shellcut.read_model("opening", SETTINGS | tool).build().run(folder)
+    case = shellcut.read_model("opening", SETTINGS | tool).build()
+    case.run(folder, n_snapshot=0, progress=False)
     return shellcut.read(folder).history
 
 
