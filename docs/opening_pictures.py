@@ -1,7 +1,7 @@
 """Draws ``img/opening.png`` and ``img/torque.png``, the pictures of the README and the first pages.
 
-    python examples/opening_test.py --mesh M1 --compare --out OUT
-    python docs/opening_pictures.py OUT
+First ``python examples/opening_test.py --mesh M1 --compare --out OUT`` (a minute), then
+``python docs/opening_pictures.py OUT``.
 """
 
 import sys
