@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from gallery_run import PicturesOfRun, QuickSettings
 
 project = "shellcut"
+highlight_language = "none"  # the pages name their languages
 author = "The shellcut developers"
 copyright = author
 version = release = shellcut.__version__
@@ -45,8 +46,10 @@ napoleon_use_rtype = False
 PAGES = {
     "First steps": ["install", "first-cut", "gallery/index"],
     "How to": [
+        "howto/model-file",
         "howto/own-tool",
         "howto/own-film",
+        "howto/resume",
         "howto/imprint",
         "howto/read-results",
         "howto/pictures",
@@ -64,7 +67,7 @@ PAGES = {
         "theory/imprint",
     ],
     "What to trust": ["limits", "verification", "performance"],
-    "Reference": ["api", "glossary", "architecture", "howto/add-a-case"],
+    "Reference": ["command-line", "api", "glossary", "architecture", "howto/add-a-case"],
 }
 """The side bar. A page that is missing here is a warning of Sphinx, hence an error."""
 
@@ -73,6 +76,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
+    "within_subsection_order": "gallery_run.InOrder",
     "reset_argv": QuickSettings(),
     "image_scrapers": (PicturesOfRun(),),
     "reset_modules": (),

@@ -9,8 +9,30 @@ from sphinx_gallery.scrapers import figure_rst
 QUICK = {
     "opening_test": ["--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"],
     "guillotine": ["--size", "0.8", "--length", "14"],
+    "own_tooth": [],
+    "cut_quality": [],
+    "compare_with_measured": [],
 }
-"""Arguments by example: seconds each instead of minutes. An example that is missing is an error."""
+"""Arguments by example, in the order of the gallery: seconds each instead of minutes. An example
+that is missing is an error."""
+
+OWN_PICTURES = {
+    "own_tooth": ["torque.png"],
+    "cut_quality": ["quality.png"],
+    "compare_with_measured": ["comparison.png"],
+}
+"""What an example shows; else the last snapshot and the curves of its run."""
+
+
+class InOrder:
+    """Puts the examples in the order above."""
+
+    def __init__(self, src_dir):
+        pass
+
+    def __call__(self, filename):
+        """Return the place of one example."""
+        return list(QUICK).index(Path(filename).stem)
 
 
 class QuickSettings:
@@ -27,23 +49,28 @@ class QuickSettings:
 
 
 class PicturesOfRun:
-    """Shows the last snapshot, which is the thumbnail too, and the curves of an example's run."""
+    """Shows the pictures of an example's run; the first is the thumbnail too."""
 
     def __repr__(self):
         """Stay the same from build to build."""
-        return "PicturesOfRun()"
+        return f"PicturesOfRun({OWN_PICTURES})"
 
     def __call__(self, block, block_vars, gallery_conf):
         """Copy the pictures and return the text that shows them."""
-        folder = _results_of(Path(block_vars["src_file"]))
-        pictures = sorted(folder.glob("snapshot_*.png"))[-1:]
-        pictures += [folder / n for n in ("torque.png", "force.png") if (folder / n).exists()]
-        pictures += folder.glob("energy.png")
-        places = zip(pictures, block_vars["image_path_iterator"], strict=False)
+        example = Path(block_vars["src_file"])
+        places = zip(_pictures_of(example), block_vars["image_path_iterator"], strict=False)
         # one figure each, over the whole width
         return "\n".join(
             figure_rst([shutil.copy(*copy)], gallery_conf["src_dir"]) for copy in places
         )
+
+
+def _pictures_of(example):
+    folder = _results_of(example)
+    if example.stem in OWN_PICTURES:
+        return [folder / name for name in OWN_PICTURES[example.stem]]
+    curves = [folder / name for name in ("torque.png", "force.png", "energy.png")]
+    return [max(folder.glob("snapshot_*.png")), *(path for path in curves if path.exists())]
 
 
 def _results_of(example):

@@ -5,11 +5,11 @@ A straight blade cuts a clamped strip; the force is G h = 3.219 N. ::
 
     python examples/guillotine.py --size 0.4 --out DIR
 
-leaves history.csv, summary.json, force.png, energy.png, snapshots and guillotine.vtkhdf in DIR.
+leaves history.csv, summary.json, force.png, energy.png, snapshots and guillotine.vtkhdf in DIR, as
+does ``shellcut run guillotine -o DIR``.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
 from shellcut import guillotine, warmup
@@ -26,7 +26,7 @@ def main() -> None:
     warmup(["force"])
     case = guillotine(options.size, length=options.length, directional=not options.classical)
     case.run(options.out)
-    sys.stdout.write((options.out / "summary.json").read_text())
+    print((options.out / "summary.json").read_text(), end="")
 
 
 if __name__ == "__main__":

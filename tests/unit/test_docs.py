@@ -1,5 +1,7 @@
 """The documents tell the truth: links, citations, the import table, the README's model."""
 
+import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -26,6 +28,37 @@ def test_every_citation_has_its_reference():
         for key in KEY.findall(path.read_text()):
             cited.setdefault(key, path.name)
     assert {key: place for key, place in cited.items() if key not in known} == {}
+
+
+def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    page = importlib.import_module("command_line_page")
+    before, _, reference = page.PAGE.read_text(encoding="utf-8").partition(page.BEGIN)
+    # else: python docs/command_line_page.py
+    assert reference == page.reference()
+    commands = re.findall("### shellcut (\\w+)", reference)
+    assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
+
+
+def test_every_stored_picture_is_shown():
+    shown = {
+        (page.parent / target).resolve()
+        for page in PAGES
+        for target in re.findall(r"!\[[^\]]*\]\(([^)#]+)\)", page.read_text())
+    }
+    assert set((ROOT / "docs" / "img").iterdir()) - shown == set()
+
+
+def test_the_site_has_every_page_and_the_start_page_leads_to_it():
+    text = (ROOT / "docs" / "conf.py").read_text(encoding="utf-8")
+    pages = ast.literal_eval(re.search(r"\nPAGES = (\{.*?\n\})\n", text, re.S)[1])
+    listed = {name for names in pages.values() for name in names}
+    stored = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
+    stored = {path.with_suffix("").as_posix() for path in stored if "gallery" not in path.parts}
+    assert stored - {"index"} == listed - {"api", "gallery/index"}
+    start = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    linked = {target.removesuffix(".md") for target in re.findall(r"\]\(([\w/-]+\.md)\)", start)}
+    assert linked == stored - {"index"}
 
 
 def test_the_import_table_is_the_contract():

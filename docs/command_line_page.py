@@ -1,0 +1,50 @@
+"""The reference part of ``command-line.md``, made from the parser itself.
+
+``python docs/command_line_page.py`` writes it into the page; a test compares the two.
+"""
+
+import argparse
+from pathlib import Path
+
+from shellcut.command_line.main import parser_of_all
+
+PAGE = Path(__file__).parent / "command-line.md"
+BEGIN = "## All commands\n\n"
+
+
+def reference():
+    """Return all subcommands with their arguments as tables in Markdown."""
+    (commands,) = (a for a in parser_of_all()._actions if isinstance(a, argparse._SubParsersAction))
+    return "\n".join(_section(name, parser) for name, parser in commands.choices.items())
+
+
+def _section(name, parser):
+    lines = [f"### shellcut {name}", "", parser.description, ""]
+    actions = [a for a in parser._actions if not isinstance(a, argparse._HelpAction)]
+    if actions:
+        lines += ["| argument | meaning |", "|---|---|"]
+        lines += [f"| {_spelling(a)} | {_meaning(a)} |" for a in actions]
+        lines += [""]
+    if parser.epilog:
+        lines += ["```sh", parser.epilog.removeprefix("example: "), "```", ""]
+    return "\n".join(lines)
+
+
+def _spelling(action):
+    # nargs is 0 for flags; an argument without an option goes by its place.
+    if not action.option_strings:
+        name = str(action.metavar or action.dest)
+        return f"`[{name}]`" if action.nargs == "?" else f"`{name}`"
+    value = "" if action.nargs == 0 else f" {action.metavar or action.dest.upper()}"
+    return ", ".join(f"`{option}{value}`" for option in action.option_strings)
+
+
+def _meaning(action):
+    text = (action.help or "").replace("|", r"\|")
+    given = action.default not in (None, "", [], False)
+    return f"{text}; `{action.default}` by default" if given else text
+
+
+if __name__ == "__main__":
+    before = PAGE.read_text(encoding="utf-8").partition(BEGIN)[0]
+    PAGE.write_text(before + BEGIN + reference(), encoding="utf-8")

@@ -1,0 +1,53 @@
+"""A run beside a measured curve
+=============================
+
+The quick opening test beside a table as a test machine writes one: semicolons, decimal commas,
+degrees and N·cm. **The table is made up for this example; no machine measured it.** ::
+
+    python examples/compare_with_measured.py --out DIR
+
+leaves comparison.png and comparison.json in DIR, as does, from the second line on, ::
+
+    shellcut run opening --set mesh=quick --set angle_deg=40 --set duration=2.5e-3 -o DIR
+    shellcut compare DIR DIR/made_up.csv --x angle=Winkel --y torque=Drehmoment --window 10
+"""
+
+import argparse
+from pathlib import Path
+
+from shellcut import compare, opening_test
+
+MADE_UP = """\
+Erfunden: kein Messwert (made up: not measured)
+Nr;Winkel [Grad];Drehmoment [Ncm]
+1;0,0;0,00
+2;4,0;0,31
+3;8,0;5,87
+4;12,0;9,62
+5;16,0;12,10
+6;20,0;13,34
+7;24,0;14,02
+8;28,0;14,45
+9;32,0;14,20
+10;36,0;14,71
+"""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="a run beside a measured curve")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    options = parser.parse_args()
+
+    case = opening_test("quick", angle_deg=40.0, duration=2.5e-3)
+    case.run(options.out, n_snapshot=0, progress=False)
+    table = options.out / "made_up.csv"
+    table.write_text(MADE_UP, encoding="utf-8")
+    # Nodes are 5° apart along the cut; twice that takes their sawtooth out of the curve.
+    found = compare(options.out, table, columns=("Winkel", "Drehmoment"), window=10.0)
+    print(found)
+    found.plot(options.out / "comparison.png")
+    found.to_json(options.out / "comparison.json")
+
+
+if __name__ == "__main__":
+    main()

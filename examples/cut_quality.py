@@ -1,0 +1,52 @@
+"""How much is cut
+===============
+
+Crack length, uncut bridges and flaps of the quick opening test against the angle. ::
+
+    python examples/cut_quality.py --out DIR
+
+leaves the run and quality.png in DIR; the figures are those of ``shellcut.read(DIR)``, of any run.
+"""
+
+import argparse
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import shellcut
+
+PANELS = (
+    ("crack_length", "crack length"),
+    ("bridge_width", "uncut bridges, all"),
+    ("flap_angle_largest", "flaps, most bent"),
+)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="how much is cut")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    parser.add_argument("--mesh", choices=["quick", "M1", "M2"], default="quick")
+    options = parser.parse_args()
+
+    shellcut.opening_test(options.mesh).run(options.out, n_snapshot=0, progress=False)
+    results = shellcut.read(options.out)
+    cut = results.cut_quality()
+
+    figure, panels = plt.subplots(len(PANELS), sharex=True, figsize=(9.0, 7.0), dpi=110)
+    for axes, (name, label) in zip(panels, PANELS, strict=True):
+        axes.plot(cut["angle"], cut[name], color="#b2182b")
+        axes.set_ylabel(f"{label} [{cut.units[name]}]")
+        axes.grid(color="0.9")
+        axes.spines[["top", "right"]].set_visible(False)
+    free = cut["angle"][cut["n_loose"] > 0]
+    if free.size:
+        panels[0].axvline(free[0], color="black", ls=":")
+        panels[0].annotate(f" free at {free[0]:.0f}°", (free[0], 0.0))
+    panels[-1].set_xlabel(f"angle [{cut.units['angle']}]")
+    figure.tight_layout()
+    figure.savefig(options.out / "quality.png")
+    print(f"crack {cut['crack_length'][-1]:.1f} mm, {cut['n_bridge'][-1]:.0f} bridges left")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,53 @@
+"""Another tooth
+=============
+
+The torque of four teeth whose edges stand at 60° to the film, and of six at 40°. ::
+
+    python examples/own_tooth.py --out DIR
+
+leaves both runs and torque.png in DIR. The six teeth from the command line::
+
+    shellcut run opening --set mesh=quick --set teeth=6 --set edge_inclination_deg=40 -o DIR
+"""
+
+import argparse
+from pathlib import Path
+
+import shellcut
+from shellcut.view import draw_torque
+
+SETTINGS = {
+    "membrane.mesh": "quick",
+    "motion.angle_deg": 40.0,
+    "motion.duration": "2.5 ms",
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="four teeth and six of another shape")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    options = parser.parse_args()
+
+    four = cut(options.out / "four", {})
+    six = cut(options.out / "six", {"tool.teeth": 6, "tool.edge_inclination_deg": 40.0})
+    draw_torque(
+        options.out / "torque.png",
+        six["angle"],
+        six["torque"],
+        second=(four["angle"], four["torque"]),
+        second_label="four teeth at 60°",
+        title="total torque of six teeth at 40°, and of four",
+    )
+    for name, history in (("four", four), ("six", six)):
+        late = history["torque"][history["angle"] > 20.0]
+        print(f"{name} teeth: {late.mean():.0f} N*mm in the mean from 20° on")
+
+
+def cut(folder: Path, tool: dict[str, object]) -> dict:
+    case = shellcut.read_model("opening", SETTINGS | tool).build()
+    case.run(folder, n_snapshot=0, progress=False)
+    return shellcut.read(folder).history
+
+
+if __name__ == "__main__":
+    main()
