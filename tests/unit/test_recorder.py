@@ -11,6 +11,7 @@ import shellcut.recorder
 from notched_strip import cutting
 from opening_frame import opening_frame
 from shellcut.frame_output import FrameOutput
+from shellcut.history import read_history
 from shellcut.hooks import StopWhen
 from shellcut.models import Case
 from shellcut.motion import StraightMotion
@@ -78,10 +79,7 @@ def test_the_summary_of_a_blow_up_is_json(tmp_path):
     blown = Case("cut", cutting(stepping=Stepping(fixed=3e-7)), 8e-5)
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
         blown.run(tmp_path, **RECORDS)
-    summary = strict_json(tmp_path / "summary.json")
-    # What is not finite is not there, the counts are.
-    assert "strain_Nmm" not in summary
-    assert summary["n_step"] == blown.simulation.state.step
+    assert strict_json(tmp_path / "summary.json")["n_step"] == blown.simulation.state.step
 
 
 def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
@@ -91,6 +89,19 @@ def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
     summary = strict_json(tmp_path / "summary.json")
     assert summary["n_step"] == 3
     assert not {"imbalance_rel", "kinetic_rel"} & summary.keys()
+
+
+def test_figures_that_are_not_finite_are_left_out(tmp_path):
+    sim = cutting()
+    recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
+    sim.run(END, [recorder, StopWhen(lambda: sim.state.step >= 3)])
+    history, _ = read_history(tmp_path / "history.csv")
+    sim.ledger.tool_work, sim.ledger.damping_mass = np.inf, np.nan
+    figures = run_summary(
+        sim, recorder.resistance, history, until=END, stepping=1.0, drawing=0.0, unfelt=0.0
+    )
+    assert not {"tool_work_Nmm", "damping_Nmm"} & figures.keys()
+    assert figures["n_step"] == 3
 
 
 def test_a_table_that_turns_has_a_plateau_without_an_axial_force():
