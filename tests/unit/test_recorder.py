@@ -23,7 +23,7 @@ from shellcut.simulation import UnstableStep
 from shellcut.table_motion import TableMotion
 from shellcut.time_step import Stepping
 
-RECORDS = {"n_row": 20, "n_frame": 4, "n_snapshot": 0, "progress": False}
+RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
 END = 4e-6
 
 
@@ -43,6 +43,58 @@ def strict_json(path):
         raise AssertionError(f"{word} is not JSON")
 
     return json.loads(path.read_text(), parse_constant=refuse)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Return a run with straight, jointed and broken cables, and its folder."""
+    folder = tmp_path_factory.mktemp("whole")
+    case = Case("cut", cutting(), 8e-5)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        case.run(folder, **RECORDS)
+    return case, read(folder)
+
+
+def test_the_resistance_is_that_of_contact_and_joints_and_of_all_teeth(whole):
+    _, results = whole
+    h = results.history
+    assert np.abs(h["force_contact"]).max() > 0
+    assert np.abs(h["force_joints"]).max() > 0
+    assert np.array_equal(h["force"], h["force_contact"] + h["force_joints"])
+    # One tooth: the same numbers in another order of adding, round-off of the force's size.
+    tolerance = 1e-12 * np.abs(h["force"]).max()
+    assert h["force_tooth_1"] == pytest.approx(h["force"], abs=tolerance)
+
+
+def test_the_summary_says_what_the_history_shows(whole):
+    case, results = whole
+    sim, h, summary = case.simulation, results.history, results.summary
+    assert summary["n_step"] == sim.state.step
+    assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
+    assert summary["path_end_mm"] == sim.motion.coordinate(sim.state.time)
+    assert summary["force_peak_N"] == h["force"].max()
+    late = h["path"] >= 0.4 * h["path"][-1]
+    x, force, work = h["path"][late], h["force"][late], h["tool_work"][late]
+    mean = np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)) / np.ptp(x)
+    assert summary["force_plateau_N"] == pytest.approx(mean, rel=1e-12)
+    slope = np.sum((x - x.mean()) * work) / np.sum((x - x.mean()) ** 2)
+    assert summary["dW_ds_N"] == pytest.approx(slope, rel=1e-9)
+    assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
+
+
+def test_splits_are_told_with_place_and_reference(whole):
+    case, results = whole
+    log, columns = case.simulation.state.split_log, results.splits
+    assert len(log) == len(columns["node"]) >= 3
+    for k, split in enumerate(log):
+        assert split.place != split.reference
+        assert tuple(columns[name][k] for name in "xyz") == split.place
+        assert tuple(columns[name][k] for name in "XYZ") == split.reference
+        for name in ("time", "node", "twin", "kind", "measure", "force_jump"):
+            assert columns[name][k] == getattr(split, name)
+    assert results.split_units["force_jump"] == "N"
+    assert columns["node"].dtype.kind == "i"
 
 
 def test_a_case_is_run_once(tmp_path):
