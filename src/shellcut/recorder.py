@@ -14,6 +14,7 @@ import logging
 import os
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -206,19 +207,14 @@ class Recorder:
         if self._closed:
             return
         self._closed = True
-        if self._progress is not None:
-            share = self._sim.state.time / self._until
-            self._progress.note(account_line(self._sim, self.resistance, share))
-            self._show_progress(self._progress)
-            self._progress.close()
-        try:
+        with ExitStack() as at_last:  # all of it, whatever goes wrong with any
+            at_last.callback(self._end_progress)
+            at_last.callback(self._history.close)
+            at_last.callback(self._frames.close)
             # A run that died within a step, or while writing, goes on from its last checkpoint.
             if self._complete and self._sim.between_steps:
                 self._save_checkpoint()
             self._show_end()
-        finally:
-            self._history.close()
-            self._frames.close()
         self._sum_up()
 
     # ------------------------------------------------------------------ restart
@@ -316,6 +312,13 @@ class Recorder:
             position_name=r.coordinate_name,
             log=log,
         )
+
+    def _end_progress(self) -> None:
+        if self._progress is not None:
+            share = self._sim.state.time / self._until
+            self._progress.note(account_line(self._sim, self.resistance, share))
+            self._show_progress(self._progress)
+            self._progress.close()
 
     def _show_progress(self, progress: Progress) -> None:
         sim, r = self._sim, self.resistance

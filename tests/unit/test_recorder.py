@@ -212,6 +212,18 @@ def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
         pass
 
 
+def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
+    def fail(_):
+        raise RuntimeError("no log")
+
+    sim = cutting()
+    with pytest.raises(RuntimeError, match="no log"):
+        Case("cut", sim, END).run(tmp_path, log=fail, **RECORDS | {"progress": True})
+    assert (tmp_path / "checkpoint.h5").exists()
+    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):  # closed
+        pass
+
+
 def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
     for number in (100, 11, 2):
         snapshot(tmp_path, number).touch()
