@@ -66,7 +66,6 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         Part of the run that is done.
     """
     r, s, book = resistance, sim.state, sim.ledger
-    wrench = (sim.contact_forces.wrench + sim.cable_forces.wrench).sum(axis=0)
     figure, unit = r.columns[0]
     energies = {
         "kin": book.kinetic,
@@ -76,7 +75,8 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "damping": book.damping,
         "ext": book.put_in,
     }
-    felt = r.of(wrench, sim.translation)[0] + 0.0  # minus zero, before the first contact
+    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation)[0]
+    felt += 0.0  # minus zero, before the first contact
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{100.0 * share:.0f} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "

@@ -31,11 +31,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from ._jit import Floats
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .results import Results, read
+from .trapezoid import integral
 from .unit import conversion, dimension
 
 _SAME_END = 0.01
@@ -301,8 +301,8 @@ def compare(
     peak_at_m, peak_m = _peak(points, there)
     peak_at_s, peak_s = _peak(fine, s.mean_at(fine, window or 0.0))
     to_work, work_unit = _work_scale(x_unit, y_unit)
-    work_m = to_work * float(trapezoid(there, points))
-    work_s = to_work * float(trapezoid(s.at(corners), corners))
+    work_m = to_work * integral(points, there)
+    work_s = to_work * integral(corners, s.at(corners))
     rms = float(np.sqrt(_mean(points, (ours - there) ** 2)))
     return Comparison(
         name=results.name,
@@ -398,7 +398,7 @@ def _peak(x: Floats, y: Floats) -> tuple[float, float]:
 
 
 def _mean(x: Floats, y: Floats) -> float:
-    return float(trapezoid(y, x) / (x[-1] - x[0]))
+    return integral(x, y) / float(x[-1] - x[0])
 
 
 def _over(value: float, reference: float) -> float:

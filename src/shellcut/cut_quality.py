@@ -39,9 +39,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
+import scipy
 
+from .connected_parts import connected_parts
 from .frame import Bools, Floats, Frame, Ints
 
 UNITS = {
@@ -231,7 +231,7 @@ def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
     # Places: the two flanks of a crack edge begin at one and end at one.
     n_node = len(frame.points)
     flanks = edges.transpose(1, 0, 2).reshape(2, -1)
-    _, place = _components(flanks[0], flanks[1], n_node)
+    place = connected_parts(flanks[0], flanks[1], n_node)
     whole = np.bincount(place, minlength=n_node)[place[flanks[0]]] == 1
     # A node that is still whole is an end of every crack that arrives: a place for each.
     ends = np.where(whole, n_node + np.arange(whole.size), place[flanks[0]])
@@ -239,8 +239,8 @@ def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
     ends = ends.reshape(-1, 2)
     node = flanks[0][first]
     is_tip = names >= n_node
-    n_crack, crack = _components(ends[:, 0], ends[:, 1], names.size)
-    for k in range(n_crack):
+    crack = connected_parts(ends[:, 0], ends[:, 1], names.size)
+    for k in np.unique(crack):
         mine = crack[ends[:, 0]] == k
         way = _way(ends[mine], lengths[mine], is_tip)
         line = frame.reference[node[way]]
@@ -263,7 +263,9 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
     tips = ends[is_tip[ends]]
     begins = tips if tips.size else ends
     stops = tips if tips.size > 1 else ends if ends.size > 1 else places
-    distance = np.asarray(dijkstra(_graph(edges, lengths), directed=False, indices=begins))
+    distance = np.asarray(
+        scipy.sparse.csgraph.dijkstra(_graph(edges, lengths), directed=False, indices=begins)
+    )
     i, j = np.unravel_index(np.argmax(distance[:, stops]), (begins.size, stops.size))
     return _shortest(edges, lengths, int(begins[i]), int(stops[j]))
 
@@ -271,7 +273,9 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
 def _shortest(edges: Ints, lengths: Floats, begin: int, stop: int) -> Ints:
     """Return the places on the shortest way, none if there is no way."""
     graph = _graph(edges, lengths)
-    _, before = dijkstra(graph, directed=False, indices=begin, return_predecessors=True)
+    _, before = scipy.sparse.csgraph.dijkstra(
+        graph, directed=False, indices=begin, return_predecessors=True
+    )
     way = [stop]
     while way[-1] != begin:
         if before[way[-1]] < 0:
@@ -282,7 +286,7 @@ def _shortest(edges: Ints, lengths: Floats, begin: int, stop: int) -> Ints:
 
 def _graph(edges: Ints, lengths: Floats) -> Any:
     n = int(edges.max()) + 1
-    return coo_array((lengths, tuple(edges.T)), (n, n)).tocsr()
+    return scipy.sparse.coo_array((lengths, tuple(edges.T)), (n, n)).tocsr()
 
 
 # --- bridges -------------------------------------------------------------------------------------
@@ -384,7 +388,7 @@ class _Surface:
 
 def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
     n_node, quads = len(frame.points), frame.quads
-    _, piece_of_node = _components(np.repeat(quads[:, 0], 3), quads[:, 1:].ravel(), n_node)
+    piece_of_node = connected_parts(np.repeat(quads[:, 0], 3), quads[:, 1:].ravel(), n_node)
     of_quad = piece_of_node[quads[:, 0]]
     found = []
     for k in np.unique(of_quad):
@@ -395,12 +399,6 @@ def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
     if found and not frame.held.any():
         found[0] = Piece(found[0].quads, found[0].area, loose=False)
     return found
-
-
-def _components(a: Ints, b: Ints, n: int) -> tuple[int, Ints]:
-    graph = coo_array((np.ones(a.size, np.int8), (a, b)), (n, n))
-    count, label = connected_components(graph, directed=False)
-    return int(count), np.asarray(label)
 
 
 def _area_vectors(points: Floats, quads: Ints) -> Floats:

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+import scipy
 
 from ._jit import Floats, Ints
+from .connected_parts import connected_parts
 from .formats.abaqus import read_abaqus
 from .formats.errors import FileError, named
 from .formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, FileMesh
@@ -262,7 +261,7 @@ class _Film:
         used = np.unique(self.quads)
         points = self.nodes[used]
         reach = _COINCIDENT * float(np.ptp(points, axis=0).max()) if merge is None else merge
-        pairs = used[cKDTree(points).query_pairs(reach, output_type="ndarray")]
+        pairs = used[scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")]
         if not len(pairs):
             return
         if merge is None:
@@ -273,8 +272,7 @@ class _Film:
             )
             return
         n = len(self.nodes)
-        graph = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-        _, label = connected_components(graph, directed=False)
+        label = connected_parts(pairs[:, 0], pairs[:, 1], n)
         _, first = np.unique(label, return_index=True)
         place = first[label]
         self.quads = place[self.quads]

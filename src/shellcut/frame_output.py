@@ -12,6 +12,7 @@ from typing import Literal
 
 from .frame import Frame
 from .pvd import PvdWriter
+from .run_folder import frame_list, result_file
 from .vtkhdf import VtkHdfWriter
 
 
@@ -20,8 +21,10 @@ class FrameOutput:
 
     Parameters
     ----------
-    stem : Path
-        Of the files, ``folder / NAME``.
+    folder : Path
+        Where to.
+    name : str
+        NAME.
     pvd : bool
         Whether to write PVD + VTU too.
     mode, until
@@ -35,20 +38,19 @@ class FrameOutput:
 
     def __init__(
         self,
-        stem: Path,
+        folder: Path,
+        name: str,
         *,
         pvd: bool = False,
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
     ) -> None:
-        self._result = VtkHdfWriter(result_file(stem), mode=mode, until=until)
-        self._pvd: PvdWriter | None = None
-        if pvd:
-            path = stem.with_name(f"{stem.name}.pvd")
-            if self._result.goes_on:  # with the frames that are kept there
-                self._pvd = PvdWriter(path, mode="a", until=self._result.last_time)
-            else:
-                self._pvd = PvdWriter(path)
+        self._result = VtkHdfWriter(result_file(folder, name), mode=mode, until=until)
+        try:
+            self._pvd = self._pvd_writer(frame_list(folder, name)) if pvd else None
+        except BaseException:
+            self._result.close()
+            raise
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
 
@@ -73,12 +75,12 @@ class FrameOutput:
             if self._pvd is not None:
                 self._pvd.close()
 
+    def _pvd_writer(self, path: Path) -> PvdWriter:
+        if self._result.goes_on:  # with the frames that are kept there
+            return PvdWriter(path, mode="a", until=self._result.last_time)
+        return PvdWriter(path)
+
     def _write(self, frame: Frame) -> None:
         self._result.append(frame)
         if self._pvd is not None:
             self._pvd.append(frame)
-
-
-def result_file(stem: Path) -> Path:
-    """Return the path of the VTKHDF file, ``folder / NAME.vtkhdf``."""
-    return stem.with_name(f"{stem.name}.vtkhdf")

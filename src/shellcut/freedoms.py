@@ -18,7 +18,7 @@ stiffness in this order stay sparse, without a search at every factorisation.
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ._jit import Floats, Ints, Numbers, kernel
 from ._vec3 import load, rotate_director, store, tangent_basis
@@ -78,7 +78,7 @@ class Freedoms:
         free[held, 3], free[held, 4] = rank < 2, rank < 1
         self.free = self._order[free.ravel()[self._order]]
 
-    def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> sparse.csc_array:
+    def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> scipy.sparse.csc_array:
         """Assemble the tangent stiffness, shape (5 n_node, 5 n_node).
 
         Parameters
@@ -93,7 +93,7 @@ class Freedoms:
         _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
         return self._pattern.assemble(tangent)
 
-    def restrict(self, stiffness: sparse.csc_array) -> sparse.csc_array:
+    def restrict(self, stiffness: scipy.sparse.csc_array) -> scipy.sparse.csc_array:
         """Return the free rows and columns of an assembled stiffness."""
         return self._pattern.restrict(stiffness, self.free)
 
@@ -149,29 +149,29 @@ class _Pattern:
         self._n, self._slot, self._row = n, slot, key % n
         self._start = np.searchsorted(key // n, np.arange(n + 1))
         self._free: Ints = np.empty(0, np.int64)
-        self._part: sparse.csc_array = sparse.csc_array((0, 0))
+        self._part: scipy.sparse.csc_array = scipy.sparse.csc_array((0, 0))
 
-    def assemble(self, tangent: Floats) -> sparse.csc_array:
+    def assemble(self, tangent: Floats) -> scipy.sparse.csc_array:
         data = np.bincount(self._slot, weights=tangent.ravel(), minlength=self._row.size)
         return self._matrix(data)
 
-    def restrict(self, stiffness: sparse.csc_array, free: Ints) -> sparse.csc_array:
+    def restrict(self, stiffness: scipy.sparse.csc_array, free: Ints) -> scipy.sparse.csc_array:
         if not np.array_equal(free, self._free):
             self._part = self._matrix(np.arange(self._row.size))[:, free][free, :]
             self._part.sort_indices()  # else a solver would, in place
             self._free = free
         p = self._part  # its data say which entries of the whole it takes
-        return sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
+        return scipy.sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
 
-    def _matrix(self, data: Floats | Ints) -> sparse.csc_array:
-        return sparse.csc_array((data, self._row, self._start), shape=(self._n, self._n))
+    def _matrix(self, data: Floats | Ints) -> scipy.sparse.csc_array:
+        return scipy.sparse.csc_array((data, self._row, self._start), shape=(self._n, self._n))
 
 
 def _dissection(nodes: Floats, quads: Ints) -> Ints:
     """Return the nodes in the order of a nested dissection by their coordinates."""
     n = nodes.shape[0]
     row, column = np.repeat(quads, 4, axis=1).ravel(), np.tile(quads, (1, 4)).ravel()
-    touch = sparse.csr_array((np.ones(row.size), (row, column)), shape=(n, n))
+    touch = scipy.sparse.csr_array((np.ones(row.size), (row, column)), shape=(n, n))
     below = np.zeros(n)
 
     def dissect(part: Ints) -> list[Ints]:

@@ -13,9 +13,9 @@ from numbers import Real
 from .unit import LENGTH
 
 MILLIMETRES = {
-    **{unit: LENGTH[unit] for unit in ("um", "mm", "cm", "m")},
-    "inch": LENGTH["in"],
-    "mil": LENGTH["mil"],
+    **{unit: float(LENGTH[unit]) for unit in ("um", "mm", "cm", "m")},
+    "inch": float(LENGTH["in"]),
+    "mil": float(LENGTH["mil"]),
 }
 """Length of each unit [mm]."""
 

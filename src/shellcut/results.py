@@ -9,7 +9,6 @@ FileNotFoundError: no/such/folder must be the folder of a run or its .vtkhdf fil
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 from collections.abc import Iterator
@@ -20,8 +19,11 @@ import numpy as np
 import numpy.typing as npt
 
 from .cut_quality import UNITS, cut_quality
+from .energy_balance import energy_shares, work_put_in
 from .frame import Floats, Frame
 from .history import read_history
+from .run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
+from .split_table import read_splits
 from .vtkhdf import VtkHdfReader
 
 # The imbalance of energies is drawn from this share of the run's largest work on.
@@ -63,10 +65,10 @@ class Results:
         self._frames = frames
         self.history: dict[str, Floats] = {}
         self.units: dict[str, str] = {}
-        if (folder / "history.csv").exists():
-            self.history, self.units = read_history(folder / "history.csv")
-        self.summary = _read_summary(folder / "summary.json")
-        self.splits, self.split_units = _read_splits(folder / "splits.csv")
+        if (folder / HISTORY).exists():
+            self.history, self.units = read_history(folder / HISTORY)
+        self.summary = _read_summary(folder / SUMMARY)
+        self.splits, self.split_units = read_splits(folder / SPLITS)
 
     def __repr__(self) -> str:
         n_row = len(next(iter(self.history.values()), ()))
@@ -204,7 +206,7 @@ class Results:
         from .view import draw_torque
 
         first = self.resistance_name
-        path = self.folder / f"{first}.png" if path is None else Path(path)
+        path = resistance_picture(self.folder, first) if path is None else Path(path)
         teeth = [name for name in self.history if name.startswith(f"{first}_tooth_")]
         draw_torque(
             path,
@@ -233,22 +235,16 @@ class Results:
         """
         from .view import draw_energy
 
-        path = self.folder / "energy.png" if path is None else Path(path)
+        path = self.folder / ENERGY_PICTURE if path is None else Path(path)
         coordinate, history = self.coordinate_name, self.history
-        work = history["tool_work"] + history["load_work"] + history["support_work"]
+        work = work_put_in(history)
         # At first touch there is next to no work to compare with.
         tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
         draw_energy(
             path,
             history[coordinate],
             work,
-            {
-                "cables": history["cohesive_work"] + history["cohesive_start_work"],
-                "damping": history["damping_stiffness"] + history["damping_mass"],
-                "strain": history["strain"],
-                "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
-                "contact": history["contact_work"],
-            },
+            energy_shares(history),
             np.where(tells, 100.0 * history["imbalance_rel"], np.nan),
             title=self.name,
             coordinate_name=coordinate,
@@ -309,21 +305,6 @@ def read(path: str | os.PathLike[str]) -> Results:
 
 def _read_summary(path: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads(path.read_text()))
+        return dict(json.loads(path.read_text(encoding="utf-8")))
     except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
         return {}
-
-
-def _read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
-    if not path.exists():
-        return {}, {}
-    with path.open(newline="") as file:
-        header, *rows = csv.reader(file)
-    columns, units = {}, {}
-    for cell, column in zip(
-        header, zip(*rows, strict=True) if rows else [()] * len(header), strict=True
-    ):
-        name, _, unit = cell.rstrip("]").partition(" [")
-        kind = str if name == "kind" else int if name in ("node", "twin") else float
-        columns[name], units[name] = np.array(column, dtype=kind), unit
-    return columns, units

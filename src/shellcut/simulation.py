@@ -340,6 +340,14 @@ class Simulation:
             for hook in hooks:
                 hook.close()
 
+    @property
+    def tooth_wrenches(self) -> Floats:
+        """Wrench on each body of the tool, contact and joints together, shape (n_body, 6).
+
+        Force [N] and moment [N·mm] about ``translation``.
+        """
+        return np.asarray(self.contact_forces.wrench + self.cable_forces.wrench)
+
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
         book = self.ledger

@@ -38,8 +38,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+import scipy
 
 from ._jit import Floats
 from .freedoms import Freedoms, turn_directors
@@ -291,13 +290,13 @@ class Statics:
             With the rotary inertia rho h³/12; otherwise with the scaled one of the explicit driver.
         """
         K, mass = self._vibration(true_inertia)
-        q2, q = eigsh(
+        q2, q = scipy.sparse.linalg.eigsh(
             K,
             k=n,
-            M=sparse.csc_array(sparse.diags_array(mass)),
+            M=scipy.sparse.csc_array(scipy.sparse.diags_array(mass)),
             sigma=0.0,
             which="LM",
-            OPinv=LinearOperator(K.shape, matvec=_solver(K)),
+            OPinv=scipy.sparse.linalg.LinearOperator(K.shape, matvec=_solver(K)),
         )
         order = np.argsort(q2)
         shapes = []
@@ -314,13 +313,15 @@ class Statics:
         :mod:`shellcut.time_step`.
         """
         K, mass = self._vibration(true_inertia=False)
-        scale = sparse.diags_array(1.0 / np.sqrt(mass))
-        largest = eigsh(scale @ K @ scale, k=1, which="LA", return_eigenvectors=False)
+        scale = scipy.sparse.diags_array(1.0 / np.sqrt(mass))
+        largest = scipy.sparse.linalg.eigsh(
+            scale @ K @ scale, k=1, which="LA", return_eigenvectors=False
+        )
         return float(np.sqrt(largest[0]))
 
     # ------------------------------------------------------------------ parts
 
-    def _vibration(self, true_inertia: bool) -> tuple[sparse.csc_array, Floats]:
+    def _vibration(self, true_inertia: bool) -> tuple[scipy.sparse.csc_array, Floats]:
         """Return stiffness and diagonal of the mass of the free freedoms."""
         self._begin()
         n, node, freedoms = self.mesh.n_node, self.state.node, self._freedoms
@@ -435,7 +436,7 @@ def _translations(u: Floats) -> Floats:
     return np.asarray(u.reshape(-1, 5)[:, :3].ravel())
 
 
-def _solver(K: sparse.csc_array) -> Callable[[Floats], Floats]:
+def _solver(K: scipy.sparse.csc_array) -> Callable[[Floats], Floats]:
     """Factorise the free stiffness.
 
     Raises
@@ -445,7 +446,7 @@ def _solver(K: sparse.csc_array) -> Callable[[Floats], Floats]:
     """
     try:
         # The order is that of the free freedoms, the pivots are those of the diagonal if they can.
-        factor = splu(
+        factor = scipy.sparse.linalg.splu(
             K,
             permc_spec="NATURAL",
             diag_pivot_thresh=0.01,

@@ -10,11 +10,10 @@ from math import degrees, radians
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
+import scipy
 
 from ._jit import Floats, Ints, SmallInts
+from .connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
 """Vertices nearer than this part of the surface's diagonal are one: the round-off of a
@@ -62,7 +61,9 @@ class Surface:
 
         by_edge = np.argsort(row, kind="stable")
         same = np.flatnonzero(row[by_edge][1:] == row[by_edge][:-1])
-        self.body = first_come_labels(owner[by_edge][same], owner[by_edge][same + 1], n_triangle)
+        self.body = by_first_appearance(
+            connected_parts(owner[by_edge][same], owner[by_edge][same + 1], n_triangle)
+        )
         self.twin_corners = (by_edge[same], by_edge[same + 1])
         self.turn = self._turning_angles()
 
@@ -143,7 +144,9 @@ class Surface:
                 match = vertex[corner_a] == vertex[corner_b]
                 links_a.append(corner_a[match])
                 links_b.append(corner_b[match])
-        fan = first_come_labels(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
+        fan = by_first_appearance(
+            connected_parts(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
+        )
         pairs = np.unique(np.column_stack([vertex, fan]), axis=0)
         # fans of an open surface are told by its holes already
         fans = np.bincount(pairs[:, 0], minlength=self.vertices.shape[0])
@@ -213,9 +216,13 @@ class Surface:
         centre = self.vertices[self.triangles].mean(axis=1)
         way = np.linalg.norm(centre[a] - centre[b], axis=1)
         n = self.triangles.shape[0]
-        graph = coo_array((way, (a, b)), shape=(n, n)).tocsr()
-        to_plus = dijkstra(graph, directed=False, indices=np.unique(plus), min_only=True)
-        to_minus = dijkstra(graph, directed=False, indices=np.unique(minus), min_only=True)
+        graph = scipy.sparse.coo_array((way, (a, b)), shape=(n, n)).tocsr()
+        to_plus = scipy.sparse.csgraph.dijkstra(
+            graph, directed=False, indices=np.unique(plus), min_only=True
+        )
+        to_minus = scipy.sparse.csgraph.dijkstra(
+            graph, directed=False, indices=np.unique(minus), min_only=True
+        )
         flank = np.zeros(n, dtype=np.int8)
         flank[np.isfinite(to_plus) & (to_plus <= to_minus)] = 1
         flank[to_minus < to_plus] = -1
@@ -224,7 +231,7 @@ class Surface:
     def _holes(self, rows: Ints) -> str:
         # connected rims of open edges with their middle and size, the largest first
         n = self.vertices.shape[0]
-        rim_of_vertex = first_come_labels(self.lo[rows], self.hi[rows], n)
+        rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
         rim = rim_of_vertex[self.lo[rows]]
         found = []
         for label in np.unique(rim):
@@ -273,25 +280,14 @@ def merge_vertices(
     """
     if tolerance is None:
         tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    pairs = cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
-    place = first_come_labels(pairs[:, 0], pairs[:, 1], vertices.shape[0])
+    pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+    place = by_first_appearance(connected_parts(pairs[:, 0], pairs[:, 1], vertices.shape[0]))
     _, first = np.unique(place, return_index=True)
     used = np.zeros(first.size, dtype=bool)
     used[place[triangles]] = True
     new_id = np.where(used, np.cumsum(used) - 1, -1)
     merged = np.ascontiguousarray(vertices[first][used])
     return merged, new_id[place[triangles]], None if edges is None else new_id[place[edges]]
-
-
-def first_come_labels(a: Ints, b: Ints, n: int) -> Ints:
-    """Return the connected part of each of n things linked by pairs, by first appearance."""
-    graph = coo_array((np.ones(a.size, dtype=np.int8), (a, b)), shape=(n, n))
-    _, label = connected_components(graph, directed=False)
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(first.size, dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(first.size)
-    ranks: Ints = rank[inverse]
-    return ranks
 
 
 def normals_and_heights(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:

@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation, RotationSpline
+import scipy
 
 from ._jit import Floats, Vec3
 from .formats.errors import FileError
@@ -71,10 +70,10 @@ class TableMotion:
             self.times, self.translations, self.rotation_vectors
         )
         n = times.size
-        cubic = CubicSpline(times, translations)
+        cubic = scipy.interpolate.CubicSpline(times, translations)
         # per interval the coefficients of dt³, dt², dt, 1 for x, y, z in turn
         translation = cubic.c.transpose(1, 2, 0).reshape(n - 1, 12)
-        start = Rotation.from_rotvec(vectors)
+        start = scipy.spatial.transform.Rotation.from_rotvec(vectors)
         turn = (start[:-1].inv() * start[1:]).magnitude()
         if turn.max() >= LARGEST_TABLE_TURN:
             i = int(turn.argmax())
@@ -258,14 +257,16 @@ def _cubic(coefficients: list[float], dt: float) -> tuple[Vec3, Vec3]:
     )
 
 
-def _rotation_cubics(times: Floats, start: Rotation) -> Floats:
+def _rotation_cubics(times: Floats, start: scipy.spatial.transform.Rotation) -> Floats:
     # RotationSpline is R_i exp(cubic in t - t_i): the cubics, shape (n_time - 1, 9), from its
     # values at thirds of the intervals (no spline of scipy is called during a run)
-    spline = RotationSpline(times, start)
+    spline = scipy.spatial.transform.RotationSpline(times, start)
     step = np.diff(times)
     thirds = np.array([1.0, 2.0, 3.0]) / 3.0
     at_thirds = spline((times[:-1, None] + step[:, None] * thirds).ravel())
-    back = Rotation.from_quat(np.repeat(start[:-1].as_quat(), 3, axis=0)).inv()
+    back = scipy.spatial.transform.Rotation.from_quat(
+        np.repeat(start[:-1].as_quat(), 3, axis=0)
+    ).inv()
     phi = (back * at_thirds).as_rotvec().reshape(-1, 3, 3)
     fit = np.linalg.inv(np.column_stack([thirds**3, thirds**2, thirds]))
     scaled = np.einsum("kj,ijc->ick", fit, phi)

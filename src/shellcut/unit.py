@@ -1,4 +1,4 @@
-"""Units of length, angle, force, torque and time as people write them, and the factors between.
+"""All units that the library reads: their sizes, how people write them, the factors between.
 
 ::
 
@@ -11,43 +11,57 @@ A product may be written ``N*mm``, ``N·mm``, ``N mm``, ``N-mm`` or ``Nmm``; let
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from fractions import Fraction
 from math import pi
 
-_STANDARD_GRAVITY = 9.80665
-_POUND = 0.45359237 * _STANDARD_GRAVITY
+Sizes = Mapping[str, Fraction]
+"""Size of each unit of one dimension. Fractions, so that 0.92 g/cm^3 is the double 9.2e-10."""
 
-LENGTH = {
-    "um": 1e-3,
-    "mm": 1.0,
-    "cm": 10.0,
-    "m": 1000.0,
-    "in": 25.4,
-    "ft": 304.8,
-    "mil": 0.0254,
+
+def _exactly(sizes: Mapping[str, str]) -> dict[str, Fraction]:
+    return {name: Fraction(size) for name, size in sizes.items()}
+
+
+_STANDARD_GRAVITY = Fraction("9.80665")
+_POUND = Fraction("0.45359237") * _STANDARD_GRAVITY
+_RADIAN = 180 / Fraction(pi)
+
+LENGTH: Sizes = _exactly(
+    {
+        "um": "1e-3",
+        "mm": "1",
+        "cm": "10",
+        "m": "1e3",
+        "in": "25.4",
+        "ft": "304.8",
+        "mil": "0.0254",
+    }
+)
+"""[mm]"""
+ANGLE: Sizes = {
+    "rad": _RADIAN,
+    "mrad": _RADIAN / 1000,
+    **_exactly({"deg": "1", "gon": "0.9", "turn": "360"}),
 }
-"""Size of each unit of length [mm]."""
-ANGLE = {
-    "rad": 1.0,
-    "mrad": 1e-3,
-    "deg": pi / 180.0,
-    "gon": pi / 200.0,
-    "turn": 2.0 * pi,
-}
-"""Size of each unit of angle [rad]."""
-FORCE = {
-    "mN": 1e-3,
-    "N": 1.0,
-    "daN": 10.0,
-    "kN": 1000.0,
-    "gf": 1e-3 * _STANDARD_GRAVITY,
+"""[deg]"""
+FORCE: Sizes = {
+    **_exactly({"mN": "1e-3", "N": "1", "daN": "10", "kN": "1e3"}),
+    "gf": _STANDARD_GRAVITY / 1000,
     "kgf": _STANDARD_GRAVITY,
-    "ozf": _POUND / 16.0,
+    "ozf": _POUND / 16,
     "lbf": _POUND,
 }
-"""Size of each unit of force [N]."""
-TIME = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
-"""Size of each unit of time [s]."""
-TORQUE = {
+"""[N]"""
+TIME: Sizes = _exactly({"us": "1e-6", "ms": "1e-3", "s": "1", "min": "60"})
+"""[s]"""
+MASS: Sizes = _exactly({"g": "1e-6", "kg": "1e-3", "t": "1"})
+"""[t]"""
+STRESS: Sizes = _exactly({"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3", "bar": "0.1"})
+"""[MPa]"""
+ENERGY: Sizes = _exactly({"mJ": "1", "J": "1e3", "kJ": "1e6"})
+"""[N·mm]"""
+TORQUE: Sizes = {
     f"{force}*{arm}": FORCE[force] * LENGTH[arm]
     for forces, arms in (
         (("mN", "N", "kN", "gf", "kgf"), ("mm", "cm", "m")),
@@ -56,11 +70,11 @@ TORQUE = {
     for force in forces
     for arm in arms
 }
-"""Size of each unit of torque [N·mm]."""
-RATIO = {"-": 1.0, "%": 0.01}
-"""Size of each pure number."""
+"""[N·mm]"""
+RATIO: Sizes = {"-": Fraction(1), "%": Fraction("0.01")}
+"""[-]"""
 
-DIMENSIONS = {
+DIMENSIONS: Mapping[str, Sizes] = {
     "length": LENGTH,
     "angle": ANGLE,
     "force": FORCE,
@@ -68,6 +82,7 @@ DIMENSIONS = {
     "time": TIME,
     "ratio": RATIO,
 }
+"""What a history holds."""
 LIBRARY_UNITS = {
     "length": "mm",
     "angle": "deg",
@@ -175,4 +190,4 @@ def conversion(unit: str, to: str) -> float:
         other = dimension(unit)
         hint = f", one of {other}" if other else ""
         raise ValueError(f"must be a unit of {wanted} ({', '.join(sizes)}), got {unit!r}{hint}")
-    return sizes[name] / sizes[target]
+    return float(sizes[name] / sizes[target])

@@ -174,7 +174,6 @@ class VtkHdfWriter(GrowingFile):
                 and np.array_equal(connectivity, old_connectivity)
             ):
                 return dict(self._cells_entry)
-        self._cells = connectivity, types, n_point
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
@@ -190,6 +189,7 @@ class VtkHdfWriter(GrowingFile):
             "CellOffsets": (cell,),
             "ConnectivityIdOffsets": (first_id,),
         }
+        self._cells = connectivity, types, n_point
         return dict(self._cells_entry)
 
     def _count(self, n_frame: int) -> None:

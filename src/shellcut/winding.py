@@ -11,10 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ._jit import Bools, Ints
+from .connected_parts import connected_parts
 
 
 class Winding(NamedTuple):
@@ -64,8 +63,7 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
     # copy 2 c is cell c as it is, copy 2 c + 1 reversed
     rows = np.concatenate([2 * a, 2 * a + 1])
     columns = np.concatenate([2 * b + ~agree, 2 * b + agree])
-    joined = coo_array((np.ones(rows.size, np.int8), (rows, columns)), shape=(2 * n_cell,) * 2)
-    _, image = connected_components(joined, directed=False)
+    image = connected_parts(rows, columns, 2 * n_cell)
     as_is, reverse = image[0::2], image[1::2]
     _, part = np.unique(np.minimum(as_is, reverse), return_inverse=True)
     votes = np.bincount(as_is, minlength=2 * n_cell)

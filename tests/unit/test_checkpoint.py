@@ -15,12 +15,12 @@ import pytest
 
 import shellcut.checkpoint
 import shellcut.recorder
+from notched_strip import cutting
 from shellcut.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
-from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Fracture
 from shellcut.history import read_history
 from shellcut.hooks import StopWhen
-from shellcut.load import EdgeTraction, Gravity, NodalForce, Pressure
+from shellcut.load import Pressure
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.meshing import rectangle
 from shellcut.models import Case
@@ -32,7 +32,6 @@ from shellcut.state import BROKEN
 from shellcut.support import Support
 from shellcut.table_motion import TableMotion
 from shellcut.time_step import Stepping
-from shellcut.tool_shapes import straight_blade
 
 END = 8e-5
 
@@ -58,46 +57,6 @@ class Sliding:
 
     def coordinate(self, time):
         return self._speed * time
-
-
-def cutting(
-    *,
-    size=0.4,
-    material=None,
-    blade=0.1,
-    motion=None,
-    strength=18.0,
-    pressure=1e-3,
-    set_name="sides",
-    **options,
-):
-    """A blade that cuts a notched strip whose long sides move, under loads of every kind."""
-    mesh = rectangle(8 * size, 4 * size, n_x=8, n_y=4)
-    mesh = mesh.cut([18, 19])
-    sides = {name: mesh.node_set(name) for name in ("bottom", "top")}
-    mesh = mesh.with_sets(node_sets={"sides": [*sides["bottom"], *sides["top"]]})
-    options.setdefault("fracture", Fracture(check_every=5))
-    return Simulation(
-        mesh,
-        material or ShellMaterial.homogeneous(),
-        supports=[
-            Support(sides["bottom"], velocity={"y": lambda t: -200.0 * np.sin(3e4 * t)}),
-            Support(sides["top"], velocity={"y": lambda t: 300.0}),
-        ]
-        if set_name == "sides"
-        else [Support.clamped(sides["bottom"])],
-        loads=[
-            Pressure(pressure),
-            Pressure(1e-3, following=True, factor=lambda t: 1.0 + 1e4 * t),
-            Gravity((0.0, 0.0, -1e6)),
-            EdgeTraction("right", (0.05, 0.0, 0.0), factor=lambda t: 2e4 * t),
-            NodalForce([12], (0.0, 0.0, 1e-4)),
-        ],
-        tool=straight_blade(half_thickness=blade, length=2.0, height=2.0),
-        motion=motion or StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
-        law=CohesiveLaw(strength=strength, opening_a=0.05, opening_p=0.2, opening_u=0.3),
-        **options,
-    )
 
 
 RUNS = {
@@ -664,7 +623,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     Case("cut", cutting(), 8e-6).run(whole, **records)
     first = cutting()
     recorder = Recorder(first, part, until=8e-6, name="cut", **records)
-    recorder._drawing = 500.0
+    recorder._mark.drawing = 500.0
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
     # The last one shows where it stopped, and is drawn again in its turn.
     assert sorted(p.name for p in part.glob("*.png")) == [

@@ -143,6 +143,7 @@ def test_overwrite_leaves_nothing_of_the_run_before(tmp_path, capsys):
         (["run", "opening", "-o", "out", "--frames", "0"], "[output].frames must be 1 or more"),
         (["run", "opening", "-o", "file"], "-o must name a folder"),
         (["run", "opening", "--write-model", "file"], "is there already"),
+        (["run", "opening", "--write-model", "none/model.toml"], "No such file or directory"),
         (["resume", "nowhere"], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
         (["preview", "opening", "--set", "mesh=quick", "-o", "gone/x.png"], "gone"),

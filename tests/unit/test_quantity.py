@@ -24,6 +24,11 @@ from shellcut.model_file.quantity import quantity
         ("1e-3 N*m", "N*mm", 1.0),
         ("0.25 turn", "deg", 90.0),
         ("-.5", "mm", -0.5),
+        ("2 inch", "mm", 50.8),
+        ("1 in", "mm", 25.4),
+        ("100 gon", "deg", 90.0),
+        ("1 kgf*m", "N*mm", 9806.65),
+        ("180 degrees/s", "deg/s", 180.0),
         ("3", "", 3.0),
     ],
 )

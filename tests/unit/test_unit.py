@@ -47,6 +47,14 @@ def test_every_unit_is_its_own_name_in_one_dimension():
         assert LIBRARY_UNITS[what] in sizes
 
 
+def test_factors_are_the_nearest_doubles():
+    # Angles of motions in a table are multiplied by them: pi is a double, the rest is exact.
+    assert conversion("deg", "rad") == pi / 180.0
+    assert conversion("turn", "rad") == 2.0 * pi
+    assert conversion("rad", "deg") == 180.0 / pi
+    assert conversion("mil", "um") == 25.4
+
+
 def test_the_wrong_dimension_is_said():
     with pytest.raises(ValueError, match=r"unit of force .*got 'Nmm', one of torque"):
         conversion("Nmm", "N")

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from unittest.mock import Mock
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ import shellcut
 from opening_frame import opening_frame
 from shellcut.frame import Frame
 from shellcut.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
+from shellcut.hdf_columns import Columns
 from shellcut.vtkhdf import VtkHdfReader, VtkHdfWriter
 
 ROUNDING = 2.0 ** -(KEPT_BITS + 1)  # half of the last bit that is kept
@@ -253,6 +255,20 @@ def test_frames_out_of_order_or_with_other_scalars_are_refused(tmp_path):
         later = dataclasses.replace(second, time=1.0, scalars={}, scalar_units={})
         with pytest.raises(ValueError, match="every frame must have the scalars"):
             writer.append(later)
+
+
+def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
+    # Both have the same new cells; those of the failed one must not be taken for written.
+    before, failed, after = frames(4)[1:]
+    path = tmp_path / "run.vtkhdf"
+    with VtkHdfWriter(path) as writer:
+        writer.append(before)
+        with monkeypatch.context() as patch:
+            patch.setattr(Columns, "write", Mock(side_effect=OSError("disk full")))
+            with pytest.raises(OSError, match="disk full"):
+                writer.append(failed)
+        writer.append(after)
+    assert_same(VtkHdfReader(path).frame(-1), after)
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")

@@ -127,7 +127,10 @@ def _write_model(name: str, path: Path) -> int:
         return _refuse(f"{name}: the models to write are {', '.join(shipped)}")
     if path.exists():
         return _refuse(f"{path} is there already: choose another name")
-    path.write_text(shipped[name], encoding="utf-8")
+    try:
+        path.write_text(shipped[name], encoding="utf-8")
+    except OSError as problem:
+        return _refuse(str(problem))
     print(f"wrote {path}; run it by: shellcut run {path} -o OUT")
     return DONE
 

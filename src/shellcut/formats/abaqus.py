@@ -17,7 +17,7 @@ from math import radians
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from shellcut._jit import Floats, Ints
 
@@ -455,7 +455,9 @@ def _transform(keyword: Keyword) -> _Transform:
         length = float(np.linalg.norm(b - a))
         if length == 0.0:
             raise line.error("the axis of rotation must have two different points")
-        turn = Rotation.from_rotvec((b - a) / length * radians(line.number(6)))
+        turn = scipy.spatial.transform.Rotation.from_rotvec(
+            (b - a) / length * radians(line.number(6))
+        )
         rotation = turn.as_matrix()
         # first the translation, then the rotation about the axis from a to b
         shift = rotation @ (shift - a) + a

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from shellcut._jit import Bools, Floats
 from shellcut.mesh import Mesh
@@ -189,7 +189,7 @@ class _Crossings:
         if low == 0.0 or high == 0.0:
             return float(self._times[i if low == 0.0 else i + 1])
         start, end = self._times[i : i + 2].tolist()
-        found: float = brentq(
+        found: float = scipy.optimize.brentq(
             lambda t: float(self._film.off_plane(self._at(t, j))),
             start,
             end,

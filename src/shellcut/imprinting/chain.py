@@ -18,8 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+import scipy
 
 from shellcut._jit import Bools, Floats, Ints
 
@@ -214,8 +213,8 @@ class _EdgeGraph:
         rows = np.concatenate([one, source, finals])
         columns = np.concatenate([two, begins, sink])
         prices = np.concatenate([price, begin_price, final_price + 1e-12])
-        graph = csr_array((prices, (rows, columns)), shape=(n + 2, n + 2))
-        total, before = dijkstra(graph, indices=n, return_predecessors=True)
+        graph = scipy.sparse.csr_array((prices, (rows, columns)), shape=(n + 2, n + 2))
+        total, before = scipy.sparse.csgraph.dijkstra(graph, indices=n, return_predecessors=True)
         if not np.isfinite(total[n + 1]):
             raise self._no_way(total[:n])
         edges = _follow(before, n + 1)[1:-1]
@@ -268,8 +267,8 @@ class _EdgeGraph:
         rows = np.concatenate([one, np.full(len(begins), n), finals])
         columns = np.concatenate([two, begins, np.full(len(finals), n + 1)])
         prices = np.concatenate([price, self.cost[begins], np.full(len(finals), 1e-12)])
-        graph = csr_array((prices, (rows, columns)), shape=(n + 2, n + 2))
-        total, before = dijkstra(graph, indices=n, return_predecessors=True)
+        graph = scipy.sparse.csr_array((prices, (rows, columns)), shape=(n + 2, n + 2))
+        total, before = scipy.sparse.csgraph.dijkstra(graph, indices=n, return_predecessors=True)
         if not np.isfinite(total[n + 1]):
             return None
         return np.asarray(self.tail[_follow(before, n + 1)[1:-1]])

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from shellcut._jit import Bools, Floats
 
@@ -147,13 +147,13 @@ class _Surroundings:
 
     def __init__(self, film: FilmPlane) -> None:
         self.film = film
-        self.nodes = cKDTree(film.x)
+        self.nodes = scipy.spatial.cKDTree(film.x)
         edges = film.mesh.edges()
         self.rim = edges.nodes[edges.n_quad == 1]
         self.spacing = float(np.median(film.edge_length)) / _SAMPLES_AN_EDGE
         a, b = film.x[self.rim[:, 0]], film.x[self.rim[:, 1]]
         t = np.linspace(0.0, 1.0, _SAMPLES_AN_EDGE, endpoint=False)[:, None, None]
-        self.rim_points = cKDTree((a + t * (b - a)).reshape(-1, 2))
+        self.rim_points = scipy.spatial.cKDTree((a + t * (b - a)).reshape(-1, 2))
 
     def size(self, x: Floats) -> Floats:
         """Return the edge length of the mesh at places, (n,)."""
@@ -314,7 +314,9 @@ class _Surroundings:
             which.append(np.full(len(u), k))
         x, s, owner = (np.concatenate(a) for a in (places, along, which))
         h = self.size(x)
-        pairs = cKDTree(x).query_pairs(LEAST_APART * float(h.max()), output_type="ndarray")
+        pairs = scipy.spatial.cKDTree(x).query_pairs(
+            LEAST_APART * float(h.max()), output_type="ndarray"
+        )
         i, j = pairs[:, 0], pairs[:, 1]
         apart = np.linalg.norm(x[i] - x[j], axis=1) / np.minimum(h[i], h[j])
         gap = np.abs(s[i] - s[j])

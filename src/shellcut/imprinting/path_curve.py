@@ -12,8 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
+import scipy
 
 from shellcut._jit import Floats
 
@@ -52,17 +51,19 @@ class PathCurve:
         self.closed = closed
         if len(points) == 2:
             slope = np.diff(points, axis=0) / self.length
-            self._spline = CubicSpline(self._knots, points, bc_type=((1, slope[0]), (1, slope[0])))
+            self._spline = scipy.interpolate.CubicSpline(
+                self._knots, points, bc_type=((1, slope[0]), (1, slope[0]))
+            )
         else:
             ends = "periodic" if closed else "not-a-knot"
-            self._spline = CubicSpline(self._knots, points, bc_type=ends)
+            self._spline = scipy.interpolate.CubicSpline(self._knots, points, bc_type=ends)
         n = _SAMPLES_A_CHORD * (len(points) - 1)
         at = np.arange(len(points) - 1) + np.arange(_SAMPLES_A_CHORD)[:, None] / _SAMPLES_A_CHORD
         self._sample_u = np.interp(
             np.append(np.sort(at.ravel()), len(points) - 1.0), np.arange(len(points)), self._knots
         )
         self._samples: Floats = self._spline(self._sample_u)
-        self._tree = cKDTree(self._samples[:n] if closed else self._samples)
+        self._tree = scipy.spatial.cKDTree(self._samples[:n] if closed else self._samples)
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"

@@ -1,37 +1,31 @@
 """Numbers with a unit, as "43.5 kJ/m^2" or "12 um", taken to mm, N, s and degrees.
 
-Sizes are fractions and the number is read as a decimal, so that "0.92 g/cm3" is the very double
-that 9.2e-10 is.
+The number is read as a decimal, so that "0.92 g/cm3" is the very double that 9.2e-10 is.
 """
 
 from __future__ import annotations
 
 import re
 from fractions import Fraction
-from math import pi
+
+from shellcut import unit as unit_table
 
 Dimension = tuple[int, int, int, int]
 """Exponents of length, force, time and angle; a mass is force x time² / length."""
 
-_LENGTH: Dimension = (1, 0, 0, 0)
-_FORCE: Dimension = (0, 1, 0, 0)
-_TIME: Dimension = (0, 0, 1, 0)
-_ANGLE: Dimension = (0, 0, 0, 1)
-_MASS: Dimension = (-1, 1, 2, 0)
-_STRESS: Dimension = (-2, 1, 0, 0)
-_ENERGY: Dimension = (1, 1, 0, 0)
 _NAMES = ("mm", "N", "s", "deg")
 
-_UNITS: dict[str, tuple[str, Dimension]] = {
-    **{"um": ("1e-3", _LENGTH), "mm": ("1", _LENGTH), "cm": ("10", _LENGTH)},
-    **{"m": ("1e3", _LENGTH), "inch": ("25.4", _LENGTH), "mil": ("0.0254", _LENGTH)},
-    **{"mN": ("1e-3", _FORCE), "N": ("1", _FORCE), "kN": ("1e3", _FORCE)},
-    **{"us": ("1e-6", _TIME), "ms": ("1e-3", _TIME), "s": ("1", _TIME), "min": ("60", _TIME)},
-    **{"deg": ("1", _ANGLE), "turn": ("360", _ANGLE), "rad": (repr(180.0 / pi), _ANGLE)},
-    **{"g": ("1e-6", _MASS), "kg": ("1e-3", _MASS), "t": ("1", _MASS)},
-    **{"Pa": ("1e-6", _STRESS), "kPa": ("1e-3", _STRESS), "MPa": ("1", _STRESS)},
-    **{"GPa": ("1e3", _STRESS), "bar": ("0.1", _STRESS)},
-    **{"mJ": ("1", _ENERGY), "J": ("1e3", _ENERGY), "kJ": ("1e6", _ENERGY)},
+_KINDS: tuple[tuple[unit_table.Sizes, Dimension], ...] = (
+    (unit_table.LENGTH, (1, 0, 0, 0)),
+    (unit_table.FORCE, (0, 1, 0, 0)),
+    (unit_table.TIME, (0, 0, 1, 0)),
+    (unit_table.ANGLE, (0, 0, 0, 1)),
+    (unit_table.MASS, (-1, 1, 2, 0)),
+    (unit_table.STRESS, (-2, 1, 0, 0)),
+    (unit_table.ENERGY, (1, 1, 0, 0)),
+)
+_UNITS: dict[str, tuple[Fraction, Dimension]] = {
+    name: (size, dimension) for sizes, dimension in _KINDS for name, size in sizes.items()
 }
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°1/].*?)?\s*")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
@@ -83,16 +77,23 @@ def _parsed(unit: str) -> tuple[Fraction, Dimension]:
         if piece == "1":
             continue
         found = _FACTOR.fullmatch(piece)
-        if not found or found[1] not in _UNITS:
+        name = _name(found[1]) if found else None
+        if found is None or name is None:
             raise ValueError(f"must have a unit made of {', '.join(_UNITS)}, got {unit!r}")
         power = int(found[2] or 1) * (-1 if divides else 1)
-        one, exponents = _UNITS[found[1]]
-        size *= Fraction(one) ** power
+        one, exponents = _UNITS[name]
+        size *= one**power
         length, force, time, angle = (
             d + power * e for d, e in zip(dimension, exponents, strict=True)
         )
         dimension = (length, force, time, angle)
     return size, dimension
+
+
+def _name(word: str) -> str | None:
+    """Return the name of a unit, which may be written out as "inch" or "degrees"."""
+    name = word if word in _UNITS else unit_table.canonical(word)
+    return name if name in _UNITS else None
 
 
 def _written(dimension: Dimension) -> str:

@@ -72,9 +72,12 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
     path = Path(name_or_path)
     if path.is_file():
         try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
+            text = path.read_text(encoding="utf-8-sig")  # with the mark of some editors
+        except OSError as error:
             raise ModelFileError([Problem(str(path), f"cannot be read: {error}")]) from None
+        except UnicodeDecodeError:
+            wants = "must be text in UTF-8, which TOML asks for: save it so in the editor"
+            raise ModelFileError([Problem(str(path), wants)]) from None
         return parse(text, str(name_or_path), path.resolve().parent)
     shipped = shipped_models()
     if str(name_or_path) in shipped:

@@ -75,7 +75,14 @@ class Case:
             If the solution blows up; the files are closed, the last good checkpoint is kept.
         FileNotFoundError, CheckpointError
             If there is nothing to resume, or it is another model's.
+        ValueError
+            If the simulation has been run already; nothing in the folder has been touched.
         """
+        if self.simulation.state.step:
+            raise ValueError(
+                f"a case is run once, this one is at step {self.simulation.state.step}: build it "
+                "again, and run it anew or with resume=True"
+            )
         try:
             recorder = Recorder(
                 self.simulation,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from shellcut.energy_balance import energy_shares, work_put_in
 from shellcut.frame import Bools
 
 from .chart import Curve, chart
@@ -36,20 +37,13 @@ def energy(run: Gathered) -> str:
     h = run.history
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
-    shares = {
-        "cables": h["cohesive_work"] + h["cohesive_start_work"],
-        "damping": h["damping_stiffness"] + h["damping_mass"],
-        "strain": h["strain"],
-        "kinetic": h["kinetic_translation"] + h["kinetic_rotation"],
-        "contact": h["contact_work"],
-    }
+    shares = energy_shares(h)
     largest = max(float(np.abs(share).max()) for share in shares.values())
     stacked = all(share.min() >= -0.01 * largest for share in shares.values())
     curves = [
         Curve(name, share, f"a{k}", area=stacked) for k, (name, share) in enumerate(shares.items())
     ]
-    work = h["tool_work"] + h["load_work"] + h["support_work"]
-    curves.append(Curve("work put in", work, "work"))
+    curves.append(Curve("work put in", work_put_in(h), "work"))
     ledger = _chart(run, curves, "energy", "N·mm", "energies and the work put in")
     trusted = run.trusted
     if trusted.sum() < 2:

@@ -10,14 +10,16 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.energy_balance import largest_shares, trusted_rows
 from shellcut.frame import Bools, Floats, Frame
 from shellcut.history import read_history
 from shellcut.results import Results, read
+from shellcut.run_folder import HISTORY, SUMMARY
 
 T = TypeVar("T")
 
-_TRUSTED_FROM_DEG = 10.0  # before that next to no work has been done to compare with
-_SIGNS = ("history.csv", "summary.json", "used.toml")
+_MODEL = "used.toml"
+_SIGNS = (HISTORY, SUMMARY, _MODEL)
 
 
 @dataclass
@@ -71,13 +73,10 @@ class Gathered:
 
     @property
     def trusted(self) -> Bools:
-        """Rows in which the tool has done enough work to compare with, as the recorder takes them.
-
-        Shape (n_row,).
-        """
+        """Rows in which the tool has done enough work to compare with, shape (n_row,)."""
         name, unit = self.coordinate
         x = self.history[name]
-        return np.asarray(x >= (_TRUSTED_FROM_DEG if unit == "deg" else 0.1 * x[-1]))
+        return trusted_rows(x, unit, x[-1])
 
     @property
     def figures(self) -> dict[str, Any]:
@@ -85,13 +84,9 @@ class Gathered:
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
-        work = np.abs(h["tool_work"][self.trusted]).clip(np.finfo(float).tiny)
-        kinetic = h["kinetic_translation"] + h["kinetic_rotation"]
-        missed, moving = np.abs(h["imbalance"]), np.abs(kinetic)
         return {
             "tool_work_Nmm": float(h["tool_work"][-1]),
-            "imbalance_rel": float((missed[self.trusted] / work).max(initial=0.0)),
-            "kinetic_rel": float((moving[self.trusted] / work).max(initial=0.0)),
+            **largest_shares(h, self.trusted),
             "contact_Nmm": float(h["contact_work"][-1]),
             "damping_Nmm": float((h["damping_stiffness"] + h["damping_mass"])[-1]),
             "crack_length_mm": float(h["crack_length"][-1]),
@@ -137,8 +132,8 @@ def gather(folder: Path) -> Gathered:
             run.problems.append("No frame was written: there are no pictures.")
     if run.results is not None and run.results.history:
         run.history, run.units = run.results.history, run.results.units
-    elif (folder / "history.csv").exists():
-        table = run_or_say(run, "history", lambda: read_history(folder / "history.csv"))
+    elif (folder / HISTORY).exists():
+        table = run_or_say(run, "history", lambda: read_history(folder / HISTORY))
         run.history, run.units = table or ({}, {})
     else:
         run.problems.append("history.csv is missing: there are no curves.")
@@ -147,9 +142,9 @@ def gather(folder: Path) -> Gathered:
             "history.csv has fewer than two rows, or three columns: there are no curves."
         )
         run.history, run.units = {}, {}
-    if (folder / "used.toml").exists():
-        run.model = (folder / "used.toml").read_text(encoding="utf-8", errors="replace")
-    if not (folder / "summary.json").exists():
+    if (folder / _MODEL).exists():
+        run.model = (folder / _MODEL).read_text(encoding="utf-8", errors="replace")
+    if not (folder / SUMMARY).exists():
         run.problems.append(
             "summary.json is missing: the run has not ended, or it was killed. What follows is as "
             "far as it came."

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shellcut import run_folder
 from shellcut.view import draw_crack_map, draw_film_strip
 
 from .gathered import Gathered
@@ -55,7 +56,7 @@ def film_strip(run: Gathered) -> str:
 
 def snapshots(run: Gathered) -> str:
     """Return the run's own snapshots, behind a slider where there is JavaScript."""
-    pictures = sorted(run.folder.glob("snapshot_*.png"))
+    pictures = run_folder.snapshots(run.folder)
     images = [
         _image(path.read_bytes(), f"Snapshot {k + 1} of {len(pictures)}: whole film and one tooth")
         for k, path in enumerate(pictures)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from shellcut.connected_parts import by_first_appearance, connected_parts
 from shellcut.frame import Floats, Frame, Ints
 
 # A film is flat if it is thinner than this part of its extent.
@@ -17,19 +18,12 @@ def teeth_of(edge_points: Floats) -> Ints:
 
     edge_points : (n_edge, 2, 3), [mm]; segments that share an end belong together.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     if not len(edge_points):
         return np.zeros(0, dtype=np.int64)
     _, ids = np.unique(edge_points.reshape(-1, 3).round(6), axis=0, return_inverse=True)
     ids = ids.reshape(-1, 2)
-    graph = coo_array((np.ones(len(ids)), (ids[:, 0], ids[:, 1])), shape=(2 * len(ids),) * 2)
-    _, label = connected_components(graph, directed=False)
-    _, first, tooth = np.unique(label[ids[:, 0]], return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[tooth])
+    part = connected_parts(ids[:, 0], ids[:, 1], 2 * len(ids))
+    return np.asarray(by_first_appearance(part[ids[:, 0]]), dtype=np.int64)
 
 
 def plane_axes(reference: Floats) -> tuple[int, int, int]:

@@ -1,0 +1,69 @@
+"""One row of ``history.csv``: what is written of a run at a moment, and in which units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .resistance import Resistance
+from .simulation import Simulation
+
+_ENERGIES = (
+    "tool_work",
+    "load_work",
+    "support_work",
+    "kinetic_translation",
+    "kinetic_rotation",
+    "strain",
+    "cohesive_work",
+    "cohesive_start_work",
+    "cohesive_stored",
+    "cohesive_dissipated",
+    "contact_work",
+    "contact_stored",
+    "damping_stiffness",
+    "damping_mass",
+)
+"""Entries of :class:`shellcut.energy.Ledger`, [N·mm]."""
+
+
+def history_row(
+    sim: Simulation, resistance: Resistance, *, unfelt: float
+) -> Iterator[tuple[str, str, float]]:
+    """Yield name, unit and value of every column.
+
+    Time, the coordinate and the figure to plot come first.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Between two steps, with a tool.
+    resistance : Resistance
+        Of its motion.
+    unfelt : float
+        How deep the tool was between nodes without being felt, when last looked at [mm].
+    """
+    s, r = sim.state, resistance
+    contact, joints = sim.contact_forces.wrench, sim.cable_forces.wrench
+    yield "time", "s", s.time
+    yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
+    of_contact = r.of(contact.sum(axis=0), sim.translation)
+    of_joints = r.of(joints.sum(axis=0), sim.translation)
+    for (figure, unit), c, j in zip(r.columns, of_contact, of_joints, strict=True):
+        yield figure, unit, c + j
+        yield f"{figure}_contact", unit, c
+        yield f"{figure}_joints", unit, j
+    first, unit = r.columns[0]
+    for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
+        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.translation)[0]
+    book = sim.close_ledger()
+    for energy in _ENERGIES:
+        yield energy, "N*mm", getattr(book, energy)
+    yield "imbalance", "N*mm", book.imbalance
+    yield "imbalance_rel", "-", book.relative(book.imbalance)
+    yield "dt", "s", s.dt
+    yield "cables_created", "-", s.n_cable
+    yield "cables_jointed", "-", sim.n_joint_made
+    yield "cables_broken", "-", sim.n_cable_broken
+    yield "crack_length", "mm", s.crack_length
+    yield "deepest_penetration", "mm", sim.contact_forces.deepest
+    yield "unfelt_penetration", "mm", unfelt

@@ -1,0 +1,43 @@
+"""The lines that tell of a run say its numbers."""
+
+import re
+
+import pytest
+
+from notched_strip import cutting
+from shellcut.account import account_line, start_lines
+from shellcut.resistance import Resistance
+
+
+@pytest.fixture(scope="module")
+def sim():
+    sim = cutting()
+    sim.run(4e-5)
+    return sim
+
+
+def test_the_line_of_account_closes(sim):
+    book, s = sim.ledger, sim.state
+    # Bring entries to where each of them shows in four figures.
+    book.cohesive_start_work = 3.0 * book.cohesive_work
+    line = account_line(sim, Resistance(sim.motion), 0.5)
+    numbers = {name: float(x) for name, x in re.findall(r"(\w+) ([-+]?[\d.]+(?:e[-+]\d+)?)", line)}
+    assert line.startswith("50 %: path ")
+    assert numbers["path"] == pytest.approx(sim.motion.coordinate(s.time), rel=1e-3)
+    assert numbers["kin"] == pytest.approx(book.kinetic, rel=1e-3)
+    assert numbers["int"] == pytest.approx(book.strain, rel=1e-3)
+    assert numbers["cohesive"] == pytest.approx(4.0 * book.cohesive_work, rel=1e-3)
+    assert numbers["ext"] == pytest.approx(book.put_in, rel=1e-3)
+    balance = 100.0 * book.relative(book.imbalance)
+    assert abs(balance) > 1.0
+    assert numbers["balance"] == pytest.approx(balance, abs=0.006)
+    assert numbers["crack"] == pytest.approx(s.crack_length, rel=1e-3)
+    assert f"cables {s.n_cable} made {sim.n_joint_made} jointed" in line
+
+
+def test_a_start_says_film_tool_and_steps(sim):
+    film, tool, step = start_lines(sim, Resistance(sim.motion), 8e-5)
+    assert film.startswith(f"film   {sim.mesh.n_quad} quads, {sim.mesh.n_node} nodes, ")
+    assert "1 body" in tool
+    assert f"about {round(8e-5 / sim.dt, -2):,.0f} steps to path" in step
+    assert "0.08 ms" in step

@@ -1,0 +1,242 @@
+"""What a run leaves in its folder, whatever happens to it."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import shellcut.frame_output
+import shellcut.recorder
+from notched_strip import cutting
+from opening_frame import opening_frame
+from shellcut.frame_output import FrameOutput
+from shellcut.history import read_history
+from shellcut.hooks import StopWhen
+from shellcut.models import Case
+from shellcut.motion import StraightMotion
+from shellcut.recorder import Recorder
+from shellcut.results import read
+from shellcut.run_folder import snapshot, snapshots
+from shellcut.run_summary import run_summary
+from shellcut.simulation import UnstableStep
+from shellcut.table_motion import TableMotion
+from shellcut.time_step import Stepping
+
+RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
+END = 4e-6
+
+
+@pytest.fixture(autouse=True)
+def _no_pictures(monkeypatch):
+    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def strict_json(path):
+    """Return what any reader of JSON would, to which nan and infinity are no numbers."""
+
+    def refuse(word):
+        raise AssertionError(f"{word} is not JSON")
+
+    return json.loads(path.read_text(), parse_constant=refuse)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Return a run with straight, jointed and broken cables, and its folder."""
+    folder = tmp_path_factory.mktemp("whole")
+    case = Case("cut", cutting(), 8e-5)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        case.run(folder, **RECORDS)
+    return case, read(folder)
+
+
+def test_the_resistance_is_that_of_contact_and_joints_and_of_all_teeth(whole):
+    _, results = whole
+    h = results.history
+    assert np.abs(h["force_contact"]).max() > 0
+    assert np.abs(h["force_joints"]).max() > 0
+    assert np.array_equal(h["force"], h["force_contact"] + h["force_joints"])
+    # One tooth: the same numbers in another order of adding, round-off of the force's size.
+    tolerance = 1e-12 * np.abs(h["force"]).max()
+    assert h["force_tooth_1"] == pytest.approx(h["force"], abs=tolerance)
+
+
+def test_the_summary_says_what_the_history_shows(whole):
+    case, results = whole
+    sim, h, summary = case.simulation, results.history, results.summary
+    assert summary["n_step"] == sim.state.step
+    assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
+    assert summary["path_end_mm"] == sim.motion.coordinate(sim.state.time)
+    assert summary["force_peak_N"] == h["force"].max()
+    late = h["path"] >= 0.4 * h["path"][-1]
+    x, force, work = h["path"][late], h["force"][late], h["tool_work"][late]
+    mean = np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)) / np.ptp(x)
+    assert summary["force_plateau_N"] == pytest.approx(mean, rel=1e-12)
+    slope = np.sum((x - x.mean()) * work) / np.sum((x - x.mean()) ** 2)
+    assert summary["dW_ds_N"] == pytest.approx(slope, rel=1e-9)
+    assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
+
+
+def test_splits_are_told_with_place_and_reference(whole):
+    case, results = whole
+    log, columns = case.simulation.state.split_log, results.splits
+    assert len(log) == len(columns["node"]) >= 3
+    for k, split in enumerate(log):
+        assert split.place != split.reference
+        assert tuple(columns[name][k] for name in "xyz") == split.place
+        assert tuple(columns[name][k] for name in "XYZ") == split.reference
+        for name in ("time", "node", "twin", "kind", "measure", "force_jump"):
+            assert columns[name][k] == getattr(split, name)
+    assert results.split_units["force_jump"] == "N"
+    assert columns["node"].dtype.kind == "i"
+
+
+def test_a_case_is_run_once(tmp_path):
+    case = Case("cut", cutting(), END)
+    case.run(tmp_path, **RECORDS)
+    before = contents(tmp_path)
+    for resume in (False, True):
+        with pytest.raises(ValueError, match=r"a case is run once, .* build it again"):
+            case.run(tmp_path, resume=resume, **RECORDS)
+    assert contents(tmp_path) == before
+
+
+def test_a_new_run_takes_away_what_says_that_the_old_one_ended(tmp_path):
+    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
+    assert read(tmp_path).summary
+    recorder = Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS)
+    try:
+        assert read(tmp_path).summary == {}
+        assert not (tmp_path / "splits.csv").exists()
+    finally:
+        recorder.close()
+
+
+def test_a_run_gone_on_with_has_not_ended(tmp_path):
+    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
+    recorder = Recorder(cutting(), tmp_path, until=2 * END, name="cut", resume=True, **RECORDS)
+    try:
+        assert read(tmp_path).summary == {}
+    finally:
+        recorder.close()
+
+
+def test_the_summary_of_a_blow_up_is_json(tmp_path):
+    blown = Case("cut", cutting(stepping=Stepping(fixed=3e-7)), 8e-5)
+    with pytest.raises(UnstableStep), np.errstate(all="ignore"):
+        blown.run(tmp_path, **RECORDS)
+    assert strict_json(tmp_path / "summary.json")["n_step"] == blown.simulation.state.step
+
+
+def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
+    sim = cutting()
+    recorder = Recorder(sim, tmp_path, until=1.0, name="cut", **RECORDS)
+    sim.run(1.0, [recorder, StopWhen(lambda: sim.state.step >= 3)])
+    summary = strict_json(tmp_path / "summary.json")
+    assert summary["n_step"] == 3
+    assert not {"imbalance_rel", "kinetic_rel"} & summary.keys()
+
+
+def test_figures_that_are_not_finite_are_left_out(tmp_path):
+    sim = cutting()
+    recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
+    sim.run(END, [recorder, StopWhen(lambda: sim.state.step >= 3)])
+    history, _ = read_history(tmp_path / "history.csv")
+    sim.ledger.tool_work, sim.ledger.damping_mass = np.inf, np.nan
+    figures = run_summary(
+        sim, recorder.resistance, history, until=END, stepping=1.0, drawing=0.0, unfelt=0.0
+    )
+    assert not {"tool_work_Nmm", "damping_Nmm"} & figures.keys()
+    assert figures["n_step"] == 3
+
+
+def test_a_table_that_turns_has_a_plateau_without_an_axial_force():
+    # Only a screw knows an axis; what a table turns is met by three forces and moments.
+    motion = TableMotion(
+        [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
+    )
+    sim = cutting(motion=motion)
+    r = shellcut.recorder.Resistance(motion)
+    assert r.coordinate_unit == "deg"
+    angle = np.linspace(0.0, 80.0, 9)
+    energies = ("tool_work", "cohesive_work", "imbalance", "kinetic_translation")
+    history = dict.fromkeys((*energies, "kinetic_rotation", r.columns[0][0]), angle)
+    history[r.coordinate_name] = angle
+    figures = run_summary(sim, r, history, until=1.0, stepping=1.0, drawing=0.0, unfelt=0.0)
+    # The mean of the identity over 30 to 70 degrees; its slope over the angle in radians.
+    assert figures["force_x_plateau_N"] == pytest.approx(50.0, rel=1e-12)
+    assert figures["dW_dtheta_Nmm"] == pytest.approx(np.degrees(1.0), rel=1e-9)
+
+
+def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monkeypatch):
+    # In a thread of its own: the next frame, or the end, must tell.
+    def fail(*_):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(shellcut.frame_output.VtkHdfWriter, "append", fail)
+    sim = cutting()
+    with pytest.raises(OSError, match="no space left"):
+        Case("cut", sim, END).run(tmp_path, **RECORDS)
+    assert sim.state.time < END
+    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):  # closed
+        pass
+
+
+def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
+    output = FrameOutput(tmp_path, "run", pvd=True)
+    try:
+        for time in (1e-4, 2e-4):
+            output.append(opening_frame(20.0, n_side=4, time=time))
+        output.settle()
+        assert read(tmp_path).n_frame == 2
+        assert len(list((tmp_path / "run_frames").glob("*.vtu"))) == 2
+    finally:
+        output.close()
+    output.close()
+
+
+def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
+    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
+    (tmp_path / "cut.pvd").write_text("no list")
+    with pytest.raises(ValueError, match=r"cut\.pvd was not written by shellcut"):
+        Recorder(
+            cutting(), tmp_path, until=2 * END, name="cut", pvd=True, resume=True, progress=False
+        )
+    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):
+        pass
+
+
+def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
+    def fail(_):
+        raise RuntimeError("no log")
+
+    sim = cutting()
+    with pytest.raises(RuntimeError, match="no log"):
+        Case("cut", sim, END).run(tmp_path, log=fail, **RECORDS | {"progress": True})
+    assert (tmp_path / "checkpoint.h5").exists()
+    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):  # closed
+        pass
+
+
+def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
+    for number in (100, 11, 2):
+        snapshot(tmp_path, number).touch()
+    (tmp_path / "snapshot_mine.png").touch()
+    assert [path.name for path in snapshots(tmp_path, first=3)] == [
+        "snapshot_11.png",
+        "snapshot_100.png",
+    ]
+
+
+def test_a_recorder_needs_a_tool(tmp_path):
+    sim = cutting(motion=StraightMotion((1, 0, 0), 2e4, ramp=5e-6))
+    sim.motion = None
+    with pytest.raises(ValueError, match="needs a simulation with a tool"):
+        Recorder(sim, tmp_path / "none", until=END, name="cut")
+    assert not (tmp_path / "none").exists()
