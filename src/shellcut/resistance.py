@@ -59,16 +59,17 @@ class Resistance:
         origin : ndarray, shape (3,)
             Where the moment is taken: the present place of the body's origin [mm].
         """
-        # Plain numbers: six of them in NumPy cost ten times as much.
+        # Plain numbers: six of them in NumPy cost ten times as much. Taken from zero rather than
+        # negated: nothing shall read 0, not -0.
         *force, mx, my, mz = wrench.tolist()
         if isinstance(self._motion, ScrewMotion):
             x, y, z = (r - p for r, p in zip(origin.tolist(), self._point, strict=True))
             fx, fy, fz = force
             moment = (mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx)
-            return [-_along(self._axis, moment), -_along(self._advance, force)]
+            return [0.0 - _along(self._axis, moment), 0.0 - _along(self._advance, force)]
         if isinstance(self._motion, StraightMotion):
-            return [-_along(self._direction, force)]
-        return [-f for f in (*force, mx, my, mz)]
+            return [0.0 - _along(self._direction, force)]
+        return [0.0 - f for f in (*force, mx, my, mz)]
 
 
 def _unit(v: Floats) -> list[float]:
