@@ -9,7 +9,7 @@ from typing import Any
 
 from shellcut.comparison import compare
 
-from .exit_code import BAD_INPUT, DONE
+from .exit_code import BAD_INPUT, DONE, refuse
 
 
 def add_to(commands: Any) -> None:
@@ -59,8 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
             window=arguments.window,
         )
     except (ValueError, OSError) as problem:
-        print(f"shellcut compare: {problem}", file=sys.stderr)
-        return BAD_INPUT
+        return refuse(problem)
     print(comparison)
     out = Path(arguments.out)
     folder = out if out.is_dir() else out.parent
@@ -74,8 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
             if arguments.picture:
                 return BAD_INPUT
     except (ValueError, OSError) as problem:
-        print(f"shellcut compare: cannot write: {problem}", file=sys.stderr)
-        return BAD_INPUT
+        return refuse(f"cannot write: {problem}")
     print("written: " + ", ".join(map(str, written)))
     return DONE
 

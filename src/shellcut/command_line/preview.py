@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
-from .exit_code import BAD_INPUT, DONE
+from .exit_code import DONE, refuse
 from .run import add_settings_to, settings_of
 
 
@@ -35,8 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
         case = read_model(arguments.model, settings_of(arguments)).build()
         report = preview(case.simulation, arguments.out, time=case.duration)
     except (ValueError, ImportError, OSError) as problem:
-        print(problem, file=sys.stderr)
-        return BAD_INPUT
+        return refuse(problem)
     if case.imprint is not None:
         report += f"\n{case.imprint.report()}"
     print(f"{report}\nwrote {arguments.out}")

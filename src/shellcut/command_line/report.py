@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from shellcut.report import report
 
-from .exit_code import BAD_INPUT, DONE
+from .exit_code import DONE, refuse
 
 
 def add_to(commands: Any) -> None:
@@ -32,7 +31,6 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         path = report(arguments.folder, arguments.output)
     except OSError as error:
-        print(f"shellcut report: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return refuse(error)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
     return DONE

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from .carry_out import USED, carry_out
-from .exit_code import BAD_INPUT
+from .exit_code import refuse
 from .run_log import RunLog
 
 
@@ -31,23 +30,18 @@ def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
     used = folder / USED
     if not used.is_file():
-        return _refuse(f"{folder} holds no {USED}: it is no folder of shellcut run")
+        return refuse(f"{folder} holds no {USED}: it is no folder of shellcut run")
     try:
         model = read_model(used)
     except ModelFileError as problem:
-        return _refuse(str(problem))
+        return refuse(problem)
     wrong = []
     if not is_as_written(used.read_text(encoding="utf-8")):
         wrong.append(f"{used} has been changed")
     wrong += [f"{path} is gone or has been changed" for path in model.changed_files()]
     if wrong:
-        return _refuse(
+        return refuse(
             "\n".join(f"{text} since the run began" for text in wrong)
             + "\nput it back, or run the model anew into another folder"
         )
     return carry_out(model, folder, RunLog(), resume=True)
-
-
-def _refuse(text: str) -> int:
-    print(text, file=sys.stderr)
-    return BAD_INPUT

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from .carry_out import LOG, USED, carry_out
-from .exit_code import BAD_INPUT, DONE
+from .exit_code import DONE, refuse
 from .run_log import RunLog
 
 _RESULTS = (
@@ -91,11 +90,11 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{name:<12} {text.splitlines()[0].lstrip('# ')}")
         return DONE
     if arguments.model is None:
-        return _refuse("name a MODEL: a file, or one of " + ", ".join(shipped_models()))
+        return refuse("name a MODEL: a file, or one of " + ", ".join(shipped_models()))
     if arguments.write_model is not None:
         return _write_model(arguments.model, arguments.write_model)
     if arguments.out is None:
-        return _refuse("say where the results go: -o OUT")
+        return refuse("say where the results go: -o OUT")
     try:
         settings = settings_of(arguments)
         if arguments.frames is not None:
@@ -106,13 +105,13 @@ def run(arguments: argparse.Namespace) -> int:
             settings["output.snapshots"] = 0
         model = read_model(arguments.model, settings)
     except ModelFileError as problem:
-        return _refuse(str(problem))
+        return refuse(problem)
     folder: Path = arguments.out
     if folder.exists() and not folder.is_dir():
-        return _refuse(f"{folder} is a file: -o must name a folder")
+        return refuse(f"{folder} is a file: -o must name a folder")
     earlier = [path for pattern in _RESULTS for path in sorted(folder.glob(pattern))]
     if earlier and not arguments.overwrite:
-        return _refuse(
+        return refuse(
             f"{folder} holds a run ({earlier[0].name}): --overwrite replaces it, "
             f"shellcut resume {folder} goes on with it"
         )
@@ -124,17 +123,12 @@ def _write_model(name: str, path: Path) -> int:
 
     shipped = shipped_models()
     if name not in shipped:
-        return _refuse(f"{name}: the models to write are {', '.join(shipped)}")
+        return refuse(f"{name}: the models to write are {', '.join(shipped)}")
     if path.exists():
-        return _refuse(f"{path} is there already: choose another name")
+        return refuse(f"{path} is there already: choose another name")
     try:
         path.write_text(shipped[name], encoding="utf-8")
     except OSError as problem:
-        return _refuse(str(problem))
+        return refuse(problem)
     print(f"wrote {path}; run it by: shellcut run {path} -o OUT")
     return DONE
-
-
-def _refuse(text: str) -> int:
-    print(text, file=sys.stderr)
-    return BAD_INPUT
