@@ -1,6 +1,7 @@
 """What a run leaves in its folder, whatever happens to it."""
 
 import json
+import time
 
 import h5py
 import numpy as np
@@ -240,3 +241,29 @@ def test_a_recorder_needs_a_tool(tmp_path):
     with pytest.raises(ValueError, match="needs a simulation with a tool"):
         Recorder(sim, tmp_path / "none", until=END, name="cut")
     assert not (tmp_path / "none").exists()
+
+
+def test_the_last_frame_is_that_of_the_end(whole):
+    case, results = whole
+    assert results.times[-1] == case.simulation.state.time
+    # the checkpoint does not know of it: a run that goes on writes its own frames there
+    assert results.n_frame >= RECORDS["n_frame"] + 1
+
+
+def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
+    written, lacking = [], []
+
+    def slow(output, frame, write=FrameOutput._write):
+        time.sleep(0.02)  # longer than the steps to the next checkpoint
+        write(output, frame)
+        written.append(frame.time)
+
+    def save(sim, path, *, extra):
+        if extra["frame_time"] not in written:
+            lacking.append(sim.state.step)
+
+    monkeypatch.setattr(FrameOutput, "_write", slow)
+    monkeypatch.setattr(shellcut.recorder, "save_checkpoint", save)
+    Case("cut", cutting(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    assert len(written) > RECORDS["n_frame"]
+    assert not lacking

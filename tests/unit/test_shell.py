@@ -306,3 +306,16 @@ def test_thick_quads_keep_their_true_inertia():
     thick = ShellMaterial.homogeneous(thickness=3.0)
     shell = MITC4Shell(cases.skewed_flat(2, 1), thick, damping_beta=0.0)
     assert shell.added_inertia_factor == pytest.approx(1.0, rel=1e-12)
+
+
+def test_forces_follow_arrays_that_have_grown(far):
+    *_, shell, state = far
+    cases.forces_of(shell, state)
+    old = state.node.x
+    state.node.reserve(old.shape[0])
+    state.revision += 1  # as a split does, which is what makes arrays grow
+    assert state.node.x is not old
+    old[:] = np.nan  # nobody may read there any more
+    energy, by_x, _ = cases.forces_of(shell, state)
+    assert np.isfinite(energy)
+    assert np.isfinite(by_x).all()
