@@ -76,7 +76,6 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "ext": book.put_in,
     }
     felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation)[0]
-    felt += 0.0  # minus zero, before the first contact
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{100.0 * share:.0f} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "

@@ -5,9 +5,12 @@ import pytest
 
 from naive import cases
 from naive import load as naive
+from shellcut.cohesive_law import CohesiveLaw
 from shellcut.load import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
 from shellcut.meshing import cylinder, rectangle
 from shellcut.state import initial_state
+from shellcut.topology import split_node
+from test_topology import SEQUENCE, prepared, wanted_split
 
 EPS = np.finfo(float).eps
 
@@ -100,6 +103,34 @@ def test_work_is_the_trapezoid_of_force_and_step():
     # ½ (1 + 1.5) (3 · 2 - 1 · 4) · 0.5
     assert loads.add_forces(state) == pytest.approx(0.5 * 2.5 * 2.0 * 0.5, rel=4 * EPS)
     assert state.node.force[2].tolist() == [3.0 * 2.5, 1.0 * 2.5, 0.0]
+
+
+def test_work_of_a_dead_pressure_counts_every_node():
+    mesh = cases.skewed_flat(4, 2)  # 15 nodes: eight by lanes, seven one by one
+    state = initial_state(mesh)
+    loads = LoadSet(mesh, [Pressure(0.3, factor=lambda t: 1 + t)])
+    state.dt, state.time = 0.5, 0.5
+    velocity = np.random.default_rng(3).uniform(-1, 1, (mesh.n_node, 3))
+    state.node.velocity_half[: mesh.n_node] = velocity
+    dead = by_quadrature(mesh.nodes, mesh.quads, 0.3)
+    wanted = 0.5 * (1.0 + 1.5) * 0.5 * (dead * velocity).sum()
+    # Round-off of a sum of 45 terms.
+    assert loads.add_forces(state) == pytest.approx(wanted, rel=1e-13)
+
+
+def test_dead_pressure_goes_with_the_quads_of_a_split_node():
+    mesh, shell, state = prepared()
+    loads = LoadSet(mesh, [Pressure(0.3)])
+    for entry in SEQUENCE:
+        split = wanted_split(mesh, state, entry)
+        split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+        n = state.n_node
+        state.node.force[:n] = 0.0
+        loads.add_forces(state)
+        wanted = by_quadrature(mesh.nodes[state.node.origin[:n]], state.quads, 0.3)
+        np.testing.assert_allclose(
+            state.node.force[:n], wanted, rtol=0, atol=1e-13 * np.abs(wanted).max()
+        )
 
 
 @pytest.mark.parametrize("following", [False, True])

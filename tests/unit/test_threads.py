@@ -1,0 +1,39 @@
+"""Handing work out: every part once, sums in order, no more threads than asked for."""
+
+import numpy as np
+import pytest
+
+from shellcut.threads import Workers, in_order
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_every_part_is_done_once(threads):
+    workers = Workers(10, threads)
+    done = np.zeros(workers.count, int)
+
+    def part(k):
+        done[k] += 1
+
+    workers.run(part)
+    assert done.tolist() == [1] * threads
+
+
+def test_an_error_of_any_part_reaches_the_caller():
+    def part(k):
+        if k == 1:
+            raise RuntimeError("part 1")
+
+    with pytest.raises(RuntimeError, match="part 1"):
+        Workers(10, 2).run(part)
+
+
+def test_totals_are_over_all_parts_in_their_order():
+    assert in_order(np.array([[1.0, 2.0]])) == [1.0, 2.0]
+    # 1e16 + 1 + 1 from the left keeps 1e16, from the right it would not.
+    assert in_order(np.array([[1e16, 1.0], [1.0, 2.0], [1.0, 4.0]])) == [1e16, 7.0]
+
+
+def test_a_small_film_has_one_thread_and_nonsense_is_refused():
+    assert Workers(49_999).count == 1
+    with pytest.raises(ValueError, match="whole number from 1 on"):
+        Workers(10, 0)
