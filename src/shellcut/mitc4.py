@@ -257,12 +257,12 @@ def _from_gauss_points(n0: Three, n1: Three, n2: Three, n3: Three) -> Six:
 
 @always_inline
 def _plane_stress(k: Number, by: Number, a: Three, e11: Number, e22: Number, e12: Number) -> Three:
-    """Return k (a:e a - adj e ``by`` / k), the stress at a Gauss point."""
-    pressure = k * (a[0] * e11 + a[1] * e22 + a[2] * e12)
+    """Return k (a:e) a - ``by`` adj e, the stress at a Gauss point; e12 is 2 E_12."""
+    trace = k * (a[0] * e11 + a[1] * e22 + a[2] * e12)
     return (
-        pressure * a[0] - by * e22,
-        pressure * a[1] - by * e11,
-        pressure * a[2] + 0.5 * by * e12,
+        trace * a[0] - by * e22,
+        trace * a[1] - by * e11,
+        trace * a[2] + 0.5 * by * e12,
     )
 
 
@@ -309,7 +309,8 @@ def flat_resultants(
     give the metric as the strains give E.
 
     table : (n_block, 10, 8), the first six products on the reference surface and, at the Gauss
-    points, C_11 J⁻³ / 2¹⁴: the factors 16 and 8 of strains and metric, once.
+    points, k = C_11 J⁻³ / 2¹⁴. The strains here are 16 E, the metric 8 A, and r = Bᵀ n / 16, hence
+    2¹⁴ = 16² 8²; and k det(8 A) = C_11 J⁻¹ / 16², which the moduli turn into 2 mu and shear.
     """
     g11, g22, g12 = _at_gauss_points(pick6(table, b, 0, lane))
     metric = (
@@ -325,10 +326,10 @@ def flat_resultants(
         k[2] * _determinant(metric[2]),
         k[3] * _determinant(metric[3]),
     )
-    by = scale4(moduli.lateral, j)
+    by = _scale4(moduli.lateral, j)
     n = _plane_resultants(k, by, metric, s[0:6])
-    m = _plane_resultants(scale4(moduli.bending, k), scale4(moduli.bending, by), metric, s[6:12])
-    return n + m + _shear_resultants(scale4(moduli.shear, j), metric, s[12:16])
+    m = _plane_resultants(_scale4(moduli.bending, k), _scale4(moduli.bending, by), metric, s[6:12])
+    return n + m + _shear_resultants(_scale4(moduli.shear, j), metric, s[12:16])
 
 
 @always_inline
@@ -337,7 +338,7 @@ def _determinant(a: Three) -> Number:
 
 
 @always_inline
-def scale4(factor: float, v: Four) -> Four:
+def _scale4(factor: float, v: Four) -> Four:
     """Return factor v."""
     return factor * v[0], factor * v[1], factor * v[2], factor * v[3]
 
