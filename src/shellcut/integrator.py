@@ -23,7 +23,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
-from .lanes import WIDTH, along, at, clear_rows, put_at, row_columns, total, zero
+from .lanes import WIDTH, align_stack, along, at, clear_rows, put_at, row_columns, total, zero
 from .state import State
 from .threads import NODE_CHUNK, Workers, in_order
 
@@ -232,6 +232,7 @@ def _kick(
     rows : (n_node, 8).  reaction : (n_node, 6), written.  sums : (n_chunk, 4), written: m v·v',
     j w·w', the damping's sum and the work of the reactions.
     """
+    align_stack()
     mirror = dt_last == 0.0
     moved = np.empty((supported.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
@@ -326,6 +327,7 @@ def _drift(
     rows: Floats,
 ) -> None:
     """Advance x and t : (n_node, 3) by dt, clear rows : (n_node, 8), of every stride-th chunk."""
+    align_stack()
     for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for n in range(start, stop - WIDTH + 1, WIDTH):

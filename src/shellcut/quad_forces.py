@@ -22,7 +22,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._jit import Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
-from .lanes import WIDTH, make_prefetch, nth, pick, put, scatter_add, total, turns, zero
+from .lanes import (
+    WIDTH,
+    align_stack,
+    make_prefetch,
+    nth,
+    pick,
+    put,
+    scatter_add,
+    total,
+    turns,
+    zero,
+)
 from .mitc4 import (
     N_FLAT,
     N_STRAIN,
@@ -264,6 +275,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         which s_n·r, s_{n-1}·r and s_{n-2}·r are added.  lane : None for eight quads at a time, any
         number for one by one.
         """
+        align_stack()
         work = np.empty((2, N_STRAIN, WIDTH))
         far = last.shape[0] > _FAR
         for k in range(first, start.shape[0] - 1, stride):
@@ -381,6 +393,7 @@ def _make_point_kernel(flat: bool) -> Any:
         history : (n_block, 4 n_point n_history, 8), taken from t_{n-1} to t_n.  sums : (n_strip,
         3), to whose first two columns the stored energy and (a_n + a_{n-1})·H a_n are added.
         """
+        align_stack()
         work = np.empty((2, N_STRAIN, WIDTH))
         for k in range(first, start.shape[0] - 1, stride):
             p0, p1 = zero(lane), zero(lane)
