@@ -13,6 +13,8 @@ eight, as lanes:
 :func:`turns`, :func:`nth`             the visits that a block takes
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
 :func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
+:func:`first_node`                     the first of them, for :func:`at` where they follow
+                                       each other
 :func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
 :func:`at`, :func:`along`              values at consecutive nodes, and
 :func:`put_at`                         how they are written
@@ -20,6 +22,7 @@ eight, as lanes:
 :func:`add_row_columns`,               what is added to the first three,
 :func:`clear_rows`                     and how the rows are cleared
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
+:func:`multiply_add`                   a b + c, one instruction where there is one
 :func:`make_prefetch`                  a function that asks for a block needed soon
 :func:`align_stack`                    the first line of a kernel that handles lanes
 =====================================  ===================================================
@@ -350,6 +353,19 @@ def _no_lanes(typing_context: Any) -> Any:
 
 
 @intrinsic
+def _fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = context.get_value_type(sig.return_type)
+        name = "llvm.fmuladd." + (f"v{WIDTH}f64" if sig.return_type == lanes_type else "f64")
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(kind, [kind] * 3), name
+        )
+        return builder.call(function, args)
+
+    return (a(a, a, a) if a == b == c else None), generate
+
+
+@intrinsic
 def _align_stack(typing_context: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         attributes = builder.function.attributes
@@ -440,6 +456,18 @@ def corner_node(corner: SmallIds, b: int, a: int, lane: int | None) -> Any:
 def _corner_node(corner, b, a, lane):
     if _all(lane):
         return lambda corner, b, a, lane: _load_ids(corner, b, a)
+    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+
+
+def first_node(corner: SmallIds, b: int, a: int, lane: int | None) -> int:
+    """Return the node id at corner ``a`` of block ``b``, of the first place if all are meant."""
+    return int(corner[b, a, 0 if lane is None else lane])
+
+
+@overload(first_node, jit_options=_OPTIONS)
+def _first_node(corner, b, a, lane):
+    if _all(lane):
+        return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
 
@@ -597,6 +625,20 @@ def _total(value):
     if value == lanes_type:
         return lambda value: _sum_of_lanes(value)
     return lambda value: value
+
+
+def multiply_add(a: Number, b: Number, c: Number) -> Number:
+    """Return a b + c, rounded once where the processor can.
+
+    Of a b + c d the compiler fuses either product with the sum, in one kernel this and in another
+    that; this says which, where two kernels must get the same bits.
+    """
+    return a * b + c
+
+
+@overload(multiply_add, jit_options=_OPTIONS)
+def _multiply_add(a, b, c):
+    return lambda a, b, c: _fused(a, b, c)
 
 
 def align_stack() -> None:

@@ -42,8 +42,8 @@ from math import sqrt
 from typing import NamedTuple, TypeAlias
 
 from ._jit import Floats, Number, Numbers, SmallIds, Vector, always_inline
-from ._vec3 import add, add_scaled, dot, scale, sub
-from .lanes import corner_node, gather, pick, put
+from ._vec3 import add, add_scaled, scale, sub
+from .lanes import at, corner_node, first_node, gather, multiply_add, pick, put
 
 N_STRAIN = 16
 """Strains of a quad, and resultants."""
@@ -108,27 +108,61 @@ def quad_modes(
 
 
 @always_inline
+def chain_modes(
+    x: Floats, t: Floats, corner: SmallIds, b: int, lane: int | None
+) -> tuple[Modes, Modes]:
+    """Return :func:`quad_modes` of a block whose node ids follow each other at every corner."""
+    n0, n1 = first_node(corner, b, 0, lane), first_node(corner, b, 1, lane)
+    n2, n3 = first_node(corner, b, 2, lane), first_node(corner, b, 3, lane)
+    return (
+        modes(
+            _vector_at(x, n0, lane),
+            _vector_at(x, n1, lane),
+            _vector_at(x, n2, lane),
+            _vector_at(x, n3, lane),
+        ),
+        modes(
+            _vector_at(t, n0, lane),
+            _vector_at(t, n1, lane),
+            _vector_at(t, n2, lane),
+            _vector_at(t, n3, lane),
+        ),
+    )
+
+
+@always_inline
+def _vector_at(values: Floats, n: int, lane: int | None) -> Vector:
+    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
+
+
+@always_inline
+def _dot(a: Vector, b: Vector) -> Number:
+    """Return a · b, its rounding fixed: a film at rest is to have no strain, not one of 1e-16."""
+    return multiply_add(a[2], b[2], multiply_add(a[1], b[1], a[0] * b[0]))
+
+
+@always_inline
 def products(x: Modes, t: Modes) -> Sixteen:
     """Return the sixteen scalar products whose change is the strain."""
     p, q, h, _ = x
     tp, tq, th, tm = t
-    ptq, qtp, htp, htq, htm = dot(p, tq), dot(q, tp), dot(h, tp), dot(h, tq), dot(h, tm)
+    ptq, qtp, htp, htq, htm = _dot(p, tq), _dot(q, tp), _dot(h, tp), _dot(h, tq), _dot(h, tm)
     return (
-        0.5 * dot(p, p),
-        0.5 * dot(q, q),
-        0.5 * dot(h, h),
-        dot(p, q),
-        dot(p, h),
-        dot(q, h),
-        dot(p, tp),
-        dot(q, tq),
-        dot(h, th),
+        0.5 * _dot(p, p),
+        0.5 * _dot(q, q),
+        0.5 * _dot(h, h),
+        _dot(p, q),
+        _dot(p, h),
+        _dot(q, h),
+        _dot(p, tp),
+        _dot(q, tq),
+        _dot(h, th),
         ptq + qtp,
-        dot(p, th) + htp,
-        dot(q, th) + htq,
-        dot(p, tm) + htq,
+        _dot(p, th) + htp,
+        _dot(q, th) + htq,
+        _dot(p, tm) + htq,
         ptq + htm,
-        dot(q, tm) + htp,
+        _dot(q, tm) + htp,
         qtp + htm,
     )
 

@@ -44,6 +44,8 @@ class QuadBlocks:
         Place of each quad, 8 block + lane.
     corner : ndarray of int32, shape (n_block, 4, 8)
         Node ids; :meth:`rewire` keeps them up to date.
+    chain : ndarray of bool, shape (n_block,)
+        Whether at every corner the ids of the eight nodes follow each other; likewise.
     flat_start, full_start : ndarray of int, shape (n_strip + 1,)
         First block of each strip, of flat quads and of the others.
     """
@@ -52,6 +54,7 @@ class QuadBlocks:
     filled: Bools
     slot: SmallIds
     corner: SmallIds
+    chain: Bools
     flat_start: Ints
     full_start: Ints
 
@@ -72,6 +75,7 @@ class QuadBlocks:
         for b in np.unique(block):
             repeats = np.flatnonzero(~self.filled[b])
             self.corner[b][:, repeats] = quads[self.quad[b, repeats]].T
+        self.chain[block] = _is_chain(self.corner[block])
 
 
 def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
@@ -91,36 +95,63 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
     along, across = centre[:, axes[0]], centre[:, axes[1]]
     strip = _strips(along, quads, nodes.shape[0])
     n_strip = int(strip.max(initial=0)) + 1
+    part = strip + n_strip * ~flat
     # Within a strip up and down narrow lanes: the nodes in hand stay in the nearest cache.
     diagonal = np.linalg.norm(nodes[quads[:, 2]] - nodes[quads[:, 0]], axis=1)
     lane = np.floor((along - along.min()) / (_LANE * np.median(diagonal)))
-    order = np.lexsort((across, lane, strip, ~flat))
+    order = np.lexsort((across, lane, part))
+    rank = np.empty(order.size, np.int64)
+    rank[order] = np.arange(order.size)
 
-    size = np.stack([np.bincount(strip[kind], minlength=n_strip) for kind in (flat, ~flat)])
-    n_block = -(-size // WIDTH)
-    start = np.concatenate([[0], np.cumsum(n_block.ravel())])
-    place = np.arange(order.size) + np.repeat(
-        WIDTH * start[:-1] - np.concatenate([[0], np.cumsum(size.ravel())[:-1]]), size.ravel()
+    chained = _chained(quads, part)
+    others = order[~np.isin(order, chained)]
+    quad = np.vstack([chained, _in_eights(others, part[others], 2 * n_strip)])
+    quad = quad[np.argsort(rank[quad[:, 0]], kind="stable")]
+    filled = quad >= 0
+    # The last quad of the block: its first place is always filled.
+    quad = np.take_along_axis(
+        quad, np.maximum.accumulate(np.where(filled, np.arange(WIDTH), 0), axis=1), axis=1
     )
-    filled = np.zeros(WIDTH * int(start[-1]), np.bool_)
-    filled[place] = True
-    # The quad at the last filled place before: a strip's first place is always filled.
-    last = np.maximum.accumulate(np.where(filled, np.arange(filled.size), 0))
-    quad = np.zeros(filled.size, np.int32)
-    quad[place] = order
-    quad = quad[last]
+    start = np.cumsum([0, *np.bincount(part[quad[:, 0]], minlength=2 * n_strip)])
     slot = np.empty(order.size, np.int32)
-    slot[order] = place
-    corner: SmallIds = aligned_zeros((int(start[-1]), 4, WIDTH), np.int32)
-    corner[:] = quads[quad.reshape(-1, WIDTH)].transpose(0, 2, 1)
+    slot[quad[filled]] = np.flatnonzero(filled)
+    corner: SmallIds = aligned_zeros((quad.shape[0], 4, WIDTH), np.int32)
+    corner[:] = quads[quad].transpose(0, 2, 1)
     return QuadBlocks(
-        quad.reshape(-1, WIDTH),
-        filled.reshape(-1, WIDTH),
+        quad.astype(np.int32),
+        filled,
         slot,
         corner,
+        _is_chain(corner),
         start[: n_strip + 1],
         start[n_strip:],
     )
+
+
+def _is_chain(corner: SmallIds) -> Bools:
+    """Return which blocks have nodes one after the other at every corner."""
+    return np.asarray((np.diff(corner, axis=2) == 1).all(axis=(1, 2)))
+
+
+def _chained(quads: Ints, part: Ints) -> Ints:
+    """Return quads of one part, eight in a row, whose four node ids each grow by one: (n, 8)."""
+    offset = quads - quads[:, :1]
+    order = np.lexsort((quads[:, 0], *offset[:, 1:].T, part))
+    grows = (np.diff(quads[order], axis=0) == 1).all(axis=1) & (np.diff(part[order]) == 0)
+    first = np.flatnonzero(np.concatenate([[True], ~grows]))
+    length = np.diff(first, append=order.size)
+    place = np.arange(order.size) - np.repeat(first, length)
+    return order[place < np.repeat(length // WIDTH * WIDTH, length)].reshape(-1, WIDTH)
+
+
+def _in_eights(quads: Ints, part: Ints, n_part: int) -> Ints:
+    """Return quads, sorted by part, eight in a row, parts apart, filled up with -1."""
+    size = np.bincount(part, minlength=n_part)
+    n_row = -(-size // WIDTH)
+    begins = WIDTH * np.cumsum([0, *n_row[:-1]]) - np.cumsum([0, *size[:-1]])
+    rows = np.full(WIDTH * int(n_row.sum()), -1)
+    rows[np.arange(quads.size) + np.repeat(begins, size)] = quads
+    return rows.reshape(-1, WIDTH)
 
 
 def _strips(along: Floats, quads: Ints, n_node: int) -> Ints:

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
+from ._jit import Bools, Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
 from .lanes import (
     WIDTH,
     align_stack,
@@ -40,6 +40,7 @@ from .mitc4 import (
     FlatModuli,
     Modes,
     Sixteen,
+    chain_modes,
     flat_resultants,
     full_resultants,
     nodal_forces,
@@ -227,6 +228,7 @@ def _linear_block(
     x: Floats,
     t: Floats,
     corner: SmallIds,
+    chain: Bools,
     tables: LinearTables,
     damped: bool,
     rho: float,
@@ -236,7 +238,10 @@ def _linear_block(
     work: Numbers,
 ) -> tuple[Number, Number, Number]:
     """Add the forces of block ``b``; return s_n·r, s_{n-1}·r and s_{n-2}·r."""
-    xm, tm = quad_modes(x, t, corner, b, lane)
+    if chain[b]:
+        xm, tm = chain_modes(x, t, corner, b, lane)
+    else:
+        xm, tm = quad_modes(x, t, corner, b, lane)
     s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
     if not damped:
         r = stiffness_product(tables, flat, b, lane, s, work)
@@ -258,6 +263,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         x: Floats,
         t: Floats,
         corner: SmallIds,
+        chain: Bools,
         tables: LinearTables,
         damped: bool,
         rho: float,
@@ -270,7 +276,8 @@ def _make_linear_kernel(flat: bool) -> Any:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
         Strips ``first``, ``first`` + ``stride``, ... are taken.  start : (n_strip + 1,), blocks.
-        x, t : (n_node, 3).  corner : (n_block, 4, 8).  last : (n_block, 16, 8), s_{n-1}.
+        x, t : (n_node, 3).  corner : (n_block, 4, 8).  chain : (n_block,), of
+        :class:`shellcut.quad_blocks.QuadBlocks`.  last : (n_block, 16, 8), s_{n-1}.
         before : likewise, s_{n-2}, replaced by s_n.  rows : (n_node, 8).  sums : (n_strip, 3), to
         which s_n·r, s_{n-1}·r and s_{n-2}·r are added.  lane : None for eight quads at a time, any
         number for one by one.
@@ -291,6 +298,7 @@ def _make_linear_kernel(flat: bool) -> Any:
                         x,
                         t,
                         corner,
+                        chain,
                         tables,
                         damped,
                         rho,
@@ -344,6 +352,7 @@ def _point_block(
     x: Floats,
     t: Floats,
     corner: SmallIds,
+    chain: Bools,
     tables: LinearTables,
     points: PointTables,
     damped: bool,
@@ -355,7 +364,10 @@ def _point_block(
     work: Numbers,
 ) -> tuple[Number, Number]:
     """Add the forces of block ``b``; return its stored energy and (a_n + a_{n-1})·H a_n."""
-    xm, tm = quad_modes(x, t, corner, b, lane)
+    if chain[b]:
+        xm, tm = chain_modes(x, t, corner, b, lane)
+    else:
+        xm, tm = quad_modes(x, t, corner, b, lane)
     s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
     r, stored = point_resultants(flat, s, tables, points, history, history, b, b, lane)
     if not damped:
@@ -377,6 +389,7 @@ def _make_point_kernel(flat: bool) -> Any:
         x: Floats,
         t: Floats,
         corner: SmallIds,
+        chain: Bools,
         tables: LinearTables,
         points: PointTables,
         damped: bool,
@@ -406,6 +419,7 @@ def _make_point_kernel(flat: bool) -> Any:
                         x,
                         t,
                         corner,
+                        chain,
                         tables,
                         points,
                         damped,

@@ -185,7 +185,9 @@ class MITC4Shell:
     def _bind(self, state: State, changing: tuple[Any, ...]) -> None:
         """Choose a kernel for each kind of quads, and what it is given until the next split."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
-        tables: tuple[Any, ...] = (state.node.x, state.node.t, self.blocks.corner, self.tables)
+        blocks = self.blocks
+        tables: tuple[Any, ...] = (state.node.x, state.node.t, blocks.corner, blocks.chain)
+        tables += (self.tables,)
         if self.has_points:
             kernels = (add_flat_point_quads, add_full_point_quads)
             tables += (self.points,)

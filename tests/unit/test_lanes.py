@@ -9,11 +9,13 @@ import numpy as np
 from shellcut._jit import kernel
 from shellcut.lanes import (
     add_row_columns,
+    align_stack,
     aligned_zeros,
     along,
     at,
     clear_rows,
     corner_node,
+    first_node,
     gather,
     make_prefetch,
     nth,
@@ -149,6 +151,24 @@ def test_arrays_start_on_a_cache_line():
         assert not array.any()
 
 
+@kernel
+def _first_nodes(corner, out, lane):
+    align_stack()
+    for turn in range(turns(lane)):
+        out[turn] = first_node(corner, 1, 2, nth(lane, turn))
+
+
+def test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for():
+    corner = RNG.integers(0, 99, (2, 4, 8)).astype(np.int32)
+    out = np.full(8, -1)
+    _first_nodes(corner, out, 0)
+    np.testing.assert_array_equal(out, corner[1, 2])
+    out[:] = -1
+    _first_nodes(corner, out, None)
+    assert out[0] == corner[1, 2, 0]
+    assert (out[1:] == -1).all()
+
+
 _WITHOUT_COMPILER = """
 import numba
 assert numba.config.DISABLE_JIT
@@ -157,6 +177,7 @@ tests.test_arithmetic_is_that_of_floats()
 tests.test_total_runs_from_the_first_lane_to_the_last()
 tests.test_gather_and_scatter_with_nodes_that_repeat()
 tests.test_consecutive_nodes()
+tests.test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for()
 """
 
 

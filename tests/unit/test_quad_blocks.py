@@ -28,6 +28,37 @@ def test_every_quad_has_one_place_with_its_nodes(case):
     np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), mesh.quads[blocks.quad])
 
 
+def test_quads_whose_nodes_follow_each_other_share_blocks():
+    mesh = rectangle(20.0, 3.0, n_x=20, n_y=3)
+    flat = np.ones(mesh.n_quad, np.bool_)
+    flat[25] = False  # amid the second row, which then has one chain of eight instead of two
+    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
+    follows = (np.diff(blocks.corner, axis=2) == 1).all(axis=(1, 2))
+    np.testing.assert_array_equal(blocks.chain, follows)
+    assert follows.sum() == 5
+    # Numbered at random there are none, and every quad still has its place.
+    names = np.random.default_rng(3).permutation(mesh.n_node)
+    nodes = np.empty_like(mesh.nodes)
+    nodes[names] = mesh.nodes
+    blocks = build_blocks(nodes, names[mesh.quads], flat)
+    assert not blocks.chain.any()
+    assert sorted(blocks.quad[blocks.filled].tolist()) == list(range(60))
+
+
+def test_a_chain_ends_where_a_quad_is_rewired():
+    mesh = rectangle(20.0, 1.0, n_x=20, n_y=1)
+    blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(20, np.bool_))
+    quads = mesh.quads.copy()
+    split = int(blocks.quad[np.flatnonzero(blocks.chain)[0], 3])
+    quads[split, 1] = mesh.n_node
+    before = blocks.chain.sum()
+    blocks.rewire(quads, np.array([split]))
+    assert blocks.chain.sum() == before - 1
+    # Sewn together again it is one once more.
+    blocks.rewire(mesh.quads, np.array([split]))
+    assert blocks.chain.sum() == before
+
+
 def test_a_rewired_quad_is_followed_where_it_is_repeated_too():
     mesh = rectangle(3.0, 1.0, n_x=3, n_y=1)
     blocks = build_blocks(mesh.nodes, mesh.quads, np.ones(3, np.bool_))

@@ -26,9 +26,12 @@ MATERIALS = {
 }
 
 
-def moved_twice(mesh, material, *, by_lanes=True):
+def moved_twice(mesh, material, *, by_lanes=True, chains=True):
     """Forces and work after two damped steps from rest to a far state."""
     shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes)
+    if not chains:
+        assert shell.blocks.chain.any()
+        shell.blocks.chain[:] = False
     state = initial_state(mesh)
     shell.initialise(state)
     n = mesh.n_node
@@ -47,7 +50,7 @@ def moved_twice(mesh, material, *, by_lanes=True):
 @pytest.mark.parametrize("material", MATERIALS)
 @pytest.mark.parametrize("case", cases.ALL)
 def test_lanes_and_plain_floats_agree_to_round_off(case, material):
-    mesh = cases.ALL[case](5, 3)
+    mesh = cases.ALL[case](11, 3)  # rows of eight quads in a chain, and three that are not
     by_lanes = moved_twice(mesh, MATERIALS[material])
     one_by_one = moved_twice(mesh, MATERIALS[material], by_lanes=False)
     for (work, force), (wanted_work, wanted) in zip(by_lanes, one_by_one, strict=True):
@@ -55,6 +58,29 @@ def test_lanes_and_plain_floats_agree_to_round_off(case, material):
         np.testing.assert_allclose(force, wanted, rtol=0, atol=1e-14 * np.abs(wanted).max() + 1e-18)
         scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
         np.testing.assert_allclose(work, wanted_work, rtol=0, atol=1e-13 * scale + 1e-24)
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+@pytest.mark.parametrize("by_lanes", [True, False])
+def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, by_lanes):
+    mesh = cases.ALL[case](11, 3)
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=2e-7, by_lanes=by_lanes)
+    state = initial_state(mesh)
+    shell.initialise(state)
+    energy, _ = shell.add_forces(state)
+    assert energy == 0.0
+    assert not state.node.force_rows.any()
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+@pytest.mark.parametrize("material", ["film", "film by points"])
+def test_chains_are_loaded_as_they_would_be_gathered(case, material):
+    mesh = cases.ALL[case](11, 3)
+    chained = moved_twice(mesh, MATERIALS[material])
+    gathered = moved_twice(mesh, MATERIALS[material], chains=False)
+    for (work, force), (wanted_work, wanted) in zip(chained, gathered, strict=True):
+        np.testing.assert_array_equal(force, wanted)
+        assert work == wanted_work
 
 
 @pytest.mark.parametrize("case", cases.ALL)
