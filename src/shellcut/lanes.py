@@ -1,17 +1,18 @@
-"""Lanes: eight doubles that a kernel handles as one number.
+"""Lanes: eight doubles, or sixteen singles, that a kernel handles as one number.
 
 A loop over quads written with plain floats is not turned into vector instructions by the compiler:
 the gathers at its start and the scatters at its end stand in the way. Lanes say it outright. The
 mechanics are functions of *numbers* (:data:`shellcut._jit.Number`); given floats they treat one
-quad, given lanes eight at a time.
+quad, given lanes as many at a time as a block has.
 
 Where a number comes from is the only difference, and the functions here hide it. Their argument
-``lane`` says which of the eight is meant: an integer takes one, as a float; ``None`` takes all
-eight, as lanes:
+``lane`` says which of a block are meant: an integer takes one, as a float; ``None`` takes all
+eight, as doubles; :data:`SIXTEEN` takes all sixteen, as singles. What is read at nodes is double
+always, and :func:`narrow` makes singles of it:
 
 =====================================  ===================================================
 :func:`turns`, :func:`nth`             the visits that a block takes
-:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8)
+:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8 or 16)
 :func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
 :func:`first_node`                     the first of them, for :func:`at` where they follow
                                        each other
@@ -21,6 +22,7 @@ eight, as lanes:
 :func:`row_columns`,                   the first six columns of consecutive force rows,
 :func:`add_row_columns`,               what is added to the first three,
 :func:`clear_rows`                     and how the rows are cleared
+:func:`narrow`, :func:`widen`          from doubles to what is meant, and back
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
 :func:`multiply_add`                   a b + c, one instruction where there is one
 :func:`make_prefetch`                  a function that asks for a block needed soon
@@ -28,9 +30,9 @@ eight, as lanes:
 =====================================  ===================================================
 
 Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
-addition may become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` to
-one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler (NUMBA_DISABLE_JIT=1)
-the same functions run on NumPy arrays of eight numbers.
+addition may become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` and
+``<16 x float>`` to one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler
+(NUMBA_DISABLE_JIT=1) the same functions run on NumPy arrays.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for those who write them.
@@ -40,7 +42,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -49,19 +51,52 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, models, overload, register_model
+from numba.extending import (
+    NativeValue,
+    intrinsic,
+    models,
+    overload,
+    register_model,
+    typeof_impl,
+    unbox,
+)
 
-from ._jit import Floats, Number, SmallIds, Vector
+from ._jit import Floats, Number, Numbers, SmallIds, Vector
 
 WIDTH = 8
-"""Numbers in one vector."""
+"""Doubles in one vector: nodes are taken so many at a time."""
+
+
+class _Sixteen:
+    """The type of :data:`SIXTEEN`."""
+
+
+SIXTEEN = _Sixteen()
+"""All of a block of sixteen, in single precision."""
+
+Lane: TypeAlias = int | _Sixteen | None
+
+
+def _one(lane: Lane) -> TypeGuard[int]:
+    """Whether one place is meant."""
+    return isinstance(lane, int | np.integer)
+
+
+def block_width(lane: Lane) -> int:
+    """Return how many quads a block has that is taken whole; by floats, one by one, eight."""
+    return 2 * WIDTH if lane is SIXTEEN else WIDTH
+
+
+def block_dtype(lane: Lane) -> npt.DTypeLike:
+    """Return the kind of number that tables in blocks hold."""
+    return np.float32 if lane is SIXTEEN else np.float64
+
 
 _CACHE_LINE = 64
 
 _I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _DOUBLE = ir.DoubleType()
 _LANES = ir.VectorType(_DOUBLE, WIDTH)
-_IDS = ir.VectorType(_I32, WIDTH)
 _CONTRACT = ("contract",)
 
 
@@ -73,33 +108,72 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
     return raw[start : start + size].view(dtype).reshape(shape)
 
 
-# ---------------------------------------------------------------- the two types
+# ---------------------------------------------------------------- the types
 
 
 class _LanesType(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name="Lanes")
+    """Several floating-point numbers."""
+
+    def __init__(self, bits: int, width: int) -> None:
+        self.bits, self.width = bits, width
+        super().__init__(name=f"Lanes({width} x f{bits})")
+
+    @property
+    def one(self) -> Any:
+        """LLVM's type of one of them."""
+        return _DOUBLE if self.bits == 64 else ir.FloatType()
+
+    @property
+    def all(self) -> Any:
+        """LLVM's type of all."""
+        return ir.VectorType(self.one, self.width)
+
+    @property
+    def suffix(self) -> str:
+        """Of the names of LLVM's functions."""
+        return f"v{self.width}f{self.bits}"
 
 
 class _LaneIdsType(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name="LaneIds")
+    """Several node ids."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+        super().__init__(name=f"LaneIds({width})")
 
 
-lanes_type = _LanesType()
-_lane_ids_type = _LaneIdsType()
+class _SixteenType(types.Opaque):
+    pass
+
+
+_DOUBLES, _SINGLES = _LanesType(64, WIDTH), _LanesType(32, 2 * WIDTH)
+_WIDE = _LanesType(64, 2 * WIDTH)  # sixteen doubles: what is to become singles, and sums of them
+_sixteen_type = _SixteenType("Sixteen")
 
 
 @register_model(_LanesType)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, _LANES)
+        super().__init__(manager, front_end_type, front_end_type.all)
 
 
 @register_model(_LaneIdsType)
 class _LaneIdsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, _IDS)
+        super().__init__(manager, front_end_type, ir.VectorType(_I32, front_end_type.width))
+
+
+register_model(_SixteenType)(models.OpaqueModel)
+
+
+@typeof_impl.register(_Sixteen)
+def _type_of_sixteen(value: _Sixteen, context: Any) -> Any:
+    return _sixteen_type
+
+
+@unbox(_SixteenType)
+def _unbox_sixteen(kind: Any, value: Any, context: Any) -> Any:
+    return NativeValue(context.context.get_dummy_value())
 
 
 # ---------------------------------------------------------------- arithmetic
@@ -109,31 +183,33 @@ def _constant(kind: Any, values: list[int]) -> Any:
     return ir.Constant(ir.VectorType(kind, len(values)), values)
 
 
-def _broadcast(builder: Any, value: Any, kind: Any) -> Any:
-    one = builder.insert_element(ir.Constant(kind, ir.Undefined), value, ir.Constant(_I32, 0))
-    return builder.shuffle_vector(one, one, _constant(_I32, [0] * WIDTH))
+def _broadcast(builder: Any, value: Any, kind: _LanesType) -> Any:
+    """Return lanes that are all one double."""
+    if kind.bits == 32:
+        value = builder.fptrunc(value, kind.one)
+    nothing = ir.Constant(kind.all, ir.Undefined)
+    one = builder.insert_element(nothing, value, ir.Constant(_I32, 0))
+    return builder.shuffle_vector(one, one, _constant(_I32, [0] * kind.width))
 
 
 def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
     @infer_global(op)
     class _Typing(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
-            if lanes_type in args and all(
-                a == lanes_type or isinstance(a, types.Float) for a in args
-            ):
-                return signature(
-                    lanes_type, *(a if a == lanes_type else types.float64 for a in args)
-                )
-            return None
+            kinds = {a for a in args if isinstance(a, _LanesType)}
+            if len(kinds) != 1 or not all(a in kinds or isinstance(a, types.Float) for a in args):
+                return None
+            (kind,) = kinds
+            return signature(kind, *(a if a == kind else types.float64 for a in args))
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         operands = [
-            a if t == lanes_type else _broadcast(builder, a, _LANES)
+            a if t == sig.return_type else _broadcast(builder, a, sig.return_type)
             for a, t in zip(args, sig.args, strict=True)
         ]
         return getattr(builder, instruction)(*operands, flags=_CONTRACT)
 
-    for pair in ((lanes_type,) * 2, (lanes_type, types.float64), (types.float64, lanes_type)):
+    for pair in ((_LanesType,) * 2, (_LanesType, types.Float), (types.Float, _LanesType)):
         lower_builtin(op, *pair)(lower)
 
 
@@ -149,10 +225,10 @@ for _op, _instruction in (
 @infer_global(operator.neg)
 class _NegativeTyping(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        return signature(lanes_type, lanes_type) if args == (lanes_type,) else None
+        return signature(*args * 2) if isinstance(args[0], _LanesType) else None
 
 
-@lower_builtin(operator.neg, lanes_type)
+@lower_builtin(operator.neg, _LanesType)
 def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.fneg(args[0])
 
@@ -183,7 +259,11 @@ def _row_address(context: Any, builder: Any, array_type: Any, array: Any, row: A
 
 
 def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
-    """Turn eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges."""
+    """Turn eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges.
+
+    Fewer than eight are filled up: what then stands in the last columns means nothing.
+    """
+    rows = [*rows, *[ir.Constant(rows[0].type, ir.Undefined)] * (WIDTH - len(rows))]
 
     def exchange(a: Any, b: Any, order: list[int]) -> Any:
         return builder.shuffle_vector(a, b, _constant(_I32, order))
@@ -206,32 +286,45 @@ def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
 _ZERO = ir.Constant(_I64, 0)
 
 
+def _of_table(table: Any) -> _LanesType:
+    """Return the lanes of a table in blocks."""
+    return _SINGLES if table.dtype == types.float32 else _DOUBLES
+
+
 @intrinsic
 def _load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES)
-        return builder.load(where, align=8)
+    kind = _of_table(table)
 
-    return lanes_type(table, types.intp, types.intp), generate
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        index = [args[1], args[2], _ZERO]
+        where = _vector_address(context, builder, table, args[0], index, kind.all)
+        return builder.load(where, align=kind.bits // 8)
+
+    return kind(table, types.intp, types.intp), generate
 
 
 @intrinsic
 def _store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
+    kind = _of_table(table)
+
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, table, args[0], [args[1], args[2], _ZERO], _LANES)
-        builder.store(args[3], where, align=8)
+        index = [args[1], args[2], _ZERO]
+        where = _vector_address(context, builder, table, args[0], index, kind.all)
+        builder.store(args[3], where, align=kind.bits // 8)
         return context.get_dummy_value()
 
-    return types.void(table, types.intp, types.intp, lanes_type), generate
+    return types.void(table, types.intp, types.intp, kind), generate
 
 
 @intrinsic
-def _load_at(typing_context: Any, values: Any, n: Any, c: Any) -> Any:
+def _load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
+    kind = _of_nodes(lane)
+
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
+        where = _vector_address(context, builder, values, args[0], args[1:3], kind.all)
         return builder.load(where, align=8)
 
-    return lanes_type(values, types.intp, types.intp), generate
+    return kind(values, types.intp, types.intp, lane), generate
 
 
 @intrinsic
@@ -240,7 +333,7 @@ def _load_along(typing_context: Any, values: Any, n: Any) -> Any:
         where = _vector_address(context, builder, values, args[0], [args[1]], _LANES)
         return builder.load(where, align=8)
 
-    return lanes_type(values, types.intp), generate
+    return _DOUBLES(values, types.intp), generate
 
 
 @intrinsic
@@ -250,20 +343,26 @@ def _store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> A
         builder.store(args[3], where, align=8)
         return context.get_dummy_value()
 
-    return types.void(values, types.intp, types.intp, lanes_type), generate
+    return types.void(values, types.intp, types.intp, _DOUBLES), generate
 
 
 @intrinsic
-def _load_ids(typing_context: Any, corner: Any, b: Any, a: Any) -> Any:
+def _load_ids(typing_context: Any, corner: Any, b: Any, a: Any, lane: Any) -> Any:
+    kind = _LaneIdsType(_of_nodes(lane).width)
+
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, corner, args[0], [args[1], args[2], _ZERO], _IDS)
+        index = [args[1], args[2], _ZERO]
+        ids = ir.VectorType(_I32, kind.width)
+        where = _vector_address(context, builder, corner, args[0], index, ids)
         return builder.load(where, align=4)
 
-    return _lane_ids_type(corner, types.intp, types.intp), generate
+    return kind(corner, types.intp, types.intp, lane), generate
 
 
 @intrinsic
 def _gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
+    kind = _LanesType(64, ids.width)
+
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         column = _address(context, builder, values, args[0], [_ZERO, args[1]])
         # llvmlite does not build an address per lane from one base; LLVM does, and then needs no
@@ -271,18 +370,34 @@ def _gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
         where = builder.gep(column, [_ZERO])
         where.indices = [args[2]]
         where.operands = [column, args[2]]
-        where.type = ir.VectorType(_DOUBLE.as_pointer(), WIDTH)
-        mask = _constant(_I1, [1] * WIDTH)
+        where.type = ir.VectorType(_DOUBLE.as_pointer(), kind.width)
+        mask = _constant(_I1, [1] * kind.width)
         function = cgutils.get_or_insert_function(
             builder.module,
-            ir.FunctionType(_LANES, [where.type, _I32, mask.type, _LANES]),
-            "llvm.masked.gather.v8f64.v8p0",
+            ir.FunctionType(kind.all, [where.type, _I32, mask.type, kind.all]),
+            f"llvm.masked.gather.{kind.suffix}.v{kind.width}p0",
         )
         return builder.call(
-            function, [where, ir.Constant(_I32, 8), mask, ir.Constant(_LANES, ir.Undefined)]
+            function, [where, ir.Constant(_I32, 8), mask, ir.Constant(kind.all, ir.Undefined)]
         )
 
-    return lanes_type(values, types.intp, _lane_ids_type), generate
+    return kind(values, types.intp, ids), generate
+
+
+@intrinsic
+def _fewer_bits(typing_context: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fptrunc(args[0], _SINGLES.all)
+
+    return _SINGLES(value), generate
+
+
+@intrinsic
+def _more_bits(typing_context: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fpext(args[0], _WIDE.all)
+
+    return _WIDE(value), generate
 
 
 @intrinsic
@@ -290,22 +405,31 @@ def _scatter_add_rows(
     typing_context: Any, rows: Any, corner: Any, b: Any, a: Any, force: Any
 ) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        # The last two columns only fill the cache line; what stands there is never read.
-        nothing = ir.Constant(_LANES, ir.Undefined)
-        columns = [*cgutils.unpack_tuple(builder, args[4], 6), nothing, nothing]
-        for lane, row in enumerate(_transpose(builder, columns)):
-            index = [args[2], args[3], ir.Constant(_I64, lane)]
-            node = builder.load(_address(context, builder, corner, args[1], index))
-            where = _row_address(context, builder, rows, args[0], builder.sext(node, _I64))
-            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
+        columns = cgutils.unpack_tuple(builder, args[4], 6)
+        lane = 0
+        for first in range(0, force.dtype.width, WIDTH):
+            for row in _transpose(builder, [_eight(builder, c, first) for c in columns]):
+                index = [args[2], args[3], ir.Constant(_I64, lane)]
+                node = builder.load(_address(context, builder, corner, args[1], index))
+                where = _row_address(context, builder, rows, args[0], builder.sext(node, _I64))
+                more = builder.fpext(row, _LANES) if force.dtype.bits == 32 else row
+                builder.store(builder.fadd(builder.load(where, align=8), more), where, align=8)
+                lane += 1
         return context.get_dummy_value()
 
     return types.void(rows, corner, types.intp, types.intp, force), generate
 
 
+def _eight(builder: Any, value: Any, first: int) -> Any:
+    """Return eight of the lanes."""
+    if value.type.count == WIDTH:
+        return value
+    return builder.shuffle_vector(value, value, _constant(_I32, list(range(first, first + WIDTH))))
+
+
 @intrinsic
 def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
-    returns = types.UniTuple(lanes_type, 6)
+    returns = types.UniTuple(_DOUBLES, 6)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         loaded = []
@@ -345,20 +469,33 @@ def _zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
 
 
 @intrinsic
-def _no_lanes(typing_context: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(_LANES, [0.0] * WIDTH)
+def _no_lanes(typing_context: Any, lane: Any) -> Any:
+    kind = _SINGLES if lane == _sixteen_type else _DOUBLES
 
-    return lanes_type(), generate
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(kind.all, [0.0] * kind.width)
+
+    return kind(lane), generate
+
+
+@intrinsic
+def _sum_of_lanes(typing_context: Any, value: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        sum_ = builder.extract_element(args[0], ir.Constant(_I32, 0))
+        for lane in range(1, value.width):
+            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(_I32, lane)))
+        return sum_
+
+    return types.float64(value), generate
 
 
 @intrinsic
 def _fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = context.get_value_type(sig.return_type)
-        name = "llvm.fmuladd." + (f"v{WIDTH}f64" if sig.return_type == lanes_type else "f64")
+        kind = context.get_value_type(a)
+        suffix = a.suffix if isinstance(a, _LanesType) else f"f{a.bitwidth}"
         function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(kind, [kind] * 3), name
+            builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
         )
         return builder.call(function, args)
 
@@ -376,49 +513,43 @@ def _align_stack(typing_context: Any) -> Any:
     return types.void(), generate
 
 
-@intrinsic
-def _sum_of_lanes(typing_context: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        sum_ = builder.extract_element(args[0], ir.Constant(_I32, 0))
-        for lane in range(1, WIDTH):
-            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(_I32, lane)))
-        return sum_
-
-    return types.float64(lanes_type), generate
-
-
 # ---------------------------------------------------------------- the functions kernels call
 
 _OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
 def _all(lane: Any) -> bool:
-    return isinstance(lane, types.NoneType)
+    return isinstance(lane, types.NoneType) or lane == _sixteen_type
 
 
-def turns(lane: int | None) -> int:
-    """Return how often a block must be visited: once by lanes, eight times one by one."""
-    return 1 if lane is None else WIDTH
+def _of_nodes(lane: Any) -> _LanesType:
+    """Return the lanes of what is read at nodes."""
+    return _WIDE if lane == _sixteen_type else _DOUBLES
+
+
+def turns(table: Numbers, lane: Lane) -> int:
+    """Return how often a block must be visited: once by lanes, or as often as it has places."""
+    return int(table.shape[2]) if _one(lane) else 1
 
 
 @overload(turns, jit_options=_OPTIONS)
-def _turns(lane):
-    return (lambda lane: 1) if _all(lane) else (lambda lane: WIDTH)
+def _turns(table, lane):
+    return (lambda table, lane: 1) if _all(lane) else (lambda table, lane: table.shape[2])
 
 
-def nth(lane: int | None, turn: int) -> int | None:
+def nth(lane: Lane, turn: int) -> Lane:
     """Return the lane of a visit: all of them, or the one whose turn it is."""
-    return None if lane is None else turn
+    return turn if _one(lane) else lane
 
 
 @overload(nth, jit_options=_OPTIONS)
 def _nth(lane, turn):
-    return (lambda lane, turn: None) if _all(lane) else (lambda lane, turn: turn)
+    return (lambda lane, turn: lane) if _all(lane) else (lambda lane, turn: turn)
 
 
-def pick(table: Floats, b: int, k: int, lane: int | None) -> Number:
-    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-    return table[b, k].copy() if lane is None else table[b, k, lane]
+def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
+    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+    return table[b, k, lane] if _one(lane) else table[b, k].copy()
 
 
 @overload(pick, jit_options=_OPTIONS)
@@ -428,12 +559,12 @@ def _pick(table, b, k, lane):
     return lambda table, b, k, lane: table[b, k, lane]
 
 
-def put(table: Floats, b: int, k: int, lane: int | None, value: Number) -> None:
-    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-    if lane is None:
-        table[b, k] = value
-    else:
+def put(table: Numbers, b: int, k: int, lane: Lane, value: Number) -> None:
+    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+    if _one(lane):
         table[b, k, lane] = value
+    else:
+        table[b, k] = value
 
 
 @overload(put, jit_options=_OPTIONS)
@@ -447,21 +578,21 @@ def _put(table, b, k, lane, value):
     return one
 
 
-def corner_node(corner: SmallIds, b: int, a: int, lane: int | None) -> Any:
+def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
     """Return the node ids at corner ``a`` of block ``b``, for :func:`gather`."""
-    return corner[b, a] if lane is None else int(corner[b, a, lane])
+    return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
 
 
 @overload(corner_node, jit_options=_OPTIONS)
 def _corner_node(corner, b, a, lane):
     if _all(lane):
-        return lambda corner, b, a, lane: _load_ids(corner, b, a)
+        return lambda corner, b, a, lane: _load_ids(corner, b, a, lane)
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
 
-def first_node(corner: SmallIds, b: int, a: int, lane: int | None) -> int:
+def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
     """Return the node id at corner ``a`` of block ``b``, of the first place if all are meant."""
-    return int(corner[b, a, 0 if lane is None else lane])
+    return int(corner[b, a, lane if _one(lane) else 0])
 
 
 @overload(first_node, jit_options=_OPTIONS)
@@ -478,18 +609,18 @@ def gather(values: Floats, c: int, ids: Any) -> Number:
 
 @overload(gather, jit_options=_OPTIONS)
 def _gather(values, c, ids):
-    if ids == _lane_ids_type:
+    if isinstance(ids, _LaneIdsType):
         return lambda values, c, ids: _gather_column(values, c, ids)
     return lambda values, c, ids: values[ids, c]
 
 
 def scatter_add(
-    rows: Floats, corner: SmallIds, b: int, a: int, lane: int | None, force: tuple[Number, ...]
+    rows: Floats, corner: SmallIds, b: int, a: int, lane: Lane, force: tuple[Number, ...]
 ) -> None:
     """Add six numbers to the rows : (n, 8) of the nodes at corner ``a``, lane after lane."""
-    for at_lane in range(WIDTH) if lane is None else (lane,):
+    for place in (lane,) if _one(lane) else range(corner.shape[2]):
         for c in range(6):
-            rows[corner[b, a, at_lane], c] += force[c][at_lane] if lane is None else force[c]
+            rows[corner[b, a, place], c] += force[c] if _one(lane) else force[c][place]
 
 
 @overload(scatter_add, jit_options=_OPTIONS)
@@ -504,19 +635,19 @@ def _scatter_add(rows, corner, b, a, lane, force):
     return one
 
 
-def at(values: Floats, n: int, c: int, lane: int | None) -> Number:
-    """Return column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
-    return values[n : n + WIDTH, c].copy() if lane is None else values[n, c]
+def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
+    """Return column ``c`` of values : (m, 3) at node ``n``, or at the 8 or 16 nodes from ``n``."""
+    return values[n, c] if _one(lane) else values[n : n + block_width(lane), c].copy()
 
 
 @overload(at, jit_options=_OPTIONS)
 def _at(values, n, c, lane):
     if _all(lane):
-        return lambda values, n, c, lane: _load_at(values, n, c)
+        return lambda values, n, c, lane: _load_at(values, n, c, lane)
     return lambda values, n, c, lane: values[n, c]
 
 
-def along(values: Floats, n: int, lane: int | None) -> Number:
+def along(values: Floats, n: int, lane: Lane) -> Number:
     """Return values : (m,) at node ``n``, or at the eight nodes from ``n``."""
     return values[n : n + WIDTH].copy() if lane is None else values[n]
 
@@ -528,7 +659,7 @@ def _along(values, n, lane):
     return lambda values, n, lane: values[n]
 
 
-def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
+def put_at(values: Floats, n: int, c: int, lane: Lane, value: Number) -> None:
     """Write column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
     if lane is None:
         values[n : n + WIDTH, c] = value
@@ -547,7 +678,7 @@ def _put_at(values, n, c, lane, value):
     return one
 
 
-def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
+def row_columns(rows: Floats, n: int, lane: Lane) -> tuple[Number, ...]:
     """Return the first six columns of rows : (m, 8) at node ``n``, or the eight from ``n``."""
     if lane is None:
         return tuple(rows[n : n + WIDTH, c].copy() for c in range(6))
@@ -565,7 +696,7 @@ def _row_columns(rows, n, lane):
     return one
 
 
-def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
+def add_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
     """Add to the first three columns of rows : (m, 8) at node ``n``, or at the eight from ``n``."""
     for c, column in enumerate(columns):
         rows[n : n + (WIDTH if lane is None else 1), c] += column
@@ -583,7 +714,7 @@ def _add_row_columns(rows, n, lane, columns):
     return add
 
 
-def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
+def clear_rows(rows: Floats, n: int, lane: Lane) -> None:
     """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
     rows[n : n + (WIDTH if lane is None else 1)] = 0.0
 
@@ -600,20 +731,44 @@ def _clear_rows(rows, n, lane):
     return clear
 
 
-def zero(lane: int | None) -> Number:
+def narrow(value: Number, lane: Lane) -> Number:
+    """Return what was read at nodes in the precision of the tables in blocks."""
+    return value.astype(np.float32) if lane is SIXTEEN else value
+
+
+@overload(narrow, jit_options=_OPTIONS)
+def _narrow(value, lane):
+    if lane == _sixteen_type:
+        return lambda value, lane: _fewer_bits(value)
+    return lambda value, lane: value
+
+
+def widen(value: Number, lane: Lane) -> Number:
+    """Return a number in double precision, to sum it over many blocks."""
+    return value.astype(np.float64) if lane is SIXTEEN else value
+
+
+@overload(widen, jit_options=_OPTIONS)
+def _widen(value, lane):
+    if lane == _sixteen_type:
+        return lambda value, lane: _more_bits(value)
+    return lambda value, lane: value
+
+
+def zero(lane: Lane) -> Number:
     """Return nothing to begin a sum with."""
-    return np.zeros(WIDTH) if lane is None else 0.0
+    return 0.0 if _one(lane) else np.zeros(block_width(lane), block_dtype(lane))
 
 
 @overload(zero, jit_options=_OPTIONS)
 def _zero(lane):
     if _all(lane):
-        return lambda lane: _no_lanes()
+        return lambda lane: _no_lanes(lane)
     return lambda lane: 0.0
 
 
 def total(value: Number) -> float:
-    """Return the sum over the lanes, from the first to the last."""
+    """Return the sum over the lanes, doubles, from the first to the last."""
     sum_ = 0.0
     for one in np.atleast_1d(value):
         sum_ += float(one)
@@ -622,7 +777,7 @@ def total(value: Number) -> float:
 
 @overload(total, jit_options=_OPTIONS)
 def _total(value):
-    if value == lanes_type:
+    if isinstance(value, _LanesType):
         return lambda value: _sum_of_lanes(value)
     return lambda value: value
 

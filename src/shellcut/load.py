@@ -13,7 +13,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, store, sub
-from .lanes import WIDTH, add_row_columns, at, total, zero
+from .lanes import WIDTH, Lane, add_row_columns, at, total, zero
 from .mesh import Mesh
 from .state import State, columns
 from .support import NodeChoice, choose_nodes
@@ -372,7 +372,7 @@ def _add_dead_force(
 
 @always_inline
 def _add_dead_at(
-    n: int, lane: int | None, dead: Floats, factor: float, velocity: Floats, rows: Floats
+    n: int, lane: Lane, dead: Floats, factor: float, velocity: Floats, rows: Floats
 ) -> Number:
     """Add factor dead at node ``n``, or at the eight from ``n``; return the power of ``dead``."""
     force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)

@@ -43,7 +43,7 @@ from typing import NamedTuple, TypeAlias
 
 from ._jit import Floats, Number, Numbers, SmallIds, Vector, always_inline
 from ._vec3 import add, add_scaled, scale, sub
-from .lanes import at, corner_node, first_node, gather, multiply_add, pick, put
+from .lanes import Lane, at, corner_node, first_node, gather, multiply_add, narrow, pick, put
 
 N_STRAIN = 16
 """Strains of a quad, and resultants."""
@@ -92,46 +92,70 @@ def moved_modes(v: Modes, step: float, d: Modes) -> Modes:
 
 
 @always_inline
-def quad_modes(
-    x: Floats, t: Floats, corner: SmallIds, b: int, lane: int | None
-) -> tuple[Modes, Modes]:
+def quad_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tuple[Modes, Modes]:
     """Return the modes of positions and of directors.
 
-    x, t : (n_node, 3).  corner : (n_block, 4, 8).
+    x, t : (n_node, 3).  corner : (n_block, 4, 8 or 16).
     """
     n0, n1 = corner_node(corner, b, 0, lane), corner_node(corner, b, 1, lane)
     n2, n3 = corner_node(corner, b, 2, lane), corner_node(corner, b, 3, lane)
     return (
-        modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
-        modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
+        _narrow(
+            modes(node_vector(x, n0), node_vector(x, n1), node_vector(x, n2), node_vector(x, n3)),
+            lane,
+        ),
+        _narrow(
+            modes(node_vector(t, n0), node_vector(t, n1), node_vector(t, n2), node_vector(t, n3)),
+            lane,
+        ),
     )
 
 
 @always_inline
-def chain_modes(
-    x: Floats, t: Floats, corner: SmallIds, b: int, lane: int | None
-) -> tuple[Modes, Modes]:
+def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tuple[Modes, Modes]:
     """Return :func:`quad_modes` of a block whose node ids follow each other at every corner."""
     n0, n1 = first_node(corner, b, 0, lane), first_node(corner, b, 1, lane)
     n2, n3 = first_node(corner, b, 2, lane), first_node(corner, b, 3, lane)
     return (
-        modes(
-            _vector_at(x, n0, lane),
-            _vector_at(x, n1, lane),
-            _vector_at(x, n2, lane),
-            _vector_at(x, n3, lane),
+        _narrow(
+            modes(
+                _vector_at(x, n0, lane),
+                _vector_at(x, n1, lane),
+                _vector_at(x, n2, lane),
+                _vector_at(x, n3, lane),
+            ),
+            lane,
         ),
-        modes(
-            _vector_at(t, n0, lane),
-            _vector_at(t, n1, lane),
-            _vector_at(t, n2, lane),
-            _vector_at(t, n3, lane),
+        _narrow(
+            modes(
+                _vector_at(t, n0, lane),
+                _vector_at(t, n1, lane),
+                _vector_at(t, n2, lane),
+                _vector_at(t, n3, lane),
+            ),
+            lane,
         ),
     )
 
 
 @always_inline
-def _vector_at(values: Floats, n: int, lane: int | None) -> Vector:
+def _narrow(v: Modes, lane: Lane) -> Modes:
+    """Return modes in the precision of the block: only now, for they are differences of nodes."""
+    return (
+        _narrow_vector(v[0], lane),
+        _narrow_vector(v[1], lane),
+        _narrow_vector(v[2], lane),
+        _narrow_vector(v[3], lane),
+    )
+
+
+@always_inline
+def _narrow_vector(v: Vector, lane: Lane) -> Vector:
+    return narrow(v[0], lane), narrow(v[1], lane), narrow(v[2], lane)
+
+
+@always_inline
+def _vector_at(values: Floats, n: int, lane: Lane) -> Vector:
     return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
 
 
@@ -217,7 +241,7 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
 
 
 @always_inline
-def pick6(table: Numbers, b: int, first: int, lane: int | None) -> Six:
+def pick6(table: Numbers, b: int, first: int, lane: Lane) -> Six:
     """Return six numbers of a block from the number ``first`` on."""
     return (
         pick(table, b, first, lane),
@@ -230,7 +254,7 @@ def pick6(table: Numbers, b: int, first: int, lane: int | None) -> Six:
 
 
 @always_inline
-def pick4(table: Numbers, b: int, first: int, lane: int | None) -> Four:
+def pick4(table: Numbers, b: int, first: int, lane: Lane) -> Four:
     """Return four numbers of a block from the number ``first`` on."""
     return (
         pick(table, b, first, lane),
@@ -241,7 +265,7 @@ def pick4(table: Numbers, b: int, first: int, lane: int | None) -> Four:
 
 
 @always_inline
-def pick16(table: Numbers, b: int, lane: int | None) -> Sixteen:
+def pick16(table: Numbers, b: int, lane: Lane) -> Sixteen:
     """Return the first sixteen numbers of a block."""
     return pick6(table, b, 0, lane) + pick6(table, b, 6, lane) + pick4(table, b, 12, lane)
 
@@ -327,9 +351,7 @@ def _shear_resultants(k: Four, metric: tuple[Three, ...], v: Four) -> Four:
 
 
 @always_inline
-def flat_resultants(
-    table: Numbers, moduli: FlatModuli, b: int, lane: int | None, s: Sixteen
-) -> Sixteen:
+def flat_resultants(table: Numbers, moduli: FlatModuli, b: int, lane: Lane, s: Sixteen) -> Sixteen:
     """Return r = H s of flat quads, from the metric at the Gauss points.
 
     With A = adj G_ab of the reference surface, J² = det A, and the isotropic law of plane stress,
@@ -378,7 +400,7 @@ def _scale4(factor: float, v: Four) -> Four:
 
 
 @always_inline
-def full_resultants(h: Floats, b: int, lane: int | None, s: Sixteen, work: Numbers) -> Sixteen:
+def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Numbers) -> Sixteen:
     """Return r = H s with every strain coupled to every other.
 
     h : (n_block, 136, 8), the upper triangle of H, row by row.  work : (2, 16, 8), overwritten.

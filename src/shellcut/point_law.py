@@ -11,6 +11,7 @@ keeps.
 from __future__ import annotations
 
 from ._jit import Floats, Number, Vector, always_inline
+from .lanes import Lane
 
 ELASTIC = 0
 """St.Venant-Kirchhoff: parameters are the six moduli of the upper triangle of C; no history."""
@@ -29,7 +30,7 @@ def point_stress(
     b: int,
     b_new: int,
     first: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Vector, Number]:
     """Return stress [MPa] and stored energy density [N/mm²] at thickness point ``k``.
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
 from .lanes import (
-    WIDTH,
+    Lane,
     align_stack,
     make_prefetch,
     nth,
@@ -32,6 +32,7 @@ from .lanes import (
     scatter_add,
     total,
     turns,
+    widen,
     zero,
 )
 from .mitc4 import (
@@ -85,7 +86,7 @@ class PointTables(NamedTuple):
 
 
 @always_inline
-def flat_strain(tables: LinearTables, b: int, lane: int | None, x: Modes, t: Modes) -> Sixteen:
+def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of flat quads."""
     m = products(x, t)
     ref = tables.flat
@@ -101,14 +102,14 @@ def flat_strain(tables: LinearTables, b: int, lane: int | None, x: Modes, t: Mod
 
 
 @always_inline
-def full_strain(tables: LinearTables, b: int, lane: int | None, x: Modes, t: Modes) -> Sixteen:
+def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
     """Return the strains of any quads."""
     return _minus(products(x, t), pick16(tables.full_reference, b - tables.n_flat, lane))
 
 
 @always_inline
 def stiffness_product(
-    tables: LinearTables, flat: bool, b: int, lane: int | None, u: Sixteen, work: Numbers
+    tables: LinearTables, flat: bool, b: int, lane: Lane, u: Sixteen, work: Numbers
 ) -> Sixteen:
     """Return H u; work : (2, 16, 8) is overwritten."""
     if flat:
@@ -174,7 +175,7 @@ def _dot(a: Sixteen, b: Sixteen) -> Number:
 
 
 @always_inline
-def store_strain(table: Numbers, b: int, lane: int | None, s: Sixteen) -> None:
+def store_strain(table: Numbers, b: int, lane: Lane, s: Sixteen) -> None:
     """Write sixteen numbers of a block."""
     put(table, b, 0, lane, s[0])
     put(table, b, 1, lane, s[1])
@@ -196,7 +197,7 @@ def store_strain(table: Numbers, b: int, lane: int | None, s: Sixteen) -> None:
 
 @always_inline
 def _scatter(
-    rows: Floats, corner: SmallIds, b: int, lane: int | None, x: Modes, t: Modes, r: Sixteen
+    rows: Floats, corner: SmallIds, b: int, lane: Lane, x: Modes, t: Modes, r: Sixteen
 ) -> None:
     f0, f1, f2, f3 = nodal_forces(x, t, r)
     scatter_add(rows, corner, b, 0, lane, f0)
@@ -223,7 +224,7 @@ def _ask_for_block(
 @always_inline
 def _linear_block(
     b: int,
-    lane: int | None,
+    lane: Lane,
     flat: bool,
     x: Floats,
     t: Floats,
@@ -271,7 +272,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         before: Floats,
         rows: Floats,
         sums: Floats,
-        lane: int | None,
+        lane: Lane,
     ) -> None:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
@@ -283,14 +284,15 @@ def _make_linear_kernel(flat: bool) -> Any:
         number for one by one.
         """
         align_stack()
-        work = np.empty((2, N_STRAIN, WIDTH))
+        work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         far = last.shape[0] > _FAR
         for k in range(first, start.shape[0] - 1, stride):
-            p0, p1, p2 = zero(lane), zero(lane), zero(lane)
+            none = widen(zero(lane), lane)
+            p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 if far:
                     _ask_for_block(b + 1, flat, tables, damped, last, before)
-                for turn in range(turns(lane)):
+                for turn in range(turns(corner, lane)):
                     q0, q1, q2 = _linear_block(
                         b,
                         nth(lane, turn),
@@ -307,7 +309,7 @@ def _make_linear_kernel(flat: bool) -> Any:
                         rows,
                         work,
                     )
-                    p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
+                    p0, p1, p2 = p0 + widen(q0, lane), p1 + widen(q1, lane), p2 + widen(q2, lane)
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)
@@ -334,7 +336,7 @@ def point_resultants(
     new: Floats,
     b: int,
     b_new: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of the general path, and the stored energy."""
     if flat:
@@ -347,7 +349,7 @@ def point_resultants(
 @always_inline
 def _point_block(
     b: int,
-    lane: int | None,
+    lane: Lane,
     flat: bool,
     x: Floats,
     t: Floats,
@@ -399,7 +401,7 @@ def _make_point_kernel(flat: bool) -> Any:
         history: Floats,
         rows: Floats,
         sums: Floats,
-        lane: int | None,
+        lane: Lane,
     ) -> None:
         """Add the forces of quads with thickness points; arguments as of the linear kernel.
 
@@ -407,11 +409,12 @@ def _make_point_kernel(flat: bool) -> Any:
         3), to whose first two columns the stored energy and (a_n + a_{n-1})·H a_n are added.
         """
         align_stack()
-        work = np.empty((2, N_STRAIN, WIDTH))
+        work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         for k in range(first, start.shape[0] - 1, stride):
-            p0, p1 = zero(lane), zero(lane)
+            none = widen(zero(lane), lane)
+            p0, p1 = none, none
             for b in range(start[k], start[k + 1]):
-                for turn in range(turns(lane)):
+                for turn in range(turns(corner, lane)):
                     q0, q1 = _point_block(
                         b,
                         nth(lane, turn),
@@ -430,7 +433,7 @@ def _make_point_kernel(flat: bool) -> Any:
                         rows,
                         work,
                     )
-                    p0, p1 = p0 + q0, p1 + q1
+                    p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
 
@@ -463,10 +466,11 @@ def _make_corner_kernel(by_points: bool) -> Any:
         force: Floats,
     ) -> None:
         """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
-        work = np.empty((2, N_STRAIN, WIDTH))
-        trial = np.empty((1, history.shape[1], WIDTH))
+        width = corner.shape[2]
+        work = np.empty((2, N_STRAIN, width))
+        trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
-            b, lane = slot[i] // WIDTH, slot[i] % WIDTH
+            b, lane = slot[i] // width, slot[i] % width
             flat = b < tables.n_flat
             xm, tm = quad_modes(x, t, corner, b, lane)
             if flat:

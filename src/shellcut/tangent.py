@@ -19,7 +19,6 @@ import numpy as np
 
 from ._jit import Floats, Ints, SmallIds, inline, kernel
 from ._vec3 import load, norm, sub, tangent_basis
-from .lanes import WIDTH
 from .mitc4 import N_STRAIN, Modes, modes, moved_modes, nodal_forces, pick16, products, quad_modes
 from .quad_forces import (
     LinearTables,
@@ -67,10 +66,11 @@ def quad_tangents(
     """
     basis = np.empty((4, 2, 3))
     along = np.empty((4, 6))
-    row = np.empty((1, N_STRAIN, WIDTH))
-    work = np.empty((2, N_STRAIN, WIDTH))
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
     for i in range(slot.shape[0]):
-        b, lane = slot[i] // WIDTH, slot[i] % WIDTH
+        b, lane = slot[i] // width, slot[i] % width
         flat = b < tables.n_flat
         for a in range(4):
             tangent_basis(t, corner[b, a, lane], basis[a])

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import Floats, Ints, Number, Vector, always_inline
-from .lanes import pick, zero
+from .lanes import Lane, pick, zero
 from .material import ShellMaterial
 from .mitc4 import G, Sixteen
 from .point_law import point_stress
@@ -157,7 +157,7 @@ def _flat_gauss_point(
     new: Floats,
     b: int,
     b_new: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Sixteen, Number]:
     """Return r with the part of one Gauss point, and its stored energy."""
     n_point = rule.place.shape[0]
@@ -213,7 +213,7 @@ def flat_point_resultants(
     new: Floats,
     b: int,
     b_new: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of flat quads, and their stored energy [N·mm].
 
@@ -243,7 +243,7 @@ def _full_gauss_point(
     b: int,
     b_new: int,
     block: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Sixteen, Number]:
     """Return r with the part of one Gauss point, and its stored energy."""
     n_point = rule.place.shape[0]
@@ -294,7 +294,7 @@ def full_point_resultants(
     b: int,
     b_new: int,
     block: int,
-    lane: int | None,
+    lane: Lane,
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of any quads, and their stored energy [N·mm].
 

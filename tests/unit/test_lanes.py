@@ -35,7 +35,7 @@ prefetch = make_prefetch(3)
 
 @kernel
 def _arithmetic(table, out, lane):
-    for turn in range(turns(lane)):
+    for turn in range(turns(table, lane)):
         one = nth(lane, turn)
         a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
         c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
@@ -45,7 +45,7 @@ def _arithmetic(table, out, lane):
 @kernel
 def _total(table, k, lane):
     sum_ = 0.0
-    for turn in range(turns(lane)):
+    for turn in range(turns(table, lane)):
         sum_ += total(pick(table, 0, k, nth(lane, turn)))
     return sum_
 
@@ -53,7 +53,7 @@ def _total(table, k, lane):
 @kernel
 def _corners(corner, x, rows, out, lane):
     prefetch(out, 1)
-    for turn in range(turns(lane)):
+    for turn in range(turns(corner, lane)):
         one = nth(lane, turn)
         for a in range(4):
             ids = corner_node(corner, 0, a, one)
@@ -65,7 +65,7 @@ def _corners(corner, x, rows, out, lane):
 
 @kernel
 def _nodes(x, mass, rows, more, first, out, lane):
-    for turn in range(turns(lane)):
+    for turn in range(8 if lane is not None else 1):
         n = first + turn
         r = row_columns(rows, n, lane)
         put_at(out, n, 0, lane, at(x, n, 0, lane) + along(mass, n, lane) * r[0])
@@ -154,7 +154,7 @@ def test_arrays_start_on_a_cache_line():
 @kernel
 def _first_nodes(corner, out, lane):
     align_stack()
-    for turn in range(turns(lane)):
+    for turn in range(turns(corner, lane)):
         out[turn] = first_node(corner, 1, 2, nth(lane, turn))
 
 
