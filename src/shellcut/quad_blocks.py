@@ -1,4 +1,4 @@
-"""Quads in blocks of eight, the order in which the force kernels take them.
+"""Quads in blocks of eight or sixteen, the order in which the force kernels take them.
 
 A block fills the lanes of one vector (:mod:`shellcut.lanes`). Quads of one block are neighbours, so
 that their nodes lie in few cache lines; flat quads stand in blocks of their own, before the
@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, SmallIds
-from .lanes import WIDTH, aligned_zeros
+from .lanes import aligned_zeros
 
 # One strip until a second thread could pay; then two for every so many quads, at most so many.
 _ONE_STRIP_BELOW = 20_000
@@ -36,16 +36,16 @@ class QuadBlocks:
 
     Attributes
     ----------
-    quad : ndarray of int32, shape (n_block, 8)
+    quad : ndarray of int32, shape (n_block, width)
         Quad at each place.
-    filled : ndarray of bool, shape (n_block, 8)
+    filled : ndarray of bool, shape (n_block, width)
         False at places that repeat a quad.
     slot : ndarray of int32, shape (n_quad,)
-        Place of each quad, 8 block + lane.
-    corner : ndarray of int32, shape (n_block, 4, 8)
+        Place of each quad, width block + lane.
+    corner : ndarray of int32, shape (n_block, 4, width)
         Node ids; :meth:`rewire` keeps them up to date.
     chain : ndarray of bool, shape (n_block,)
-        Whether at every corner the ids of the eight nodes follow each other; likewise.
+        Whether at every corner the ids of the nodes follow each other; likewise.
     flat_start, full_start : ndarray of int, shape (n_strip + 1,)
         First block of each strip, of flat quads and of the others.
     """
@@ -68,9 +68,14 @@ class QuadBlocks:
         """Number of strips."""
         return int(self.flat_start.size - 1)
 
+    @property
+    def width(self) -> int:
+        """Number of quads in a block."""
+        return int(self.quad.shape[1])
+
     def rewire(self, quads: Ints, which: Ints) -> None:
         """Take over the nodes of the quads ``which`` from quads : (n_quad, 4)."""
-        block, lane = np.divmod(self.slot[which], WIDTH)
+        block, lane = np.divmod(self.slot[which], self.width)
         self.corner[block, :, lane] = quads[which]
         for b in np.unique(block):
             repeats = np.flatnonzero(~self.filled[b])
@@ -78,7 +83,7 @@ class QuadBlocks:
         self.chain[block] = _is_chain(self.corner[block])
 
 
-def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
+def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlocks:
     """Order quads into strips and blocks.
 
     Parameters
@@ -89,6 +94,8 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
         Node ids.
     flat : ndarray of bool, shape (n_quad,)
         Which quads stand in the first blocks.
+    width : int
+        Quads in a block.
     """
     centre = nodes[quads].mean(axis=1)
     axes = np.argsort(-np.ptp(nodes, axis=0), kind="stable")
@@ -103,19 +110,19 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools) -> QuadBlocks:
     rank = np.empty(order.size, np.int64)
     rank[order] = np.arange(order.size)
 
-    chained = _chained(quads, part)
+    chained = _chained(quads, part, width)
     others = order[~np.isin(order, chained)]
-    quad = np.vstack([chained, _in_eights(others, part[others], 2 * n_strip)])
+    quad = np.vstack([chained, _in_rows(others, part[others], 2 * n_strip, width)])
     quad = quad[np.argsort(rank[quad[:, 0]], kind="stable")]
     filled = quad >= 0
     # The last quad of the block: its first place is always filled.
     quad = np.take_along_axis(
-        quad, np.maximum.accumulate(np.where(filled, np.arange(WIDTH), 0), axis=1), axis=1
+        quad, np.maximum.accumulate(np.where(filled, np.arange(width), 0), axis=1), axis=1
     )
     start = np.cumsum([0, *np.bincount(part[quad[:, 0]], minlength=2 * n_strip)])
     slot = np.empty(order.size, np.int32)
     slot[quad[filled]] = np.flatnonzero(filled)
-    corner: SmallIds = aligned_zeros((quad.shape[0], 4, WIDTH), np.int32)
+    corner: SmallIds = aligned_zeros((quad.shape[0], 4, width), np.int32)
     corner[:] = quads[quad].transpose(0, 2, 1)
     return QuadBlocks(
         quad.astype(np.int32),
@@ -133,25 +140,25 @@ def _is_chain(corner: SmallIds) -> Bools:
     return np.asarray((np.diff(corner, axis=2) == 1).all(axis=(1, 2)))
 
 
-def _chained(quads: Ints, part: Ints) -> Ints:
-    """Return quads of one part, eight in a row, whose four node ids each grow by one: (n, 8)."""
+def _chained(quads: Ints, part: Ints, width: int) -> Ints:
+    """Return quads of one part whose four node ids each grow by one along a row : (n, width)."""
     offset = quads - quads[:, :1]
     order = np.lexsort((quads[:, 0], *offset[:, 1:].T, part))
     grows = (np.diff(quads[order], axis=0) == 1).all(axis=1) & (np.diff(part[order]) == 0)
     first = np.flatnonzero(np.concatenate([[True], ~grows]))
     length = np.diff(first, append=order.size)
     place = np.arange(order.size) - np.repeat(first, length)
-    return order[place < np.repeat(length // WIDTH * WIDTH, length)].reshape(-1, WIDTH)
+    return order[place < np.repeat(length // width * width, length)].reshape(-1, width)
 
 
-def _in_eights(quads: Ints, part: Ints, n_part: int) -> Ints:
-    """Return quads, sorted by part, eight in a row, parts apart, filled up with -1."""
+def _in_rows(quads: Ints, part: Ints, n_part: int, width: int) -> Ints:
+    """Return quads, sorted by part, in rows, each of one part and filled up with -1."""
     size = np.bincount(part, minlength=n_part)
-    n_row = -(-size // WIDTH)
-    begins = WIDTH * np.cumsum([0, *n_row[:-1]]) - np.cumsum([0, *size[:-1]])
-    rows = np.full(WIDTH * int(n_row.sum()), -1)
+    n_row = -(-size // width)
+    begins = width * np.cumsum([0, *n_row[:-1]]) - np.cumsum([0, *size[:-1]])
+    rows = np.full(width * int(n_row.sum()), -1)
     rows[np.arange(quads.size) + np.repeat(begins, size)] = quads
-    return rows.reshape(-1, WIDTH)
+    return rows.reshape(-1, width)
 
 
 def _strips(along: Floats, quads: Ints, n_node: int) -> Ints:

@@ -206,6 +206,25 @@ def _scatter(
     scatter_add(rows, corner, b, 3, lane, f3)
 
 
+@kernel
+def write_products(
+    first: int, n: int, X: Floats, T: Floats, corner: SmallIds, table: Numbers, lane: Lane
+) -> None:
+    """Write the first n products on the reference surface of the blocks from ``first`` on.
+
+    By the functions that make strains of them, in the same precision, so that a film at rest has
+    none, not even of round-off.  X, T : (n_node, 3).  table : (n_block - first, n or more, width).
+    """
+    for b in range(table.shape[0]):
+        xm, tm = quad_modes(X, T, corner, first + b, lane)
+        m = products(xm, tm)
+        if n == N_STRAIN:
+            store_strain(table, b, lane, m)
+        else:
+            for k in range(n):
+                put(table, b, k, lane, m[k])
+
+
 # ---------------------------------------------------------------- linear material
 
 

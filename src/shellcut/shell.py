@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
-from ._jit import Floats, Ints, bound
+from ._jit import Floats, Ints, Numbers, bound
 from .centre_stress import CentreStress, FaceStresses
-from .lanes import WIDTH, aligned_zeros
+from .lanes import SIXTEEN, Lane, aligned_zeros, block_dtype, block_width
 from .material import ShellMaterial
 from .mesh import Mesh
 from .mitc4 import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
@@ -23,11 +23,12 @@ from .quad_forces import (
     add_full_quads,
     write_corner_forces,
     write_point_corner_forces,
+    write_products,
 )
 from .quad_frequency import QuadFrequencies
 from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
-from .tangent import N_FREEDOM, quad_tangents, reference_products
+from .tangent import N_FREEDOM, quad_tangents
 from .thickness_points import (
     N_FLAT_FRAME,
     N_FULL_FRAME,
@@ -44,6 +45,8 @@ _INERTIA_AREA = 8.0
 
 # Quads whose tables are built at a time: their temporaries stay small beside the film.
 _BLOCKS_AT_A_TIME = 512
+
+Precision: TypeAlias = Literal["double", "single"]
 
 
 class Work(NamedTuple):
@@ -68,8 +71,12 @@ class MITC4Shell:
         Stiffness-proportional damping [s].
     workers : Workers, optional
         Threads; one by default.
+    precision : {"double", "single"}
+        Of what the shell keeps and computes of each quad. Positions, directors and nodal forces are
+        double either way, and so are the differences of positions that strains are made of.
     by_lanes : bool
-        False takes the quads one by one, as plain floats: slow, the same to round-off.
+        False takes the quads one by one, as plain floats in double precision: slow, the same to
+        round-off.
     """
 
     def __init__(
@@ -79,25 +86,29 @@ class MITC4Shell:
         *,
         damping_beta: float,
         workers: Workers | None = None,
+        precision: Precision = "double",
         by_lanes: bool = True,
     ) -> None:
+        if precision not in get_args(Precision):
+            raise ValueError(f"precision must be 'double' or 'single', got {precision!r}")
         self.material = material
         self.damping_beta = damping_beta
         self._workers = workers or Workers(mesh.n_quad)
-        self._lane = None if by_lanes else 0
+        self._whole: Lane = SIXTEEN if precision == "single" else None
+        self._lane: Lane = self._whole if by_lanes else 0
         self.mass = np.empty((mesh.n_quad, 4))
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
         self.area = np.empty(mesh.n_quad)
         """Reference area of the quads [mm²], shape (n_quad,)."""
         flat = np.zeros(mesh.n_quad, np.bool_)
-        step = _BLOCKS_AT_A_TIME * WIDTH
+        step = _BLOCKS_AT_A_TIME * block_width(self._whole)
         for first in range(0, mesh.n_quad, step):
             some = slice(first, first + step)
             X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
             flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
-        self.blocks = build_blocks(mesh.nodes, mesh.quads, flat)
-        self.tables, self.points = _build_tables(mesh, material, self.blocks)
+        self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
+        self.tables, self.points = _build_tables(mesh, material, self.blocks, self._whole)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated by points, at every step."""
         self._calls: list[tuple[Any, ...]] = []
@@ -143,9 +154,11 @@ class MITC4Shell:
         """Write mass, rotary inertia and contact area of all nodes; lay out strains and history."""
         n, node = state.n_node, state.node
         n_block, rule = self.blocks.quad.shape[0], self.points.rule
-        state.strain = aligned_zeros((n_block, N_STRAIN, WIDTH))
-        state.strain_before = aligned_zeros((n_block, N_STRAIN, WIDTH))
-        state.history = aligned_zeros((n_block, 4 * rule.place.size * rule.n_history, WIDTH))
+        width, dtype = self.blocks.width, block_dtype(self._whole)
+        n_history = 4 * rule.place.size * rule.n_history
+        state.strain = aligned_zeros((n_block, N_STRAIN, width), dtype)
+        state.strain_before = aligned_zeros((n_block, N_STRAIN, width), dtype)
+        state.history = aligned_zeros((n_block, n_history, width), dtype)
         for a in range(4):
             ids = state.quads[:, a]
             node.mass[:n] += np.bincount(ids, self.mass[:, a], n)
@@ -309,25 +322,32 @@ def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> W
 
 
 def _build_tables(
-    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
 ) -> tuple[LinearTables, PointTables]:
     """Lay out what does not change of the quads in blocks."""
     n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
     n_full = n_block - n_flat
     rule = build_rule(material) if material.points_per_layer else _NO_POINTS
     n_point = rule.place.size
+
+    def table(n_block: int, n: int) -> Numbers:
+        return np.asarray(aligned_zeros((n_block, n, blocks.width), block_dtype(lane)))
+
     linear = LinearTables(
         n_flat,
-        aligned_zeros((n_flat, N_FLAT, WIDTH)),
+        table(n_flat, N_FLAT),
         flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
-        aligned_zeros((n_full, N_STRAIN, WIDTH)),
-        aligned_zeros((n_full, N_FULL, WIDTH)),
+        table(n_full, N_STRAIN),
+        table(n_full, N_FULL),
     )
     points = PointTables(
-        aligned_zeros((n_flat if n_point else 0, 4 * N_FLAT_FRAME, WIDTH)),
-        aligned_zeros((n_full if n_point else 0, 4 * n_point * N_FULL_FRAME, WIDTH)),
+        table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
+        table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
         rule,
     )
+    X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
+    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat, lane)
+    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference, lane)
     for first in range(0, n_block, _BLOCKS_AT_A_TIME):
         for start, stop, flat in (
             (first, min(first + _BLOCKS_AT_A_TIME, n_flat), True),
@@ -337,25 +357,22 @@ def _build_tables(
                 continue
             quads = mesh.quads[blocks.quad[start:stop].ravel()]
             X, T = mesh.nodes[quads], mesh.directors[quads]
-            products = reference_products(X, T)
 
             def fill(
-                table: Floats,
+                table: Numbers,
                 rows: Floats,
                 start: int = start,
                 stop: int = stop,
                 first: int = 0 if flat else n_flat,
             ) -> None:
                 some = slice(start - first, stop - first)
-                table[some] = rows.reshape(stop - start, WIDTH, -1).transpose(0, 2, 1)
+                table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
 
             # Places that repeat a quad pull at nothing.
             filled = blocks.filled[start:stop].reshape(-1, 1)
             if flat:
-                stiffness = filled * flat_stiffness(X, T, material)
-                fill(linear.flat, np.hstack([products[:, :N_FLAT_PRODUCT], stiffness]))
+                fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
             else:
-                fill(linear.full_reference, products)
                 fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
             if n_point:
                 frames = flat_frames(X, T) if flat else full_frames(X, T, rule)

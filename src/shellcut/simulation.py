@@ -22,7 +22,7 @@ from .material import ShellMaterial
 from .mesh import Mesh
 from .motion import Motion
 from .relaxation import find_rest
-from .shell import MITC4Shell
+from .shell import MITC4Shell, Precision
 from .start_check import check_tool_outside
 from .state import initial_state
 from .support import Support, SupportSet
@@ -65,6 +65,9 @@ class Simulation:
         Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
+    precision : {"double", "single"}
+        Of what is kept and computed of each quad; nodes, contact and cables are double either way,
+        see docs/performance.md for what it saves and what it changes.
     threads : int, optional
         Threads to use; by default one for a small film, else the cores there are. The result does
         not depend on it, bit for bit.
@@ -105,6 +108,7 @@ class Simulation:
         damping_alpha: float = 0.1,
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
+        precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
         problems = [
@@ -136,12 +140,15 @@ class Simulation:
             "directional": directional,
             "damping_alpha": damping_alpha,
             "damping_beta": damping_beta,
+            "precision": precision,
             "velocity": None if velocity is None else np.asarray(velocity, float),
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
         workers = Workers(mesh.n_quad, threads)
-        self.shell = MITC4Shell(mesh, material, damping_beta=damping_beta, workers=workers)
+        self.shell = MITC4Shell(
+            mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
+        )
         stretching = sum(layer.material.young * layer.thickness for layer in material.layers)
         self._most_strain = _EXPLODED * stretching * float(mesh.quad_areas().sum())
         self.supports = SupportSet(mesh, supports)
