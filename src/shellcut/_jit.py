@@ -42,7 +42,7 @@ SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 SmallIds: TypeAlias = npt.NDArray[np.int32]
 Number: TypeAlias = Any
-"""What the mechanics are written in: a float, or eight of them at once
+"""What the mechanics are written in: a float, or several at once
 (:mod:`shellcut.lanes`)."""
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]

@@ -793,7 +793,9 @@ def multiply_add(a: Number, b: Number, c: Number) -> Number:
 
 @overload(multiply_add, jit_options=_OPTIONS)
 def _multiply_add(a, b, c):
-    return lambda a, b, c: _fused(a, b, c)
+    if isinstance(a, _LanesType):
+        return lambda a, b, c: _fused(a, b, c)
+    return lambda a, b, c: _fused(np.float64(a), np.float64(b), np.float64(c))
 
 
 def align_stack() -> None:

@@ -2,7 +2,7 @@
 
 Total Lagrangian, in convective coordinates xi, eta in [-1, 1] ([Frangi2010] 2, eqs. 1-9), with the
 transverse shear tied at the mid-edge points ([DvorkinBathe1984]). Everything here is a function of
-numbers: of one quad, or of eight at once (:mod:`shellcut.lanes`).
+numbers: of one quad, or of a block at once (:mod:`shellcut.lanes`).
 
 **Modes.** The bilinear mid-surface 4 x = m + xi p + eta q + xi eta h has the modes
 
@@ -95,7 +95,7 @@ def moved_modes(v: Modes, step: float, d: Modes) -> Modes:
 def quad_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tuple[Modes, Modes]:
     """Return the modes of positions and of directors.
 
-    x, t : (n_node, 3).  corner : (n_block, 4, 8 or 16).
+    x, t : (n_node, 3).  corner : (n_block, 4, width).
     """
     n0, n1 = corner_node(corner, b, 0, lane), corner_node(corner, b, 1, lane)
     n2, n3 = corner_node(corner, b, 2, lane), corner_node(corner, b, 3, lane)
@@ -364,7 +364,7 @@ def flat_resultants(table: Numbers, moduli: FlatModuli, b: int, lane: Lane, s: S
     Hamilton). Bending is the membrane's law in the strains K. The products on the reference surface
     give the metric as the strains give E.
 
-    table : (n_block, 10, 8), the first six products on the reference surface and, at the Gauss
+    table : (n_block, 10, width), the first six products on the reference surface and, at the Gauss
     points, k = C_11 J⁻³ / 2¹⁴. The strains here are 16 E, the metric 8 A, and r = Bᵀ n / 16, hence
     2¹⁴ = 16² 8²; and k det(8 A) = C_11 J⁻¹ / 16², which the moduli turn into 2 mu and shear.
     """
@@ -403,7 +403,8 @@ def _scale4(factor: float, v: Four) -> Four:
 def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Numbers) -> Sixteen:
     """Return r = H s with every strain coupled to every other.
 
-    h : (n_block, 136, 8), the upper triangle of H, row by row.  work : (2, 16, 8), overwritten.
+    h : (n_block, 136, width), the upper triangle of H, row by row.  work : (2, 16, width),
+    overwritten.
     """
     for k in range(N_STRAIN):
         put(work, 0, k, lane, s[k])

@@ -3,7 +3,7 @@
 A law is a branch of :func:`point_stress`, chosen by the material's ``kind``. It takes the Cartesian
 strain (E_11, E_22, 2E_12) at t_n and the history of the point at t_{n-1}, writes the history at
 t_n, and returns the second Piola-Kirchhoff stress with the stored energy density. It is a function
-of numbers, so it serves one quad or eight (:mod:`shellcut.lanes`); history is read by ``pick`` and
+of numbers, so it serves one quad or many (:mod:`shellcut.lanes`); history is read by ``pick`` and
 written by ``put``. A new material adds a kind, its parameters and how many history numbers a point
 keeps.
 """
@@ -34,7 +34,7 @@ def point_stress(
 ) -> tuple[Vector, Number]:
     """Return stress [MPa] and stored energy density [N/mm²] at thickness point ``k``.
 
-    parameters : (n_point, N_PARAMETER), row k is read.  old, new : (n_block, n, 8), the numbers
+    parameters : (n_point, N_PARAMETER), row k is read.  old, new : (n_block, n, width), the numbers
     from ``first`` on of block ``b`` are read, those of block ``b_new`` written.
     """
     e1, e2, e12 = strain

@@ -1,4 +1,4 @@
-"""Kernels that add the forces of quads to the nodes: eight at a time, or one by one.
+"""Kernels that add the forces of quads to the nodes: a block at a time, or one by one.
 
 Damping is proportional to the stiffness, on the strain rate: the stress acts on
 u = s + rho (s_n - s_{n-1}), rho = beta / dt, the rate of the half step before t_n (so the step
@@ -66,22 +66,22 @@ class LinearTables(NamedTuple):
     """Number of blocks of flat quads."""
     flat: Floats
     """The first six products on the reference surface, the others vanish, and four stiffnesses,
-    (n_flat, 10, 8), see :func:`shellcut.mitc4.flat_resultants`."""
+    (n_flat, 10, width), see :func:`shellcut.mitc4.flat_resultants`."""
     flat_moduli: FlatModuli
     """What flat quads have in common."""
     full_reference: Floats
-    """The products on the reference surface, (n_block - n_flat, 16, 8)."""
+    """The products on the reference surface, (n_block - n_flat, 16, width)."""
     full_stiffness: Floats
-    """(n_block - n_flat, 136, 8)."""
+    """(n_block - n_flat, 136, width)."""
 
 
 class PointTables(NamedTuple):
     """Frames of the general path."""
 
     flat_frame: Floats
-    """(n_flat, 16, 8)."""
+    """(n_flat, 16, width)."""
     full_frame: Floats
-    """(n_block - n_flat, 4 n_point 7, 8)."""
+    """(n_block - n_flat, 4 n_point 7, width)."""
     rule: PointRule
 
 
@@ -111,7 +111,7 @@ def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) ->
 def stiffness_product(
     tables: LinearTables, flat: bool, b: int, lane: Lane, u: Sixteen, work: Numbers
 ) -> Sixteen:
-    """Return H u; work : (2, 16, 8) is overwritten."""
+    """Return H u; work : (2, 16, width) is overwritten."""
     if flat:
         return flat_resultants(tables.flat, tables.flat_moduli, b, lane, u)
     return full_resultants(tables.full_stiffness, b - tables.n_flat, lane, u, work)
@@ -296,11 +296,11 @@ def _make_linear_kernel(flat: bool) -> Any:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
         Strips ``first``, ``first`` + ``stride``, ... are taken.  start : (n_strip + 1,), blocks.
-        x, t : (n_node, 3).  corner : (n_block, 4, 8).  chain : (n_block,), of
-        :class:`shellcut.quad_blocks.QuadBlocks`.  last : (n_block, 16, 8), s_{n-1}.
+        x, t : (n_node, 3).  corner : (n_block, 4, width).  chain : (n_block,), of
+        :class:`shellcut.quad_blocks.QuadBlocks`.  last : (n_block, 16, width), s_{n-1}.
         before : likewise, s_{n-2}, replaced by s_n.  rows : (n_node, 8).  sums : (n_strip, 3), to
-        which s_n·r, s_{n-1}·r and s_{n-2}·r are added.  lane : None for eight quads at a time, any
-        number for one by one.
+        which s_n·r, s_{n-1}·r and s_{n-2}·r are added.  lane : None or SIXTEEN for a block at a
+        time, any number for one by one.
         """
         align_stack()
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
@@ -424,8 +424,8 @@ def _make_point_kernel(flat: bool) -> Any:
     ) -> None:
         """Add the forces of quads with thickness points; arguments as of the linear kernel.
 
-        history : (n_block, 4 n_point n_history, 8), taken from t_{n-1} to t_n.  sums : (n_strip,
-        3), to whose first two columns the stored energy and (a_n + a_{n-1})·H a_n are added.
+        history : (n_block, 4 n_point n_history, width), taken from t_{n-1} to t_n.  sums :
+        (n_strip, 3), to whose first two columns the stored energy and (a_n + a_{n-1})·H a_n go.
         """
         align_stack()
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)

@@ -237,11 +237,11 @@ class State:
     quads: SmallIds
     """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
     strain: Floats
-    """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, 8)."""
+    """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, width)."""
     strain_before: Floats
     """Those of the evaluation before, likewise."""
     history: Floats
-    """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, 8)."""
+    """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, width)."""
     strain_forms: tuple[float, float] = (0.0, 0.0)
     """A and B of :mod:`shellcut.quad_forces` at the last evaluation [N·mm]."""
     time: float = 0.0

@@ -217,7 +217,7 @@ def flat_point_resultants(
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of flat quads, and their stored energy [N·mm].
 
-    frame : (n_block, 16, 8).  old, new : (n_block, 4 n_point n_history, 8), the histories at
+    frame : (n_block, 16, width).  old, new : (n_block, 4 n_point n_history, width), histories at
     t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.
     """
     # One call a point, not a loop: with xi and eta known most of their products vanish.
@@ -298,8 +298,7 @@ def full_point_resultants(
 ) -> tuple[Sixteen, Number]:
     """Return the resultants of any quads, and their stored energy [N·mm].
 
-    frame : (n_block, 4 n_point 7, 8), of which ``block`` is read; the other arguments as for flat
-    quads.
+    frame : (n_block, 4 n_point 7, width), of which ``block`` is read; the others as for flat quads.
     """
     r = _sixteen(zero(lane))
     r, w0 = _full_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, block, lane)

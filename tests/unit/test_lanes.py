@@ -8,6 +8,7 @@ import numpy as np
 
 from shellcut._jit import kernel
 from shellcut.lanes import (
+    SIXTEEN,
     add_row_columns,
     align_stack,
     aligned_zeros,
@@ -18,6 +19,8 @@ from shellcut.lanes import (
     first_node,
     gather,
     make_prefetch,
+    multiply_add,
+    narrow,
     nth,
     pick,
     put,
@@ -26,10 +29,12 @@ from shellcut.lanes import (
     scatter_add,
     total,
     turns,
+    widen,
     zero,
 )
 
 RNG = np.random.default_rng(8)
+KINDS = ((None, 8, np.float64), (0, 8, np.float64), (0, 16, np.float32), (SIXTEEN, 16, np.float32))
 prefetch = make_prefetch(3)
 
 
@@ -39,14 +44,15 @@ def _arithmetic(table, out, lane):
         one = nth(lane, turn)
         a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
         c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
-        put(out, 0, 0, one, c)
+        put(out, 0, 0, one, multiply_add(a, b, c))
 
 
 @kernel
 def _total(table, k, lane):
     sum_ = 0.0
     for turn in range(turns(table, lane)):
-        sum_ += total(pick(table, 0, k, nth(lane, turn)))
+        one = nth(lane, turn)
+        sum_ += total(widen(pick(table, 0, k, one), one))
     return sum_
 
 
@@ -57,7 +63,8 @@ def _corners(corner, x, rows, out, lane):
         one = nth(lane, turn)
         for a in range(4):
             ids = corner_node(corner, 0, a, one)
-            v = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
+            far = gather(x, 0, ids), gather(x, 1, ids), gather(x, 2, ids)
+            v = narrow(far[0], one), narrow(far[1], one), narrow(far[2], one)
             put(out, 0, a, one, v[0] + v[1] * v[2])
             six = (v[0], v[1], v[2], 2.0 * v[0], 2.0 * v[1], 2.0 * v[2])
             scatter_add(rows, corner, 0, a, one, six)
@@ -77,14 +84,15 @@ def _nodes(x, mass, rows, more, first, out, lane):
 
 
 def test_arithmetic_is_that_of_floats():
-    table = RNG.uniform(1, 2, (2, 2, 8))
-    a, b = table[1]
-    wanted = 0.0 - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
-    for lane in (None, 0):
-        out = np.full((1, 1, 8), np.nan)
+    for lane, width, dtype in KINDS:
+        table = RNG.uniform(1, 2, (2, 2, width)).astype(dtype)
+        a, b = table[1].astype(float)
+        wanted = 0.0 - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
+        wanted += a * b
+        out = np.full((1, 1, width), np.nan, dtype)
         _arithmetic(table, out, lane)
-        # A fused multiply-add rounds once where NumPy rounds twice: a few units in the last place.
-        np.testing.assert_allclose(out[0, 0], wanted, rtol=1e-14)
+        # Rounded in other places: a few units in the last.
+        np.testing.assert_allclose(out[0, 0], wanted, rtol=50 * np.finfo(dtype).eps)
 
 
 def test_total_runs_from_the_first_lane_to_the_last():
@@ -94,26 +102,31 @@ def test_total_runs_from_the_first_lane_to_the_last():
     for v in table[0, 0]:
         wanted += v
     assert _total(table, 0, None) == _total(table, 0, 0) == total(table[0, 0]) == wanted
+    # Singles are added as doubles, in which 1e8 and a one are told apart.
+    singles = np.zeros((1, 1, 16), np.float32)
+    singles[0, 0, [0, 3, 9, 15]] = 1.0, 1e8, -1e8, 2.0
+    assert _total(singles, 0, SIXTEEN) == 3.0
 
 
 def test_gather_and_scatter_with_nodes_that_repeat():
-    # All lanes of the first corner are one node: adding them at once would lose seven.
-    corner = np.zeros((1, 4, 8), np.int32)
-    corner[0, 0] = 3
-    corner[0, 1:] = RNG.integers(0, 12, (3, 8))
-    x = np.asfortranarray(RNG.uniform(-1, 1, (12, 3)))
-    wanted_rows = np.zeros((12, 6))
-    for a in range(4):
-        for node in corner[0, a]:
-            wanted_rows[node] += np.concatenate([x[node], 2 * x[node]])
-    ids = corner[0]
-    wanted = x[ids, 0] + x[ids, 1] * x[ids, 2]
-    for lane in (None, 0):
-        rows, out = aligned_zeros((12, 8)), np.full((1, 4, 8), np.nan)
+    for lane, width, dtype in KINDS:
+        # All lanes of the first corner are one node: adding them at once would lose the others.
+        corner = np.zeros((1, 4, width), np.int32)
+        corner[0, 0] = 3
+        corner[0, 1:] = RNG.integers(0, 12, (3, width))
+        x = np.asfortranarray(RNG.uniform(-1, 1, (12, 3)))
+        wanted_rows = np.zeros((12, 6))
+        for a in range(4):
+            for node in corner[0, a]:
+                wanted_rows[node] += np.concatenate([x[node], 2 * x[node]])
+        ids = corner[0]
+        wanted = x[ids, 0] + x[ids, 1] * x[ids, 2]
+        rows, out = aligned_zeros((12, 8)), np.full((1, 4, width), np.nan, dtype)
         _corners(corner, x, rows, out, lane)
-        np.testing.assert_allclose(out[0], wanted, rtol=1e-14)
-        # Sums of up to eight terms of size one.
-        np.testing.assert_allclose(rows[:, :6], wanted_rows, rtol=0, atol=1e-14)
+        # Sums of up to sixteen terms of size one.
+        round_off = 50 * np.finfo(dtype).eps
+        np.testing.assert_allclose(out[0], wanted, rtol=0, atol=round_off)
+        np.testing.assert_allclose(rows[:, :6], wanted_rows, rtol=0, atol=round_off)
 
 
 def test_consecutive_nodes():
@@ -159,14 +172,13 @@ def _first_nodes(corner, out, lane):
 
 
 def test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for():
-    corner = RNG.integers(0, 99, (2, 4, 8)).astype(np.int32)
-    out = np.full(8, -1)
-    _first_nodes(corner, out, 0)
-    np.testing.assert_array_equal(out, corner[1, 2])
-    out[:] = -1
-    _first_nodes(corner, out, None)
-    assert out[0] == corner[1, 2, 0]
-    assert (out[1:] == -1).all()
+    for lane, width, _ in KINDS:
+        corner = RNG.integers(0, 99, (2, 4, width)).astype(np.int32)
+        out = np.full(width, -1)
+        _first_nodes(corner, out, lane)
+        seen = slice(0, width if lane == 0 else 1)
+        np.testing.assert_array_equal(out[seen], corner[1, 2, seen])
+        assert (out[seen.stop :] == -1).all()
 
 
 _WITHOUT_COMPILER = """

@@ -26,9 +26,9 @@ MATERIALS = {
 }
 
 
-def moved_twice(mesh, material, *, by_lanes=True, chains=True):
+def moved_twice(mesh, material, *, by_lanes=True, chains=True, precision="double"):
     """Forces and work after two damped steps from rest to a far state."""
-    shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes)
+    shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes, precision=precision)
     if not chains:
         assert shell.blocks.chain.any()
         shell.blocks.chain[:] = False
@@ -60,11 +60,30 @@ def test_lanes_and_plain_floats_agree_to_round_off(case, material):
         np.testing.assert_allclose(work, wanted_work, rtol=0, atol=1e-13 * scale + 1e-24)
 
 
+@pytest.mark.parametrize("material", MATERIALS)
 @pytest.mark.parametrize("case", cases.ALL)
-@pytest.mark.parametrize("by_lanes", [True, False])
-def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, by_lanes):
+def test_singles_agree_to_their_own_round_off(case, material):
+    # Far from the origin, where positions themselves would lose three digits more in singles.
+    mesh = cases.ALL[case](19 if case != "curved" else 11, 3)
+    mesh = cases.moved_mesh(mesh, mesh.nodes + 1000.0, directors=mesh.directors)
+    single = moved_twice(mesh, MATERIALS[material], precision="single")
+    double = moved_twice(mesh, MATERIALS[material])
+    for (work, force), (wanted_work, wanted) in zip(single, double, strict=True):
+        # A strain of one has forces of E h L: what a single's last digit of a metric of one makes.
+        np.testing.assert_allclose(
+            force, wanted, rtol=0, atol=1e-6 * (np.abs(wanted).max() + 150.0)
+        )
+        scale = max(abs(wanted_work.strain_energy), abs(wanted_work.damping))
+        np.testing.assert_allclose(work, wanted_work, rtol=0, atol=3e-6 * scale + 1e-10)
+
+
+@pytest.mark.parametrize("case", cases.ALL)
+@pytest.mark.parametrize(
+    ("precision", "by_lanes"), [("double", True), ("double", False), ("single", True)]
+)
+def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, precision, by_lanes):
     mesh = cases.ALL[case](11, 3)
-    shell = MITC4Shell(mesh, cases.FILM, damping_beta=2e-7, by_lanes=by_lanes)
+    shell = MITC4Shell(mesh, cases.FILM, damping_beta=2e-7, by_lanes=by_lanes, precision=precision)
     state = initial_state(mesh)
     shell.initialise(state)
     energy, _ = shell.add_forces(state)
@@ -72,12 +91,19 @@ def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, by_lanes):
     assert not state.node.force_rows.any()
 
 
-@pytest.mark.parametrize("case", cases.ALL)
 @pytest.mark.parametrize("material", ["film", "film by points"])
-def test_chains_are_loaded_as_they_would_be_gathered(case, material):
-    mesh = cases.ALL[case](11, 3)
-    chained = moved_twice(mesh, MATERIALS[material])
-    gathered = moved_twice(mesh, MATERIALS[material], chains=False)
+@pytest.mark.parametrize(
+    ("case", "precision", "columns"),
+    [
+        *((case, "double", 11) for case in cases.ALL),
+        ("flat", "single", 19),
+        ("warped", "single", 19),
+    ],
+)
+def test_chains_are_loaded_as_they_would_be_gathered(case, material, precision, columns):
+    mesh = cases.ALL[case](columns, 3)
+    chained = moved_twice(mesh, MATERIALS[material], precision=precision)
+    gathered = moved_twice(mesh, MATERIALS[material], precision=precision, chains=False)
     for (work, force), (wanted_work, wanted) in zip(chained, gathered, strict=True):
         np.testing.assert_array_equal(force, wanted)
         assert work == wanted_work
@@ -127,7 +153,7 @@ def test_damping_work_from_three_products_is_the_sum_over_strain_steps():
     )
 
 
-def run_sheet(threads):
+def run_sheet(threads, precision):
     mesh = rectangle(60.0, 35.0, n_x=210, n_y=120)
     sim = Simulation(
         mesh,
@@ -135,6 +161,7 @@ def run_sheet(threads):
         supports=[Support.clamped("left")],
         loads=[Pressure(0.05), Pressure(0.02, following=True)],
         threads=threads,
+        precision=precision,
     )
     for _ in range(12):
         sim.step()
@@ -144,12 +171,18 @@ def run_sheet(threads):
     return [r[: mesh.n_node].copy() for r in rows], [vars(books)[k] for k in sorted(vars(books))]
 
 
-def test_results_do_not_depend_on_the_number_of_threads():
-    rows, books = run_sheet(1)
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_results_do_not_depend_on_the_number_of_threads(precision):
+    rows, books = run_sheet(1, precision)
     for threads in (2, 3):
-        other_rows, other_books = run_sheet(threads)
+        other_rows, other_books = run_sheet(threads, precision)
         assert all((a == b).all() for a, b in zip(rows, other_rows, strict=True))
         assert books == other_books
+
+
+def test_precision_is_checked():
+    with pytest.raises(ValueError, match="precision must be 'double' or 'single', got 'half'"):
+        Simulation(rectangle(1.0, 1.0, n_x=1, n_y=1), cases.FILM, precision="half")
 
 
 def test_number_of_threads_is_checked():
@@ -166,8 +199,10 @@ from test_quad_forces import MATERIALS, moved_twice
 out = []
 for case in ("flat", "curved"):
     for material in ("film", "layers by points"):
-        for work, force in moved_twice(cases.ALL[case](5, 3), MATERIALS[material]):
+        for work, force in moved_twice(cases.ALL[case](11, 3), MATERIALS[material]):
             out += [np.array(work), force.ravel()]
+for work, force in moved_twice(cases.ALL["flat"](19, 3), MATERIALS["film"], precision="single"):
+    out.append(1e-7 * force.ravel())
 np.save(sys.argv[1], np.concatenate(out))
 """
 
@@ -193,8 +228,11 @@ def forces_here():
     out = []
     for case in ("flat", "curved"):
         for material in ("film", "layers by points"):
-            for work, force in moved_twice(cases.ALL[case](5, 3), MATERIALS[material]):
+            for work, force in moved_twice(cases.ALL[case](11, 3), MATERIALS[material]):
                 out += [np.array(work), force.ravel()]
+    # Weighed by what singles have in digits less.
+    for _, force in moved_twice(cases.ALL["flat"](19, 3), MATERIALS["film"], precision="single"):
+        out.append(1e-7 * force.ravel())
     return np.concatenate(out)
 
 

@@ -136,6 +136,7 @@ class _Build:
             "damping_alpha": damping.alpha,
             "damping_beta": damping.beta,
             "directional": head.directional,
+            "precision": head.precision,
             "threads": head.threads,
             "loads": loads,
         }

@@ -43,6 +43,11 @@ class Head(Section):
         "whether cables meet the blade; false: classical cohesive elements",
         default=default_of(Simulation, "directional"),
     )
+    precision: str = key(
+        choice("double", "single"),
+        "of what is kept and computed of each quad; nodes are double either way",
+        default=default_of(Simulation, "precision"),
+    )
     threads: int | None = key(
         count(1),
         "results do not depend on it",
