@@ -27,6 +27,8 @@ always, and :func:`narrow` makes singles of it:
 :func:`multiply_add`                   a b + c, one instruction where there is one
 :func:`make_prefetch`                  a function that asks for a block needed soon
 :func:`align_stack`                    the first line of a kernel that handles lanes
+:func:`flush_subnormals`               what numbers too small do in a kernel, and
+:func:`set_rounding`                   what they did before
 =====================================  ===================================================
 
 Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
@@ -502,6 +504,45 @@ def _fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
     return (a(a, a, a) if a == b == c else None), generate
 
 
+_FLUSH = 0x8040  # of x86's MXCSR: results flushed to zero, operands taken as zero
+
+
+def _on_x86(builder: Any) -> bool:
+    return str(builder.module.triple).startswith(("x86_64", "amd64", "i386", "i686"))
+
+
+def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
+    """Load or store the setting from or to a number in memory."""
+    where = cgutils.alloca_once_value(builder, value)
+    address = builder.bitcast(where, _I8.as_pointer())
+    function = cgutils.get_or_insert_function(
+        builder.module,
+        ir.FunctionType(ir.VoidType(), [address.type]),
+        f"llvm.x86.sse.{name}",
+    )
+    builder.call(function, [address])
+    return builder.load(where)
+
+
+@intrinsic
+def _rounding(typing_context: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        nothing = _I32(0)
+        return _of_mxcsr(builder, "stmxcsr", nothing) if _on_x86(builder) else nothing
+
+    return types.int32(), generate
+
+
+@intrinsic
+def _set_rounding(typing_context: Any, setting: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        if _on_x86(builder):
+            _of_mxcsr(builder, "ldmxcsr", args[0])
+        return context.get_dummy_value()
+
+    return types.void(types.int32), generate
+
+
 @intrinsic
 def _align_stack(typing_context: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -810,6 +851,34 @@ def align_stack() -> None:
 @overload(align_stack, inline="always")
 def _aligned_stack():
     return lambda: _align_stack()
+
+
+def flush_subnormals() -> int:
+    """Let numbers too small for all their digits be zero; return the setting before.
+
+    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in singles such numbers are subnormal,
+    and arithmetic with them takes a hundred times as long on x86. Elsewhere this does nothing.
+    """
+    return 0
+
+
+@overload(flush_subnormals, jit_options=_OPTIONS)
+def _flush_subnormals():
+    def flush():
+        before: int = _rounding()
+        _set_rounding(before | _FLUSH)
+        return before
+
+    return flush
+
+
+def set_rounding(setting: int) -> None:
+    """Take back the setting that :func:`flush_subnormals` returned."""
+
+
+@overload(set_rounding, jit_options=_OPTIONS)
+def _restore_rounding(setting):
+    return lambda setting: _set_rounding(setting)
 
 
 def make_prefetch(lines: int) -> Callable[[Floats, int], None]:

@@ -25,11 +25,13 @@ from ._jit import Bools, Floats, Ints, Number, Numbers, SmallIds, always_inline,
 from .lanes import (
     Lane,
     align_stack,
+    flush_subnormals,
     make_prefetch,
     nth,
     pick,
     put,
     scatter_add,
+    set_rounding,
     total,
     turns,
     widen,
@@ -304,6 +306,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         """
         align_stack()
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
+        rounding = flush_subnormals()
         far = last.shape[0] > _FAR
         for k in range(first, start.shape[0] - 1, stride):
             none = widen(zero(lane), lane)
@@ -332,6 +335,7 @@ def _make_linear_kernel(flat: bool) -> Any:
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
             sums[k, 2] += total(p2)
+        set_rounding(rounding)
 
     return add_linear_quads
 
@@ -429,6 +433,7 @@ def _make_point_kernel(flat: bool) -> Any:
         """
         align_stack()
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
+        rounding = flush_subnormals()
         for k in range(first, start.shape[0] - 1, stride):
             none = widen(zero(lane), lane)
             p0, p1 = none, none
@@ -455,6 +460,7 @@ def _make_point_kernel(flat: bool) -> Any:
                     p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
+        set_rounding(rounding)
 
     return add_point_quads
 

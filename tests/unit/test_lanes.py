@@ -1,10 +1,12 @@
 """Lanes against eight floats: arithmetic, loads and stores, gather and scatter."""
 
 import os
+import platform
 import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from shellcut._jit import kernel
 from shellcut.lanes import (
@@ -17,6 +19,7 @@ from shellcut.lanes import (
     clear_rows,
     corner_node,
     first_node,
+    flush_subnormals,
     gather,
     make_prefetch,
     multiply_add,
@@ -27,6 +30,7 @@ from shellcut.lanes import (
     put_at,
     row_columns,
     scatter_add,
+    set_rounding,
     total,
     turns,
     widen,
@@ -179,6 +183,25 @@ def test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for():
         seen = slice(0, width if lane == 0 else 1)
         np.testing.assert_array_equal(out[seen], corner[1, 2, seen])
         assert (out[seen.stop :] == -1).all()
+
+
+@kernel
+def _halved(values, out):
+    before = flush_subnormals()
+    out[0] = 0.5 * values[0]
+    set_rounding(before)
+    out[1] = 0.5 * values[1]
+
+
+@pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
+)
+def test_subnormals_are_flushed_where_asked_and_nowhere_else():
+    out = np.ones(2)
+    least = np.full(2, 2.0**-1022)  # of the doubles with all their digits
+    _halved(least, out)
+    assert out.tolist() == [0.0, 2.0**-1023]
+    assert (0.5 * least == 2.0**-1023).all()  # and not in what follows
 
 
 _WITHOUT_COMPILER = """
