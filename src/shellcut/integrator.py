@@ -23,7 +23,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
-from .lanes import WIDTH, Lane, align_stack, along, at, clear_rows, put_at, row_columns, total, zero
+from .lanes import WIDTH, Lane, align_stack, along, at, put_at, row_columns, total, zero
 from .state import State
 from .threads import NODE_CHUNK, Workers, in_order
 
@@ -96,13 +96,11 @@ class CentralDifference:
         return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
 
     def drift(self, state: State, dt: float) -> None:
-        """Take positions and directors from t_n to t_{n+1}; clear the forces, which were of t_n."""
+        """Take positions and directors from t_n to t_{n+1}."""
         n, stride = state.node, self._workers.count
 
         def part(thread: int) -> None:
-            _drift(
-                thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t, n.force_rows
-            )
+            _drift(thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t)
 
         self._workers.run(part)
 
@@ -305,13 +303,11 @@ def _drift_nodes(
     spin: Floats,
     x: Floats,
     t: Floats,
-    rows: Floats,
 ) -> None:
     v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
     _put_node_vector(x, n, lane, add_scaled(_node_vector(x, n, lane), dt, v))
     turned = rotate_director(_node_vector(t, n, lane), scale(dt, w))
     _put_node_vector(t, n, lane, turned)
-    clear_rows(rows, n, lane)
 
 
 @kernel
@@ -324,13 +320,12 @@ def _drift(
     spin: Floats,
     x: Floats,
     t: Floats,
-    rows: Floats,
 ) -> None:
-    """Advance x and t : (n_node, 3) by dt, clear rows : (n_node, 8), of every stride-th chunk."""
+    """Advance x and t : (n_node, 3) by dt, of every stride-th chunk."""
     align_stack()
     for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for n in range(start, stop - WIDTH + 1, WIDTH):
-            _drift_nodes(n, None, dt, velocity, spin, x, t, rows)
+            _drift_nodes(n, None, dt, velocity, spin, x, t)
         for n in range(stop - (stop - start) % WIDTH, stop):
-            _drift_nodes(n, 0, dt, velocity, spin, x, t, rows)
+            _drift_nodes(n, 0, dt, velocity, spin, x, t)

@@ -21,6 +21,7 @@ always, and :func:`narrow` makes singles of it:
 :func:`put_at`                         how they are written
 :func:`row_columns`,                   the first six columns of consecutive force rows,
 :func:`add_row_columns`,               what is added to the first three,
+:func:`put_row_columns`,               what they become, the others zero,
 :func:`clear_rows`                     and how the rows are cleared
 :func:`narrow`, :func:`widen`          from doubles to what is meant, and back
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
@@ -444,18 +445,30 @@ def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
     return returns(rows, types.intp), generate
 
 
-@intrinsic
-def _add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
+def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
+    """Return what writes columns, filled up with zeros, to eight rows or adds them."""
+
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[2], columns.count)
         nothing = [ir.Constant(_LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
         for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
             index = builder.add(args[1], ir.Constant(_I64, lane))
             where = _row_address(context, builder, rows, args[0], index)
-            builder.store(builder.fadd(builder.load(where, align=8), row), where, align=8)
+            written = builder.fadd(builder.load(where, align=8), row) if adding else row
+            builder.store(written, where, align=8)
         return context.get_dummy_value()
 
     return types.void(rows, types.intp, columns), generate
+
+
+@intrinsic
+def _add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
+    return _to_rows(rows, columns, adding=True)
+
+
+@intrinsic
+def _put_into_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
+    return _to_rows(rows, columns, adding=False)
 
 
 @intrinsic
@@ -753,6 +766,26 @@ def _add_row_columns(rows, n, lane, columns):
             rows[n, c] += columns[c]
 
     return add
+
+
+def put_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
+    """Set rows : (m, 8) at node ``n``, or the eight from ``n``: three columns, the others zero."""
+    clear_rows(rows, n, lane)
+    add_row_columns(rows, n, lane, columns)
+
+
+@overload(put_row_columns, jit_options=_OPTIONS)
+def _put_row_columns(rows, n, lane, columns):
+    if _all(lane):
+        return lambda rows, n, lane, columns: _put_into_rows(rows, n, columns)
+
+    def put_one(rows, n, lane, columns):
+        for c in range(3):
+            rows[n, c] = columns[c]
+        for c in range(3, 8):
+            rows[n, c] = 0.0
+
+    return put_one
 
 
 def clear_rows(rows: Floats, n: int, lane: Lane) -> None:

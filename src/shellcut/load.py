@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, store, sub
-from .lanes import WIDTH, Lane, add_row_columns, at, total, zero
+from .lanes import WIDTH, Lane, add_row_columns, at, clear_rows, put_row_columns, total, zero
 from .mesh import Mesh
 from .state import State, columns
 from .support import NodeChoice, choose_nodes
@@ -153,13 +154,16 @@ class LoadSet:
             else:
                 self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
 
-    def add_forces(self, state: State) -> float:
-        """Add the loads at t_n to the nodal forces; return their work since t_{n-1} [N·mm]."""
+    def begin_forces(self, state: State) -> float:
+        """Write the nodal forces anew, the loads at t_n; return their work since t_{n-1} [N·mm]."""
         n, dt = state.node, state.dt
         now, before = state.time, state.time - dt
         work = 0.0
+        if not self._dead:
+            self._clear(state)
         for dead in self._dead:
-            work += self._add_dead(state, dead, dead.factor(now), dead.factor(before))
+            add = _add_dead_force if dead is not self._dead[0] else _begin_with_dead_force
+            work += self._dead_force(add, state, dead, dead.factor(now), dead.factor(before))
         for ids, force, factor in self._nodal:
             np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
@@ -183,15 +187,19 @@ class LoadSet:
             work += dt * float((n.spin_half[ids] @ mean).sum())
         return work
 
-    def _add_dead(self, state: State, dead: _DeadLoad, now: float, before: float) -> float:
+    def _clear(self, state: State) -> None:
+        n, stride = state.node, self._workers.count
+        self._workers.run(lambda thread: _clear_forces(thread, stride, n.count, n.force_rows))
+
+    def _dead_force(
+        self, add: Any, state: State, dead: _DeadLoad, now: float, before: float
+    ) -> float:
         n, stride = state.node, self._workers.count
         dead.follow(state)
         sums = np.zeros(-(-n.count // NODE_CHUNK))
 
         def part(thread: int) -> None:
-            _add_dead_force(
-                thread, stride, n.count, dead.force, now, n.velocity_half, n.force_rows, sums
-            )
+            add(thread, stride, n.count, dead.force, now, n.velocity_half, n.force_rows, sums)
 
         self._workers.run(part)
         return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
@@ -344,41 +352,70 @@ def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
     return quads, rows
 
 
-@kernel
-def _add_dead_force(
-    first: int,
-    stride: int,
-    n_node: int,
+@always_inline
+def _dead_at(
+    n: int,
+    lane: Lane,
+    begins: bool,
     dead: Floats,
     factor: float,
     velocity: Floats,
     rows: Floats,
-    sums: Floats,
-) -> None:
-    """Add factor dead : (n_node, 3) to rows : (n_node, 8), of every ``stride``-th chunk.
-
-    sums : (n_chunk,), the power of ``dead``, is written.
-    """
-    for chunk in range(first, sums.shape[0], stride):
-        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
-        powers = zero(None)
-        for n in range(start, stop - WIDTH + 1, WIDTH):
-            powers = powers + _add_dead_at(n, None, dead, factor, velocity, rows)
-        power = total(powers)
-        for n in range(stop - (stop - start) % WIDTH, stop):
-            power += _add_dead_at(n, 0, dead, factor, velocity, rows)
-        sums[chunk] = power
-
-
-@always_inline
-def _add_dead_at(
-    n: int, lane: Lane, dead: Floats, factor: float, velocity: Floats, rows: Floats
 ) -> Number:
-    """Add factor dead at node ``n``, or at the eight from ``n``; return the power of ``dead``."""
+    """Put in factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
     force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)
     v = at(velocity, n, 0, lane), at(velocity, n, 1, lane), at(velocity, n, 2, lane)
-    add_row_columns(rows, n, lane, scale(factor, force))
+    if begins:
+        put_row_columns(rows, n, lane, scale(factor, force))
+    else:
+        add_row_columns(rows, n, lane, scale(factor, force))
     return dot(force, v)
+
+
+def _make_dead_kernel(begins: bool) -> Any:
+    @kernel
+    def dead_force(
+        first: int,
+        stride: int,
+        n_node: int,
+        dead: Floats,
+        factor: float,
+        velocity: Floats,
+        rows: Floats,
+        sums: Floats,
+    ) -> None:
+        """Put factor dead : (n_node, 3) into rows : (n_node, 8), of every ``stride``-th chunk.
+
+        sums : (n_chunk,), the power of ``dead``, is written.
+        """
+        for chunk in range(first, sums.shape[0], stride):
+            start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+            powers = zero(None)
+            for n in range(start, stop - WIDTH + 1, WIDTH):
+                powers = powers + _dead_at(n, None, begins, dead, factor, velocity, rows)
+            power = total(powers)
+            for n in range(stop - (stop - start) % WIDTH, stop):
+                power += _dead_at(n, 0, begins, dead, factor, velocity, rows)
+            sums[chunk] = power
+
+    return dead_force
+
+
+_begin_with_dead_force = _make_dead_kernel(begins=True)
+"""In place of what stood there."""
+_add_dead_force = _make_dead_kernel(begins=False)
+"""Added."""
+
+
+@kernel
+def _clear_forces(first: int, stride: int, n_node: int, rows: Floats) -> None:
+    """Set rows : (n_node, 8) of every ``stride``-th chunk to zero."""
+    for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            clear_rows(rows, n, None)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            clear_rows(rows, n, 0)
 
 
 @kernel

@@ -53,9 +53,8 @@ def find_rest(
     dt = 0.0
     residual = np.inf
     for step in range(most_steps):
-        n.force_rows[: n.count] = 0.0
+        loads.begin_forces(state)
         shell.add_forces(state)
-        loads.add_forces(state)
         residual = _residual(state, loads.largest(state))
         if residual <= tolerance:
             break

@@ -238,9 +238,9 @@ class Simulation:
 
     def _forces(self) -> None:
         s, book = self.state, self.ledger
+        book.load_work += self.loads.begin_forces(s)
         book.strain, damping = self.shell.add_forces(s)
         book.damping_stiffness += damping
-        book.load_work += self.loads.add_forces(s)
         if self.contact is not None:
             self.contact_forces = self.contact.add_forces(s, self.rotation, self.translation)
         if s.n_cable:
@@ -267,7 +267,6 @@ class Simulation:
 
     def _start(self) -> None:
         """Take the first, half kick from t_0."""
-        self.state.node.force_rows[:] = 0.0
         self._forces()
         self._dt = self.time_step.next(self.state)
         self._kick(0.0, self._dt)

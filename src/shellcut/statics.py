@@ -339,8 +339,7 @@ class Statics:
     def _forces(self, factor: float) -> tuple[Floats, Floats, bool]:
         """Return the loads of factor 1, the residual, and whether it is as good as zero."""
         n, node, freedoms = self.mesh.n_node, self.state.node, self._freedoms
-        node.force[:n] = node.director_force[:n] = 0.0
-        self._loads.add_forces(self.state)
+        self._loads.begin_forces(self.state)
         load = freedoms.gather(node.force[:n], node.director_force[:n])
         node.force[:n] = node.director_force[:n] = 0.0
         self.shell.add_forces(self.state)

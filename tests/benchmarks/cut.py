@@ -27,7 +27,7 @@ PROFILED = 1.0 / 3.0  # of the angle
 
 METHODS = {
     "shell": ("shell.add_forces",),
-    "loads and supports": ("loads.add_forces", "supports.prescribe"),
+    "loads and supports": ("loads.begin_forces", "supports.prescribe"),
     "integrator": ("integrator.drift", "integrator.kick"),
     "stable step": ("time_step.next",),
     "contact": ("contact.add_forces",),
