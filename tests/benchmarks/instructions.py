@@ -57,7 +57,11 @@ def measure() -> Block | None:
 
 
 def count(code: str) -> dict[str, int] | None:
-    """Return the instructions by kind of the longest stretch without a label that gathers."""
+    """Return the instructions by kind of a block that is gathered, None if nothing gathers.
+
+    The longest stretch without a label is the arithmetic of the damped kernel; the one with most
+    gathers goes before it, unless it is the same.
+    """
     counts = []
     for stretch in re.split(r"^\.\w+:", code, flags=re.MULTILINE):
         found: Counter[str] = Counter()
@@ -66,10 +70,13 @@ def count(code: str) -> dict[str, int] | None:
             if len(words) == 2 and re.search(r"%[yz]mm", words[1]):
                 for kind, pattern in _KINDS.items():
                     found[kind] += bool(re.fullmatch(pattern, words[0]))
-        if found["gather"]:
-            counts.append(found)
-    longest = max(counts, key=lambda found: found["arithmetic"], default=None)
-    return None if longest is None else {kind: longest[kind] for kind in _KINDS}
+        counts.append(found)
+    longest = max(counts, key=lambda found: found["arithmetic"])
+    gathering = max(counts, key=lambda found: found["gather"])
+    if not gathering["gather"]:
+        return None
+    both = longest if longest is gathering else longest + gathering
+    return {kind: both[kind] for kind in _KINDS}
 
 
 def told(block: Block, machine: Machine | None) -> str:

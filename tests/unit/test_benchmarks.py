@@ -63,6 +63,11 @@ def test_instructions_are_counted_where_a_block_gathers():
     found = instructions.count(code)
     assert found == {"arithmetic": 2, "shuffle": 1, "gather": 1, "move": 1}
     two_ports = machine.Machine("", 8, 4.0, 128.0, None, 15.0, None, 1.0, 1.0, 1)
+    # Where the arithmetic stands apart from what gathers, both count.
+    apart = code.replace(
+        "        vfnmadd", ".LBB0_2:\n        vmulpd %zmm1, %zmm2, %zmm3\n        vfnmadd"
+    )
+    assert instructions.count(apart) == {**found, "arithmetic": 3}
     # Three instructions on two ports at 4 GHz, for eight quads.
     assert instructions.Block(**found).least_ns(two_ports) == 3 / 2 / 4 / 8
     assert instructions.count("        vaddpd %zmm1, %zmm2, %zmm3") is None
