@@ -43,7 +43,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallInts, Vec3, inline, kernel
+from ._jit import Floats, Ints, SmallInts, Vec3, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from .cohesive_law import CohesiveLaw, envelope, traction
 from .cutting_edge import (
@@ -111,6 +111,7 @@ class CableSet:
         self._state: State | None = None
         self._revision = -1
         self._arguments: tuple[Any, ...] = ()
+        self._call = bound_once(_add_cable_forces)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> CableForces:
         """Find joints, add the cable forces at t_n to the nodal forces.
@@ -127,13 +128,13 @@ class CableSet:
         if state.n_cable == 0:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
         if self._state is not state or self._revision != state.revision:
-            self._bind(state)
-        work = _add_cable_forces(
+            self._collect(state)
+        work = self._call(
             rotation, translation, state.dt, state.time, wrench, couple, *self._arguments
         )
         return CableForces(wrench, couple, *work)
 
-    def _bind(self, state: State) -> None:
+    def _collect(self, state: State) -> None:
         """Collect the kernel's arguments, in its order; good until the next split."""
         c, n = state.cable, state.node
         self._state, self._revision = state, state.revision
