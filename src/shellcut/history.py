@@ -87,12 +87,13 @@ class HistoryWriter(GrowingFile):
         KeyError
             If names are missing or unknown; nothing is written then.
         """
-        # Taking the values first is the fast way to find a missing name; 6 us a row of 12.
-        if len(row) != len(self._names) or not all(name in row for name in self._names):
+        if tuple(row) != self._names:
             missing = [name for name in self._names if name not in row]
             unknown = [name for name in row if name not in self._names]
-            raise KeyError(f"history row: missing {missing}, unknown {unknown}")
-        line = ",".join([repr(float(row[name])) for name in self._names]) + "\n"
+            if missing or unknown:
+                raise KeyError(f"history row: missing {missing}, unknown {unknown}")
+            row = {name: row[name] for name in self._names}
+        line = ",".join(map(repr, map(float, row.values()))) + "\n"
         self._file.write(line.encode("ascii"))
 
     def close(self) -> None:

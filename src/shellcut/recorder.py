@@ -23,7 +23,7 @@ import numpy as np
 
 from .account import account_line
 from .bookmark import Bookmark
-from .capture import capture
+from .capture import Exposure
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .frame import Frame
 from .frame_output import FrameOutput
@@ -176,17 +176,17 @@ class Recorder:
         frame_due = mark.frame_due(now)
         picture_due = mark.picture_due is not None and mark.picture_due(now)
         if frame_due or picture_due:
-            frame = self._capture(sim)
+            exposure = self._expose(sim)
             self._captured_time = now
             if frame_due:
-                self._frames.append(frame)
+                self._frames.append(exposure.frame)
                 mark.frame_time = now
                 _, mark.unfelt = unfelt_penetration(
                     self._wires, sim.state, sim.rotation, sim.translation
                 )
                 mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
             if picture_due:
-                self._draw(frame)
+                self._draw(exposure.frame())
         self._complete = True
         if self._progress is not None:
             if self._account_due(now) and now > 0.0:
@@ -291,13 +291,13 @@ class Recorder:
             return
         with np.errstate(all="ignore"):
             try:
-                frame = self._capture(sim)
+                frame = self._expose(sim).frame()
             except ValueError:
                 if sim.between_steps:
                     raise
                 return  # what broke the step is on its way to the caller
             if frame_due:
-                self._frames.append(frame)
+                self._frames.append(lambda: frame)
             if picture_due:
                 self._draw(frame)
 
@@ -328,10 +328,10 @@ class Recorder:
         }
         progress.update(r.coordinate(sim.state.time), step=sim.state.step, **figures)
 
-    def _capture(self, sim: Simulation) -> Frame:
+    def _expose(self, sim: Simulation) -> Exposure:
         r = self.resistance
         scalars = dict(zip((name for name, _ in r.columns), self._felt(), strict=True))
-        return capture(
+        return Exposure.of(
             sim,
             coordinate=r.coordinate(sim.state.time),
             coordinate_name=r.coordinate_name,
