@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, Literal
 
@@ -155,13 +156,11 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     # What follows the last line break is empty, or a line that was never finished.
     header, rows = lines[0].rstrip("\r"), lines[1:-1]
     columns = _parse_header(header, path)
-    table = np.empty((len(rows), len(columns)))
     for i, row in enumerate(rows):
-        cells = row.split(",")
-        if len(cells) != len(columns):
-            raise ValueError(
-                f"{path}, line {i + 2}: {len(columns)} numbers wanted, got {len(cells)}"
-            )
-        table[i] = [float(cell) for cell in cells]
+        n_cell = row.count(",") + 1
+        if n_cell != len(columns):
+            raise ValueError(f"{path}, line {i + 2}: {len(columns)} numbers wanted, got {n_cell}")
+    cells = chain.from_iterable(row.split(",") for row in rows)
+    table = np.fromiter(map(float, cells), float).reshape(-1, len(columns))
     values = {name: table[:, k].copy() for k, (name, _) in enumerate(columns)}
     return values, dict(columns)

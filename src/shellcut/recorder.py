@@ -27,7 +27,7 @@ from .capture import Exposure
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .frame import Frame
 from .frame_output import FrameOutput
-from .history import HistoryWriter, read_history
+from .history import HistoryWriter
 from .history_row import history_row
 from .hooks import Trigger
 from .piercing import ToolWires, unfelt_penetration
@@ -179,12 +179,12 @@ class Recorder:
             exposure = self._expose(sim)
             self._captured_time = now
             if frame_due:
-                self._frames.append(exposure.frame)
-                mark.frame_time = now
                 _, mark.unfelt = unfelt_penetration(
                     self._wires, sim.state, sim.rotation, sim.translation
                 )
                 mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
+                self._frames.append(exposure.frame)
+                mark.frame_time = now
             if picture_due:
                 self._draw(exposure.frame())
         self._complete = True
@@ -353,11 +353,11 @@ class Recorder:
 
     def _sum_up(self) -> None:
         """Write what is known at the end: figures, splits, curves."""
-        history, _ = read_history(self.folder / HISTORY)
+        results = read(result_file(self.folder, self.name))
         figures = run_summary(
             self._sim,
             self.resistance,
-            history,
+            results.history,
             until=self._until,
             stepping=self._wall() - self._mark.drawing,
             drawing=self._mark.drawing,
@@ -365,8 +365,7 @@ class Recorder:
         )
         (self.folder / SUMMARY).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
         write_splits(self.folder / SPLITS, self._sim.state.split_log)
-        if self._can_draw and len(history["time"]) > 1:
-            results = read(result_file(self.folder, self.name))
+        if self._can_draw and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()
 
