@@ -201,19 +201,25 @@ class PenaltyContact:
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
-        """Go over to the new list; what has left it is outside."""
-        n = state.node
-        left = np.setdiff1d(self._listed, self.near.ids)
+        """Go over to the new list; what has left it is outside, what stays keeps its look-up."""
+        n, before, near = state.node, self._listed, self.near.ids
+        place = np.searchsorted(near, before)
+        stays = near.take(place, mode="clip") == before if near.size else before < 0
+        left = before[~stays]
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
-        near = self._listed = self.near.ids
-        self._lookups = _Lookups(
+        lookups = _Lookups(
             np.zeros((near.size, 3)),
             np.zeros(near.size),
             np.zeros(near.size, np.bool_),
             np.zeros((near.size, 2), np.int64),
         )
+        for new, old in zip(lookups, self._lookups, strict=True):
+            new[place[stays]] = old[stays]
+        # A split leaves its node without a side: what was found of that side is void.
+        lookups.lasts[lookups.within & (n.contact_side[near] == 0)] = 0.0
+        self._listed, self._lookups = near, lookups
         self._collect(state)
 
     def _collect(self, state: State) -> None:

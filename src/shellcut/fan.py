@@ -128,9 +128,7 @@ def open_edge_copies(state: State) -> Ints:
     """
     # One end of an open edge has been split: only there is anything to look at.
     halved, origin = state.node.halved, state.node.origin
-    split = np.flatnonzero(halved[: state.n_node])
-    at = np.arange(state.node.quads.shape[1]) < state.node.n_quad_at[split, None]
-    edges = _edges_of(state.quads[np.unique(state.node.quads[split][at])])
+    edges = _edges_of(state.quads[halved[state.quads].any(axis=1)])
     pair = _with_one_quad(edges[halved[edges].any(axis=1)], state.n_node)
     backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
     pair[backwards] = pair[backwards, ::-1]
