@@ -47,7 +47,8 @@ class Exposure:
             cable=_copied(s.cable, _OF_CABLES),
             quads=s.quads.copy(),
         )
-        return cls(sim.shell, sim.tool, (sim.rotation, sim.translation), state, figures)
+        pose = sim.rotation.copy(), sim.translation.copy()
+        return cls(sim.shell, sim.tool, pose, state, figures)
 
     def frame(self) -> Frame:
         """Return the frame; raises ValueError as :class:`Frame`."""

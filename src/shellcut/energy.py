@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ._jit import Floats, kernel
+from ._jit import Floats, short_kernel
 
 
 @dataclass
@@ -84,7 +84,7 @@ class Ledger:
         return energy / scale if scale > 0 else 0.0
 
 
-@kernel
+@short_kernel
 def tool_work(
     contact_wrench: Floats,
     cable_wrench: Floats,

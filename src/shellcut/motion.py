@@ -25,7 +25,6 @@ import numpy as np
 
 from ._jit import Floats, Vec3
 
-
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
