@@ -57,16 +57,6 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     return compiled
 
 
-def short_kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a loop of some microseconds, called every step: it keeps the interpreter's lock.
-
-    Who lets go of the lock waits for it afterwards: while another thread writes a frame, for longer
-    than such a loop takes.
-    """
-    compiled: Callable[P, R] = nb.njit(cache=True, **_OPTIONS)(function)
-    return compiled
-
-
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
     """Return a kernel's machine code for arguments of just these types, compiled if need be.
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, bound_once, inline, short_kernel
+from ._jit import Bools, Floats, Ints, bound_once, inline, kernel
 from ._vec3 import load
 from .cutting_edge import CUT_DEPTH, NORMAL, CuttingEdges, strip_coordinates, to_body
 from .near_nodes import NearNodes, in_box
@@ -109,7 +109,7 @@ def _holds(ids: Ints, n: int) -> bool:
     return found
 
 
-@short_kernel
+@kernel
 def _cut_nodes(
     near: Ints,
     x: Floats,

@@ -43,7 +43,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallInts, Vec3, bound_once, inline, kernel, short_kernel
+from ._jit import Floats, Ints, SmallInts, Vec3, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
 from .cutting_edge import (
@@ -267,7 +267,7 @@ def _find_joint(
     return shallowest < np.inf
 
 
-@short_kernel
+@kernel
 def _add_cable_forces(
     rotation: Floats,
     translation: Floats,

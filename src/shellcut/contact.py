@@ -36,7 +36,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallInts, bound_once, inline, short_kernel
+from ._jit import Bools, Floats, Ints, SmallInts, bound_once, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
 from .near_nodes import NearNodes
@@ -307,7 +307,7 @@ def _side_of_quads(
     return 1 if beside > 0.0 else -1
 
 
-@short_kernel
+@kernel
 def _add_contact_forces(
     rotation: Floats,
     translation: Floats,

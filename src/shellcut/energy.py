@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ._jit import Floats, short_kernel
+from ._jit import Floats, kernel
 
 
 @dataclass
@@ -84,7 +84,7 @@ class Ledger:
         return energy / scale if scale > 0 else 0.0
 
 
-@short_kernel
+@kernel
 def tool_work(
     contact_wrench: Floats,
     cable_wrench: Floats,

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Floats, Ints, bound_once, inline, kernel, short_kernel
+from ._jit import Floats, Ints, bound_once, inline, kernel
 from ._vec3 import load
 from .cutting_edge import to_body
 from .state import State
@@ -123,7 +123,7 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
     )
 
 
-@short_kernel
+@kernel
 def _moved(
     ids: Ints,
     velocity: Floats,

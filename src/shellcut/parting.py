@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallInts, short_kernel
+from ._jit import Bools, Floats, Ints, SmallInts, kernel
 from ._vec3 import combine, cross, dot, load, norm, scale, store, sub
 from .fan import arriving, fans_of, origin_edge
 from .load import LoadSet
@@ -278,7 +278,7 @@ def _both(ends: list[tuple[int, ...]]) -> Ints:
     return np.array([(end[0], end[-1]) for end in ends], np.int64).reshape(-1, 2)
 
 
-@short_kernel
+@kernel
 def _weigh(
     x: Floats,
     t: Floats,

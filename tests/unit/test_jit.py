@@ -9,7 +9,6 @@ import shellcut
 from shellcut._jit import bound, bound_once, kernel
 
 SOURCES = Path(shellcut.__file__).parent
-DECORATORS = ("kernel", "short_kernel", "inline", "always_inline")
 
 
 def compiled_functions():
@@ -18,13 +17,13 @@ def compiled_functions():
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef):
                 for decorator in node.decorator_list:
-                    if getattr(decorator, "id", "") in DECORATORS:
+                    if getattr(decorator, "id", "") in ("kernel", "inline", "always_inline"):
                         yield node.name, decorator.id, node
 
 
 def test_kernels_do_not_call_kernels():
     functions = list(compiled_functions())
-    kernels = {name for name, kind, _ in functions if kind in ("kernel", "short_kernel")}
+    kernels = {name for name, kind, _ in functions if kind == "kernel"}
     assert {"_kick", "add_linear_quads", "_add_contact_forces"} <= kernels
     calls = {
         (name, call.func.id)
