@@ -71,6 +71,22 @@ def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any
     return code
 
 
+def bound_once(function: Callable[..., R]) -> Callable[..., R]:
+    """Return a kernel :func:`bound` to the types of its first call, the same at every call.
+
+    For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms.
+    """
+    code: Callable[..., R] | None = None
+
+    def call(*arguments: object) -> R:
+        nonlocal code
+        if code is None:
+            code = bound(function, *arguments)
+        return code(*arguments)
+
+    return call
+
+
 def inline(function: Callable[P, R]) -> Callable[P, R]:
     """Compile scalar arithmetic that only kernels call; LLVM may inline it into them.
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, inline, kernel
+from ._jit import Bools, Floats, Ints, bound_once, inline, kernel
 from ._vec3 import load
 from .cutting_edge import CUT_DEPTH, NORMAL, CuttingEdges, strip_coordinates, to_body
 from .near_nodes import NearNodes, in_box
@@ -48,6 +48,7 @@ class BladeCut:
         self._edges = CuttingEdges.of(tool)
         self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
         self._near = NearNodes(self._low, self._high, _MARGIN)
+        self._find = bound_once(_cut_nodes)
 
     def cut_nodes(
         self,
@@ -66,21 +67,21 @@ class BladeCut:
         self._near.renew(state, rotation, translation)
         near = self._near.ids
         edge_of = np.empty(near.size, np.int64)
-        n_cut = _cut_nodes(
-            near=near,
-            x=n.x,
-            supported=n.supported,
-            tips=np.array(tips, np.int64),
-            rim=rim,
-            halved=n.halved,
-            contact_area=n.contact_area,
-            rotation=rotation,
-            translation=translation,
-            low=self._low,
-            high=self._high,
-            segments=self._edges.segments,
-            body=self._edges.body,
-            edge_of=edge_of,
+        n_cut = self._find(
+            near,
+            n.x,
+            n.supported,
+            np.array(tips, np.int64),
+            rim,
+            n.halved,
+            n.contact_area,
+            rotation,
+            translation,
+            self._low,
+            self._high,
+            self._edges.segments,
+            self._edges.body,
+            edge_of,
         )
         traces: dict[int, Floats] = {}
         if n_cut == 0:

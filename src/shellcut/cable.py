@@ -43,9 +43,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallInts, Vec3, inline, kernel
+from ._jit import Floats, Ints, SmallInts, Vec3, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, norm, scale, store, sub
-from .cohesive_law import CohesiveLaw, envelope, traction
+from .cohesive_law import CohesiveLaw, energies, envelope, traction
 from .cutting_edge import (
     NORMAL,
     START,
@@ -111,6 +111,8 @@ class CableSet:
         self._state: State | None = None
         self._revision = -1
         self._arguments: tuple[Any, ...] = ()
+        self._call = bound_once(_add_cable_forces)
+        self._energies_of = bound_once(_energies)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> CableForces:
         """Find joints, add the cable forces at t_n to the nodal forces.
@@ -127,13 +129,13 @@ class CableSet:
         if state.n_cable == 0:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
         if self._state is not state or self._revision != state.revision:
-            self._bind(state)
-        work = _add_cable_forces(
+            self._collect(state)
+        work = self._call(
             rotation, translation, state.dt, state.time, wrench, couple, *self._arguments
         )
         return CableForces(wrench, couple, *work)
 
-    def _bind(self, state: State) -> None:
+    def _collect(self, state: State) -> None:
         """Collect the kernel's arguments, in its order; good until the next split."""
         c, n = state.cable, state.node
         self._state, self._revision = state, state.revision
@@ -173,10 +175,17 @@ class CableSet:
         Together they are the work done on the cables, apart from the equilibrium start.
         """
         c, n = state.cable, state.cable.count
-        stored, dissipated = self.law.energies(c.opening[:n], c.opening_max[:n])
-        stored[c.status[:n] == BROKEN] = 0.0
-        dissipated[c.status[:n] == BROKEN] = self.law.fracture_energy
-        return float(stored @ c.area[:n]), float(dissipated @ c.area[:n])
+        stored, dissipated, area = np.empty(n), np.empty(n), c.area[:n]
+        self._energies_of(
+            c.status,
+            c.opening,
+            c.opening_max,
+            self._parameters,
+            self.law.fracture_energy,
+            stored,
+            dissipated,
+        )
+        return float(stored @ area), float(dissipated @ area)
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
@@ -410,6 +419,24 @@ def _add_cable_forces(
             end_time[c] = time
             n_broken += 1
     return work, start_work, n_made, n_broken
+
+
+@kernel
+def _energies(
+    status: SmallInts,
+    opening: Floats,
+    opening_max: Floats,
+    law: Floats,
+    fracture_energy: float,
+    stored: Floats,
+    dissipated: Floats,
+) -> None:
+    """Write stored and dissipated energy per area [N/mm], both : (n,), of the first n cables."""
+    for c in range(stored.shape[0]):
+        if status[c] == BROKEN:
+            stored[c], dissipated[c] = 0.0, fracture_energy
+        else:
+            stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
 
 
 @inline

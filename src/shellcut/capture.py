@@ -1,16 +1,79 @@
-"""Take one :class:`Frame`, a picture of the run at t_n, from a simulation."""
+"""Take one :class:`Frame`, a picture of the run at t_n, from a simulation.
+
+Most of the work is deriving what a frame shows from the state: stresses, crack, branches of the
+cables. A run that goes on meanwhile only waits for an :class:`Exposure`, copies of what changes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
+from ._jit import Floats
 from .fan import open_edge_copies
 from .frame import Frame
+from .shell import MITC4Shell
 from .simulation import Simulation
-from .state import BROKEN, JOINTED
+from .state import BROKEN, JOINTED, CableTable, NodeTable, State
+from .tool import Tool
+
+# What a frame needs of the tables, all that is copied of them; the reference never changes.
+_OF_NODES = ("x", "t", "velocity_half", "supported", "halved", "origin", "quads", "n_quad_at")
+_OF_CABLES = ("ends", "status", "joint", "traction", "opening")
+
+_Table = TypeVar("_Table", NodeTable, CableTable)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What a frame needs of a simulation at t_n, which may go on while the frame is made."""
+
+    _shell: MITC4Shell
+    _tool: Tool | None
+    _pose: tuple[Floats, Floats]
+    _state: State
+    _figures: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, sim: Simulation, **figures: Any) -> Exposure:
+        """Copy what changes; ``figures`` as the keywords of :func:`capture`."""
+        s = sim.state
+        state = replace(
+            s,
+            node=_copied(s.node, _OF_NODES),
+            cable=_copied(s.cable, _OF_CABLES),
+            quads=s.quads.copy(),
+        )
+        pose = sim.rotation.copy(), sim.translation.copy()
+        return cls(sim.shell, sim.tool, pose, state, figures)
+
+    def frame(self) -> Frame:
+        """Return the frame; raises ValueError as :class:`Frame`."""
+        s, n = self._state, self._state.n_node
+        faces = self._shell.face_stresses(s)
+        return Frame(
+            time=s.time,
+            points=s.node.x[:n],
+            reference=s.node.X[:n],
+            director=s.node.t[:n],
+            velocity=s.node.velocity_half[:n],
+            quads=s.quads.astype(np.int64),
+            held=s.node.supported[:n],
+            quad_stress=faces.stress[:, 0],
+            quad_stress_top=faces.stress[:, 1],
+            quad_stress_bottom=faces.stress[:, 2],
+            quad_principal=faces.principal[:, 0],
+            quad_principal_top=faces.principal[:, 1],
+            quad_principal_bottom=faces.principal[:, 2],
+            quad_thickness=faces.thickness,
+            crack_edges=open_edge_copies(s).astype(np.int64),
+            **_cables(s),
+            **_placed(self._tool, *self._pose),
+            **self._figures,
+        )
 
 
 def capture(
@@ -33,52 +96,38 @@ def capture(
     scalars, scalar_units : mapping, optional
         Figures to go with the picture.
     """
-    s, n = sim.state, sim.state.n_node
-    faces = sim.shell.face_stresses(s)
-    return Frame(
-        time=s.time,
+    return Exposure.of(
+        sim,
         coordinate=coordinate,
         coordinate_name=coordinate_name,
         coordinate_unit=coordinate_unit,
-        points=s.node.x[:n],
-        reference=s.node.X[:n],
-        director=s.node.t[:n],
-        velocity=s.node.velocity_half[:n],
-        quads=s.quads.astype(np.int64),
-        held=s.node.supported[:n],
-        quad_stress=faces.stress[:, 0],
-        quad_stress_top=faces.stress[:, 1],
-        quad_stress_bottom=faces.stress[:, 2],
-        quad_principal=faces.principal[:, 0],
-        quad_principal_top=faces.principal[:, 1],
-        quad_principal_bottom=faces.principal[:, 2],
-        quad_thickness=faces.thickness,
-        crack_edges=open_edge_copies(s).astype(np.int64),
-        **_cables(sim),
-        **_tool(sim),
         scalars=dict(scalars or {}),
         scalar_units=dict(scalar_units or {}),
-    )
+    ).frame()
 
 
-def _tool(sim: Simulation) -> dict[str, Any]:
-    tool = sim.tool
+def _copied(table: _Table, names: tuple[str, ...]) -> _Table:
+    """Return a table that has copies of these arrays; the others it shares."""
+    return replace(table, **{name: getattr(table, name).copy(order="K") for name in names})
+
+
+def _placed(tool: Tool | None, rotation: Floats, translation: Floats) -> dict[str, Any]:
     if tool is None:
         return {}
-    points = tool.vertices @ sim.rotation.T + sim.translation
+    points = tool.vertices @ rotation.T + translation
     return {
         "tool_points": points,
         "tool_triangles": tool.triangles,
         "tool_tooth": tool.triangle_body + 1,
-        "tool_rotation": sim.rotation,
-        "tool_translation": sim.translation,
+        "tool_rotation": rotation,
+        "tool_translation": translation,
         "edge_points": points[tool.edges],
         "edge_tooth": tool.edge_body + 1,
     }
 
 
-def _cables(sim: Simulation) -> dict[str, Any]:
-    c, x = sim.state.cable, sim.state.node.x
+def _cables(state: State) -> dict[str, Any]:
+    c, x = state.cable, state.node.x
     live = np.flatnonzero(c.status[: c.count] != BROKEN)
     bent = c.status[live] == JOINTED
     straight, jointed = live[~bent], live[bent]

@@ -192,6 +192,18 @@ def area_below(opening: float, law: Floats) -> float:
     return float(area)
 
 
+@inline
+def energies(opening: float, opening_max: float, law: Floats) -> tuple[float, float]:
+    """Return the stored (recoverable) and the dissipated energy per area [N/mm]."""
+    peak = envelope(opening_max, law)
+    dissipated = area_below(opening_max, law)
+    if not peak > 0.0:
+        return 0.0, dissipated
+    slope = unloading_slope(peak, opening_max, law)
+    stress = traction(opening, max(opening, opening_max), law)
+    return 0.5 * stress * stress / slope, dissipated - 0.5 * peak * peak / slope
+
+
 @kernel
 def _unloading_slopes(opening_max: Floats, law: Floats, slopes: Floats) -> None:
     """Write the slope of unloading of each, 0 where nothing is left to unload; shape (n,)."""
@@ -206,11 +218,4 @@ def _energies(
 ) -> None:
     """Write stored (recoverable) and dissipated energy per area, all arrays of shape (n,)."""
     for c in range(opening.shape[0]):
-        peak = envelope(opening_max[c], law)
-        stored[c] = 0.0
-        dissipated[c] = area_below(opening_max[c], law)
-        if peak > 0.0:
-            slope = unloading_slope(peak, opening_max[c], law)
-            stress = traction(opening[c], max(opening[c], opening_max[c]), law)
-            stored[c] = 0.5 * stress * stress / slope
-            dissipated[c] -= 0.5 * peak * peak / slope
+        stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)

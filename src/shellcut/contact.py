@@ -31,13 +31,12 @@ contact entry of the ledger, like all contact work, by forces and increments.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallInts, bound, inline, kernel
+from ._jit import Bools, Floats, Ints, SmallInts, bound_once, inline, kernel
 from ._vec3 import cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
 from .near_nodes import NearNodes
@@ -167,7 +166,7 @@ class PenaltyContact:
         self._lookups = _NO_LOOKUPS
         self._pose = np.eye(3), np.zeros(3)
         self._arguments: tuple[Any, ...] = ()
-        self._call: Callable[..., Any] = _add_contact_forces
+        self._call = bound_once(_add_contact_forces)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -199,25 +198,31 @@ class PenaltyContact:
         self.near.restore(state, saved["near"])
         self._listed = self.near.ids
         self._lookups = _Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
-        self._bind(state)
+        self._collect(state)
 
     def _take_list(self, state: State) -> None:
-        """Go over to the new list; what has left it is outside."""
-        n = state.node
-        left = np.setdiff1d(self._listed, self.near.ids)
+        """Go over to the new list; what has left it is outside, what stays keeps its look-up."""
+        n, before, near = state.node, self._listed, self.near.ids
+        place = np.searchsorted(near, before)
+        stays = near.take(place, mode="clip") == before if near.size else before < 0
+        left = before[~stays]
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = 0.0
         n.contact_force[left] = 0.0
-        near = self._listed = self.near.ids
-        self._lookups = _Lookups(
+        lookups = _Lookups(
             np.zeros((near.size, 3)),
             np.zeros(near.size),
             np.zeros(near.size, np.bool_),
             np.zeros((near.size, 2), np.int64),
         )
-        self._bind(state)
+        for new, old in zip(lookups, self._lookups, strict=True):
+            new[place[stays]] = old[stays]
+        # A split leaves its node without a side: what was found of that side is void.
+        lookups.lasts[lookups.within & (n.contact_side[near] == 0)] = 0.0
+        self._listed, self._lookups = near, lookups
+        self._collect(state)
 
-    def _bind(self, state: State) -> None:
+    def _collect(self, state: State) -> None:
         """Collect the kernel's arguments in its order, good until a split renews the list."""
         n, near = state.node, self.near.ids
         self._arguments = (
@@ -241,8 +246,6 @@ class PenaltyContact:
             n.contact_force,
             n.force,
         )
-        pose = (*self._pose, state.dt, np.zeros((self._n_body, 6)))
-        self._call = bound(_add_contact_forces, *pose, *self._arguments)
 
 
 @inline

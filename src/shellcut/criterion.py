@@ -29,6 +29,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -194,7 +195,8 @@ class SplitCriterion:
             Length of the step that led here [s].
         """
         self._forget(state)
-        tips = [n for n in tips if not state.node.supported[n]]
+        supported = state.node.supported
+        tips = [n for n in tips if not supported[n]]
         found: list[Split] = []
         cut: dict[int, Floats] = {}
         if self._blade is not None:
@@ -271,12 +273,15 @@ class SplitCriterion:
         # crack to crack: dividing by it compares normal tractions, dividing by the area (the
         # measure) would favour short edges.
         traction = table.pull / table.chord
+        pulled = (table.measure >= 1.0).tolist()
         found = []
-        for i in range(len(nodes)):
+        for i, (first, end) in enumerate(pairwise(table.start)):
+            if not any(pulled[first:end]):
+                continue
             ways = table.admissible(i, self._cos_limit)
             if ways:
                 best = ways[int(np.argmax(traction[ways]))]
-                if table.measure[best] >= 1.0:
+                if pulled[best]:
                     found.append(self._split(table, best))
         return found
 

@@ -212,7 +212,7 @@ class Frame:
             raise ValueError(f"{name} must hold bools, got {given.dtype}")
         array = np.array(given, dtype=dtype, order="C")
         # A nan anywhere would reach the file and the eyes as a hole without a word.
-        if not np.isfinite(array).all():
+        if dtype == np.float64 and not np.isfinite(array).all():
             row = int(np.argwhere(~np.isfinite(array))[0, 0])
             raise ValueError(f"{name} must be finite, row {row} is {array[row]}")
         array.flags.writeable = False

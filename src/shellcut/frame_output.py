@@ -1,11 +1,13 @@
 """Frames on their way into the files of a run, while the run goes on.
 
-Packing and writing a frame takes as long as twenty steps; a thread of its own does it. At most one
-frame is on its way: the next one waits for it, and so does whoever needs the files whole.
+Making, packing and writing a frame takes as long as forty steps of a small film; a thread of its
+own does it. At most one frame is on its way: the next one waits for it, and so does whoever needs
+the files whole.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal
@@ -54,10 +56,10 @@ class FrameOutput:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
 
-    def append(self, frame: Frame) -> None:
-        """Begin to write a frame; raises what went wrong with the one before it."""
+    def append(self, make: Callable[[], Frame]) -> None:
+        """Begin to make and write a frame; raises what went wrong with the one before it."""
         self.settle()
-        self._writing = self._thread.submit(self._write, frame)
+        self._writing = self._thread.submit(lambda: self._write(make()))
 
     def settle(self) -> None:
         """Wait until all frames are in the files; raises what went wrong with the last."""

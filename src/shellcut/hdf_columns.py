@@ -15,7 +15,6 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import h5py
@@ -108,6 +107,8 @@ class Columns:
         if column.packed:
             for first in range(0, len(block), column.chunk):
                 rows = block[first : first + column.chunk]
+                if not rows.view(np.bool_).any():  # ten times as fast as of the numbers
+                    continue  # what is not written reads as zeros
                 piece = _whole(rows, column.chunk)
                 # A chunk that is mostly filling is worth packing whatever its rows are.
                 raw = noise and 2 * len(rows) > column.chunk
@@ -142,14 +143,7 @@ def _whole(rows: Any, chunk: int) -> Any:
 
 def _packed(rows: Any) -> bytes:
     """Return a chunk as the filters of HDF5 would leave it: bytes shuffled, then deflated."""
-    if not rows.any():
-        return _packed_zeros(rows.nbytes)
     planes = rows.view(np.uint8).reshape(-1, rows.itemsize).T.tobytes()
     search = zlib.Z_RLE if rows.dtype.kind == "f" else zlib.Z_DEFAULT_STRATEGY
     deflate = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, search)
     return deflate.compress(planes) + deflate.flush()
-
-
-@cache
-def _packed_zeros(size: int) -> bytes:
-    return zlib.compress(bytes(size), 1)

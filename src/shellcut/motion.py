@@ -25,6 +25,8 @@ import numpy as np
 
 from ._jit import Floats, Vec3
 
+_ORIGIN = (0.0, 0.0, 0.0)
+
 
 class Motion(Protocol):
     """What the simulation asks of a motion; times in s, lengths in mm, angles in rad."""
@@ -140,18 +142,21 @@ class ScrewMotion:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         angle = self.coordinate(time)
         rows = _turn(self._axis, angle)
-        p0, p1, p2 = self._point
-        q0, q1, q2 = turned(rows, self._point)
         h0, h1, h2 = self._lead
-        origin = (p0 - q0 + h0 * angle, p1 - q1 + h1 * angle, p2 - q2 + h2 * angle)
-        return np.array(rows), np.array(origin)
+        if self._point == _ORIGIN:  # spared the turn: this is called every step
+            origin = np.array((0.0 + h0 * angle, 0.0 + h1 * angle, 0.0 + h2 * angle))
+        else:
+            p0, p1, p2 = self._point
+            q0, q1, q2 = turned(rows, self._point)
+            origin = np.array((p0 - q0 + h0 * angle, p1 - q1 + h1 * angle, p2 - q2 + h2 * angle))
+        return np.array(rows), origin
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
         rate = _ramped_speed(time, self.angular_speed, self.ramp)
         a0, a1, a2 = self._axis
         h0, h1, h2 = self._lead
-        if self._point == (0.0, 0.0, 0.0):  # spared the turn: this is called every step
+        if self._point == _ORIGIN:
             velocity = np.array((rate * h0, rate * h1, rate * h2))
             return np.array((rate * a0, rate * a1, rate * a2)), velocity
         q0, q1, q2 = turned(_turn(self._axis, self.coordinate(time)), self._point)

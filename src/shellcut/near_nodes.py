@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Floats, Ints, inline, kernel
+from ._jit import Floats, Ints, bound_once, inline, kernel
 from ._vec3 import load
 from .cutting_edge import to_body
 from .state import State
@@ -45,6 +45,7 @@ class NearNodes:
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """The nodes, ascending."""
+        self._way = bound_once(_moved)
 
     def renew(self, state: State, rotation: Floats, translation: Floats) -> bool:
         """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
@@ -52,14 +53,8 @@ class NearNodes:
         if self._state is state and self._revision == state.revision:
             if state.step % _LOOK_EVERY:
                 return False
-            tool, fastest = _moved(
-                ids=self.ids,
-                velocity=n.velocity_half,
-                rotation=rotation,
-                translation=translation,
-                rotation_then=self._pose[0],
-                translation_then=self._pose[1],
-                radius=self._radius,
+            tool, fastest = self._way(
+                self.ids, n.velocity_half, rotation, translation, *self._pose, self._radius
             )
             self._walked += (state.time - self._time) * fastest
             self._time = state.time

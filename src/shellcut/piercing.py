@@ -6,13 +6,18 @@ What went unnoticed is measured here and reported; and at the start nothing may 
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, Vec3, inline, kernel
-from ._vec3 import combine, cross, dot, load, norm, store, sub
+from ._vec3 import combine, cross, dot, load, norm, sub
 from .cutting_edge import to_body
 from .state import State
 from .tool import Tool
+
+# Wires in a bundle, which are passed over together.
+_BUNDLE = 64
 
 # Share of a quad's half below which a crossing counts as lying on its border.
 _BORDER = 1e-9
@@ -27,13 +32,17 @@ class ToolWires:
         body = tool.triangle_body[first // 3]
         wires = wires[np.argsort(body, kind="stable")]
         self._wires = tool.vertices[wires]
-        self._first = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
+        teeth = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
+        bundles = [np.arange(first, end, _BUNDLE) for first, end in pairwise(teeth.tolist())]
+        self._first = np.append(np.concatenate(bundles), len(wires))
+        self._teeth = _boxes(self._wires, teeth[:-1])
+        self._bundles = _boxes(self._wires, self._first[:-1])
 
     def crossed_quads(
         self,
         x: Floats,
         quads: Ints,
-        asked: Bools,
+        noticed: Bools,
         rotation: Floats,
         translation: Floats,
     ) -> tuple[Ints, Floats]:
@@ -45,8 +54,8 @@ class ToolWires:
             Positions [mm].
         quads : ndarray of int, shape (n_quad, 4)
             Node ids.
-        asked : ndarray of bool, shape (n_quad,)
-            Which of them to look at.
+        noticed : ndarray of bool, shape (n_node,)
+            Nodes whose quads are left out.
         rotation, translation : ndarray, shapes (3, 3) and (3,)
             Pose of the tool.
 
@@ -60,11 +69,13 @@ class ToolWires:
         _deepest_crossings(
             x=x,
             quads=quads,
-            asked=asked,
+            noticed=noticed,
             rotation=rotation,
             translation=translation,
+            teeth=self._teeth,
             wires=self._wires,
             first=self._first,
+            bundles=self._bundles,
             depth=depth,
         )
         crossed = np.flatnonzero(depth > 0.0)
@@ -80,49 +91,64 @@ def unfelt_penetration(
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
-    whole = np.logical_not(noticed[state.quads].any(axis=1))
-    quads, depth = wires.crossed_quads(n.x, state.quads, whole, rotation, translation)
+    quads, depth = wires.crossed_quads(n.x, state.quads, noticed, rotation, translation)
     return quads.size, float(depth.max(initial=0.0))
+
+
+def _boxes(wires: Floats, first: Ints) -> Floats:
+    """Return the low and high corners of the boxes around runs of wires, shape (n, 2, 3)."""
+    low = np.minimum.reduceat(wires.min(axis=1), first)
+    high = np.maximum.reduceat(wires.max(axis=1), first)
+    return np.stack([low, high], axis=1)
 
 
 @kernel
 def _deepest_crossings(
     x: Floats,
     quads: Ints,
-    asked: Bools,
+    noticed: Bools,
     rotation: Floats,
     translation: Floats,
+    teeth: Floats,
     wires: Floats,
     first: Ints,
+    bundles: Floats,
     depth: Floats,
 ) -> None:
-    """Write how deep any wire passes through each quad asked for to depth : (n_quad,), else leave.
+    """Write how deep any wire passes through each quad to depth : (n_quad,), else leave it.
 
-    wires : (n_wire, 2, 3), their ends, tooth after tooth; those of tooth b begin at first[b].
+    noticed : (n_node,), nodes whose quads are left out.  wires : (n_wire, 2, 3), their ends; those
+    of bundle b begin at first[b].  teeth, bundles : (n, 2, 3), boxes around them.
     """
-    n_body = first.shape[0] - 1
-    tooth = np.empty((n_body, 2, 3))
-    for b in range(n_body):
+    # Boxes in space around those of the teeth: most quads are far off.
+    around = np.empty(teeth.shape)
+    for b in range(teeth.shape[0]):
         for c in range(3):
-            ends = wires[first[b] : first[b + 1], :, c]
-            tooth[b, 0, c] = ends.min()
-            tooth[b, 1, c] = ends.max()
-    corner = np.empty((4, 3))
-    low, high = np.empty(3), np.empty(3)
+            centre, reach = translation[c], 0.0
+            for k in range(3):
+                centre += rotation[c, k] * 0.5 * (teeth[b, 0, k] + teeth[b, 1, k])
+                reach += abs(rotation[c, k]) * 0.5 * (teeth[b, 1, k] - teeth[b, 0, k])
+            reach += _BORDER * (abs(centre) + reach)  # more than round-off
+            around[b, 0, c] = centre - reach
+            around[b, 1, c] = centre + reach
     for e in range(quads.shape[0]):
-        if not asked[e]:
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        x0, x1, x2, x3 = load(x, n0), load(x, n1), load(x, n2), load(x, n3)
+        low, high = _box(x0, x1, x2, x3)
+        far = True
+        for b in range(teeth.shape[0]):
+            far &= _apart(low, high, around, b)
+        if far or noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
             continue
-        for a in range(4):
-            store(corner, a, to_body(load(x, quads[e, a]), rotation, translation))
-        for c in range(3):
-            low[c] = min(min(corner[0, c], corner[1, c]), min(corner[2, c], corner[3, c]))
-            high[c] = max(max(corner[0, c], corner[1, c]), max(corner[2, c], corner[3, c]))
-        halves = (load(corner, 0), load(corner, 1), load(corner, 2), load(corner, 3))
-        for b in range(n_body):
-            apart = False
-            for c in range(3):
-                apart = apart or high[c] < tooth[b, 0, c] or low[c] > tooth[b, 1, c]
-            if apart:
+        halves = (
+            to_body(x0, rotation, translation),
+            to_body(x1, rotation, translation),
+            to_body(x2, rotation, translation),
+            to_body(x3, rotation, translation),
+        )
+        low, high = _box(halves[0], halves[1], halves[2], halves[3])
+        for b in range(bundles.shape[0]):
+            if _apart(low, high, bundles, b):
                 continue
             for k in range(first[b], first[b + 1]):
                 apart = False
@@ -138,6 +164,37 @@ def _deepest_crossings(
                     _crossing_depth(start, end, halves[0], halves[1], halves[2]),
                     _crossing_depth(start, end, halves[0], halves[2], halves[3]),
                 )
+
+
+@inline
+def _box(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[Vec3, Vec3]:
+    """Return the low and the high corner of the box around four points."""
+    return (
+        (
+            min(min(a[0], b[0]), min(c[0], d[0])),
+            min(min(a[1], b[1]), min(c[1], d[1])),
+            min(min(a[2], b[2]), min(c[2], d[2])),
+        ),
+        (
+            max(max(a[0], b[0]), max(c[0], d[0])),
+            max(max(a[1], b[1]), max(c[1], d[1])),
+            max(max(a[2], b[2]), max(c[2], d[2])),
+        ),
+    )
+
+
+@inline
+def _apart(low: Vec3, high: Vec3, boxes: Floats, b: int) -> bool:
+    """Return whether a box has no point in common with box b of boxes : (n_box, 2, 3)."""
+    # Without branches, as in near_nodes.
+    return bool(
+        (high[0] < boxes[b, 0, 0])
+        | (low[0] > boxes[b, 1, 0])
+        | (high[1] < boxes[b, 0, 1])
+        | (low[1] > boxes[b, 1, 1])
+        | (high[2] < boxes[b, 0, 2])
+        | (low[2] > boxes[b, 1, 2])
+    )
 
 
 @inline

@@ -23,11 +23,11 @@ import numpy as np
 
 from .account import account_line
 from .bookmark import Bookmark
-from .capture import capture
+from .capture import Exposure
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .frame import Frame
 from .frame_output import FrameOutput
-from .history import HistoryWriter, read_history
+from .history import HistoryWriter
 from .history_row import history_row
 from .hooks import Trigger
 from .piercing import ToolWires, unfelt_penetration
@@ -176,17 +176,17 @@ class Recorder:
         frame_due = mark.frame_due(now)
         picture_due = mark.picture_due is not None and mark.picture_due(now)
         if frame_due or picture_due:
-            frame = self._capture(sim)
+            exposure = self._expose(sim)
             self._captured_time = now
             if frame_due:
-                self._frames.append(frame)
-                mark.frame_time = now
                 _, mark.unfelt = unfelt_penetration(
                     self._wires, sim.state, sim.rotation, sim.translation
                 )
                 mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
+                self._frames.append(exposure.frame)
+                mark.frame_time = now
             if picture_due:
-                self._draw(frame)
+                self._draw(exposure.frame())
         self._complete = True
         if self._progress is not None:
             if self._account_due(now) and now > 0.0:
@@ -291,13 +291,13 @@ class Recorder:
             return
         with np.errstate(all="ignore"):
             try:
-                frame = self._capture(sim)
+                frame = self._expose(sim).frame()
             except ValueError:
                 if sim.between_steps:
                     raise
                 return  # what broke the step is on its way to the caller
             if frame_due:
-                self._frames.append(frame)
+                self._frames.append(lambda: frame)
             if picture_due:
                 self._draw(frame)
 
@@ -328,10 +328,10 @@ class Recorder:
         }
         progress.update(r.coordinate(sim.state.time), step=sim.state.step, **figures)
 
-    def _capture(self, sim: Simulation) -> Frame:
+    def _expose(self, sim: Simulation) -> Exposure:
         r = self.resistance
         scalars = dict(zip((name for name, _ in r.columns), self._felt(), strict=True))
-        return capture(
+        return Exposure.of(
             sim,
             coordinate=r.coordinate(sim.state.time),
             coordinate_name=r.coordinate_name,
@@ -353,11 +353,11 @@ class Recorder:
 
     def _sum_up(self) -> None:
         """Write what is known at the end: figures, splits, curves."""
-        history, _ = read_history(self.folder / HISTORY)
+        results = read(result_file(self.folder, self.name))
         figures = run_summary(
             self._sim,
             self.resistance,
-            history,
+            results.history,
             until=self._until,
             stepping=self._wall() - self._mark.drawing,
             drawing=self._mark.drawing,
@@ -365,8 +365,7 @@ class Recorder:
         )
         (self.folder / SUMMARY).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
         write_splits(self.folder / SPLITS, self._sim.state.split_log)
-        if self._can_draw and len(history["time"]) > 1:
-            results = read(result_file(self.folder, self.name))
+        if self._can_draw and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()
 

@@ -63,8 +63,10 @@ class Resistance:
         # negated: nothing shall read 0, not -0.
         *force, mx, my, mz = wrench.tolist()
         if isinstance(self._motion, ScrewMotion):
-            x, y, z = (r - p for r, p in zip(origin.tolist(), self._point, strict=True))
+            x, y, z = origin.tolist()
+            px, py, pz = self._point
             fx, fy, fz = force
+            x, y, z = x - px, y - py, z - pz
             moment = (mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx)
             return [0.0 - _along(self._axis, moment), 0.0 - _along(self._advance, force)]
         if isinstance(self._motion, StraightMotion):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Floats
+from ._jit import Floats, bound_once
 from .cable import CableForces, CableSet
 from .cohesive_law import CohesiveLaw
 from .contact import Contact, ContactForces, PenaltyContact
@@ -201,6 +201,7 @@ class Simulation:
         self._between_steps = True
         # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
         self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
+        self._tool_work = bound_once(tool_work)
         self._place_tool()
         if self.contact is not None:
             grid = self.contact.grid
@@ -431,9 +432,7 @@ class Simulation:
     def _place_tool(self) -> None:
         if self.motion is not None:
             rotation, translation = self.motion.pose(self.state.time)
-            # A user's motion may return views of any kind; the kernels take rows of doubles.
-            self.rotation = np.ascontiguousarray(rotation, float)
-            self.translation = np.ascontiguousarray(translation, float)
+            self.rotation, self.translation = _rows(rotation), _rows(translation)
 
     def _split_due_nodes(self) -> None:
         s = self.state
@@ -457,14 +456,14 @@ class Simulation:
         s = self.state
         assert self.motion is not None
         spin, velocity = self.motion.twist(s.time - 0.5 * s.dt)
-        by_contact, by_all = tool_work(
-            contact_wrench=self.contact_forces.wrench,
-            cable_wrench=self.cable_forces.wrench,
-            spin=spin,
-            velocity=velocity,
-            dt=s.dt,
-            last_contact=self._contact_wrench,
-            last=self._wrench,
+        by_contact, by_all = self._tool_work(
+            self.contact_forces.wrench,
+            self.cable_forces.wrench,
+            _rows(spin),
+            _rows(velocity),
+            s.dt,
+            self._contact_wrench,
+            self._wrench,
         )
         self.ledger.contact_work -= self.contact_forces.node_work + by_contact
         self.ledger.tool_work -= by_all
@@ -479,3 +478,8 @@ class Simulation:
             f"finite or explodes; the safe step was {self.time_step.bound(s):.4g} s: lower "
             "Stepping.safety, or leave Stepping.fixed unset"
         )
+
+
+def _rows(numbers: Floats) -> Floats:
+    """Return what a motion gave, which may be a view of any kind, as the kernels take it."""
+    return np.ascontiguousarray(numbers, float)

@@ -19,9 +19,9 @@ def check_tool_outside(
     problems = []
     if inside.any():
         problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")
-    everywhere = np.ones(mesh.n_quad, np.bool_)
+    nowhere = np.zeros(mesh.n_node, np.bool_)
     pierced, _ = ToolWires(tool).crossed_quads(
-        mesh.nodes, mesh.quads, everywhere, rotation, translation
+        mesh.nodes, mesh.quads, nowhere, rotation, translation
     )
     if pierced.size:
         centres = mesh.nodes[mesh.quads].mean(axis=1)

@@ -306,7 +306,8 @@ def test_the_list_of_near_nodes_never_misses_one():
 
 @TOOLS
 def test_what_a_look_up_remembers_changes_no_bit(tool):
-    # Nodes slide along the faces, in and out; a contact that has forgotten all gives the same.
+    # Nodes slide along the faces, in and out; now and then the list is made anew after a split,
+    # which leaves a node without a side. A contact that has forgotten all gives the same.
     rng = np.random.default_rng(9)
     state = nodes_at(points_in_and_around(tool, 40, seed=6))
     state.dt = 1e-6
@@ -315,6 +316,9 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
     for step in range(200):
         state.step = step
         state.node.x[:80] += 2e-4 * (rng.uniform(-1, 1, (80, 3)) + np.array([0.6, -0.3, 0.5]))
+        if step % 7 == 0:
+            state.revision += 1
+            state.node.contact_side[step % 80 :: 3] = 0
         before = [
             rows.copy()
             for rows in (
@@ -347,6 +351,19 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
 def naive_inside(p):
     slope = np.tan(np.radians(10.0))
     return -3.0 < p[0] < 0 and abs(p[2]) < 3.0 and abs(p[1]) < min(-slope * p[0], 0.3)
+
+
+def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():
+    state = nodes_at([[-1.0, 0.06, 0.0]])
+    contact = PenaltyContact(BLADE, Contact(), H)
+    evaluate(contact, state)
+    state.node.x[0, 1] = -0.06
+    evaluate(contact, state)
+    assert state.node.contact_side[0] == 1  # kept across the mid-plane
+    state.revision += 1
+    state.node.contact_side[0] = 0
+    evaluate(contact, state)
+    assert state.node.contact_side[0] == -1
 
 
 def test_a_split_renews_the_list():

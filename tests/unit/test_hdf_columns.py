@@ -52,9 +52,22 @@ def test_rows_and_plain_blocks_follow_each_other(tmp_path):
 def test_runs_of_equal_numbers_take_next_to_no_room(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         columns = Columns(file)
-        columns.create("zero", np.float32, (3,), packed=True)
-        columns.write("zero", 0, np.zeros((8192, 3), np.float32))
-        assert file["zero"].id.get_storage_size() < 0.01 * 8192 * 12
+        for name, number in (("zero", 0.0), ("one", 1.0)):
+            columns.create(name, np.float32, (3,), packed=True)
+            columns.write(name, 0, np.full((8192, 3), number, np.float32))
+            assert file[name].id.get_storage_size() < 0.01 * 8192 * 12
+
+
+def test_zeros_take_no_room_and_are_read_as_zeros(tmp_path):
+    block = np.zeros((9000, 3), np.float32)
+    block[8999, 2] = 7.0
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        columns = Columns(file)
+        columns.create("x", np.float32, (3,), packed=True)
+        columns.write("x", 0, block)
+        assert file["x"].id.get_num_chunks() == 1
+    with h5py.File(tmp_path / "a.h5") as file:
+        np.testing.assert_array_equal(file["x"], block)
 
 
 def test_columns_of_an_older_file_go_on_after_a_cut(tmp_path):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import shellcut
-from shellcut._jit import bound, kernel
+from shellcut._jit import bound, bound_once, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -24,7 +24,7 @@ def compiled_functions():
 def test_kernels_do_not_call_kernels():
     functions = list(compiled_functions())
     kernels = {name for name, kind, _ in functions if kind == "kernel"}
-    assert {"_kick", "add_linear_quads"} <= kernels
+    assert {"_kick", "add_linear_quads", "_add_contact_forces"} <= kernels
     calls = {
         (name, call.func.id)
         for name, _, tree in functions
@@ -44,3 +44,11 @@ def test_bound_is_the_kernel_for_these_types():
     call = bound(_scaled_sum, numbers, 2.0)
     assert call(numbers, 2.0) == _scaled_sum(numbers, 2.0) == 12.0
     assert bound(sum, [1, 2])([1, 2]) == 3  # without the compiler: the function itself
+
+
+def test_bound_once_is_the_kernel_for_the_types_of_its_first_call():
+    call = bound_once(_scaled_sum)
+    for n in (4, 7):
+        numbers = np.arange(float(n))
+        assert call(numbers, 2.0) == _scaled_sum(numbers, 2.0)
+    assert bound_once(sum)([1, 2]) == 3

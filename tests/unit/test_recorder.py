@@ -2,6 +2,7 @@
 
 import json
 import time
+from functools import partial
 
 import h5py
 import numpy as np
@@ -193,7 +194,7 @@ def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
     output = FrameOutput(tmp_path, "run", pvd=True)
     try:
         for time in (1e-4, 2e-4):
-            output.append(opening_frame(20.0, n_side=4, time=time))
+            output.append(partial(opening_frame, 20.0, n_side=4, time=time))
         output.settle()
         assert read(tmp_path).n_frame == 2
         assert len(list((tmp_path / "run_frames").glob("*.vtu"))) == 2

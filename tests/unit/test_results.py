@@ -43,9 +43,10 @@ def run(tmp_path_factory):
     written = []
 
     class Remembering(Recorder):
-        def _capture(self, sim):
-            written.append(super()._capture(sim))
-            return written[-1]
+        def _expose(self, sim):
+            exposure = super()._expose(sim)
+            written.append(exposure.frame())
+            return exposure
 
     recorder = Remembering(
         case.simulation,

@@ -123,7 +123,7 @@ def draw_torque(
         ncols=3,
     )
     if title is not None:
-        axes.set_title(title)
+        axes.set_title(title, y=1.0)  # left to itself it looks for room above, a fifth of the time
     save(figure, path)
 
 
@@ -192,7 +192,7 @@ def draw_energy(
     handles, labels = upper.get_legend_handles_labels()
     upper.legend(handles[::-1], labels[::-1], loc="upper left", frameon=False)
     if title is not None:
-        upper.set_title(title)
+        upper.set_title(title, y=1.0)
 
     lower.axhline(0.0, color="0.6", lw=0.8)
     lower.plot(x, missing, color=_TOTAL_COLOR, lw=1.5)
