@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, kernel
+from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, bound_once, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .lanes import WIDTH, Lane, align_stack, along, at, put_at, row_columns, total, zero
 from .state import State
@@ -53,22 +53,23 @@ class CentralDifference:
     """
 
     def __init__(self, *, damping_alpha: float, workers: Workers | None = None) -> None:
-        self.damping_alpha = damping_alpha
+        self.damping_alpha = float(damping_alpha)
         self._workers = workers or Workers(0)
         self._revision = -1
         # Supported nodes, and the first of them in every chunk of nodes.
         self._supported, self._first_supported = np.zeros(0, np.int64), np.zeros(1, np.int64)
+        self._kick, self._drift = bound_once(_kick), bound_once(_drift)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
         """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
         n, stride = state.node, self._workers.count
         if state.revision != self._revision:
             self._find_supported(state)
-        dt = 0.5 * (dt_last + dt_next)
+        dt_last, dt = float(dt_last), 0.5 * (dt_last + dt_next)
         sums = np.zeros((self._first_supported.size - 1, 4))
 
         def part(thread: int) -> None:
-            _kick(
+            self._kick(
                 thread,
                 stride,
                 n.count,
@@ -97,10 +98,10 @@ class CentralDifference:
 
     def drift(self, state: State, dt: float) -> None:
         """Take positions and directors from t_n to t_{n+1}."""
-        n, stride = state.node, self._workers.count
+        n, stride, dt = state.node, self._workers.count, float(dt)
 
         def part(thread: int) -> None:
-            _drift(thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t)
+            self._drift(thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t)
 
         self._workers.run(part)
 

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
-from ._jit import Floats, Ints, Numbers, bound
+from ._jit import Floats, Ints, Numbers, bound, bound_once
 from .centre_stress import CentreStress, FaceStresses
 from .lanes import SIXTEEN, Lane, aligned_zeros, block_dtype, block_width
 from .material import ShellMaterial
@@ -112,6 +112,9 @@ class MITC4Shell:
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated by points, at every step."""
         self._calls: list[tuple[Any, ...]] = []
+        self._write_corner_forces = bound_once(
+            write_point_corner_forces if self.has_points else write_corner_forces
+        )
         self._state: State | None = None
         self._revision = -1
         self._centre_stress = CentreStress(mesh, material)
@@ -229,20 +232,19 @@ class MITC4Shell:
         ndarray, shape (n, 3)
         """
         force = np.empty((quads.size, 3))
-        write = write_point_corner_forces if self.has_points else write_corner_forces
-        write(
-            slot=self.blocks.slot[quads],
-            nodes=nodes,
-            x=state.node.x,
-            t=state.node.t,
-            corner=self.blocks.corner,
-            tables=self.tables,
-            points=self.points,
-            damped=self.damping_beta > 0.0,
-            rho=self.damping_beta / dt if dt > 0 else 0.0,
-            last=state.strain,
-            history=state.history,
-            force=force,
+        self._write_corner_forces(
+            self.blocks.slot[quads],
+            np.ascontiguousarray(nodes, np.int64),
+            state.node.x,
+            state.node.t,
+            self.blocks.corner,
+            self.tables,
+            self.points,
+            self.damping_beta > 0.0,
+            self.damping_beta / dt if dt > 0 else 0.0,
+            state.strain,
+            state.history,
+            force,
         )
         return force
 
