@@ -29,15 +29,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ._jit import Floats, Ints
+from ._jit import Floats, Ints, bound_once
 from .blade_cut import BladeCut
 from .load import LoadSet
-from .parting import Parting, PartingTable, partings_of
+from .parting import Parting, PartingTable, partings_of, weigh_partings
 from .recovery import recover
 from .shell import MITC4Shell
 from .state import State
@@ -172,6 +171,7 @@ class SplitCriterion:
         self._rim[rim] = True
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
         self._partings: dict[int, list[Parting]] = {}
+        self._weigh = bound_once(weigh_partings)
         self._table: PartingTable | None = None
         self._nodes: list[int] = []
         self._revision = -1
@@ -247,7 +247,9 @@ class SplitCriterion:
                 if n not in self._partings:
                     self._partings[n] = partings_of(state, n, mass, free)
             partings = [self._partings[n] for n in nodes]
-            self._table = PartingTable(self._shell, self._loads, self._strength, partings)
+            self._table = PartingTable(
+                self._shell, self._loads, self._strength, partings, self._weigh
+            )
             self._nodes = nodes
         return self._table, self._table.weigh(state, dt)
 
@@ -273,15 +275,12 @@ class SplitCriterion:
         # crack to crack: dividing by it compares normal tractions, dividing by the area (the
         # measure) would favour short edges.
         traction = table.pull / table.chord
-        pulled = (table.measure >= 1.0).tolist()
         found = []
-        for i, (first, end) in enumerate(pairwise(table.start)):
-            if not any(pulled[first:end]):
-                continue
+        for i in sorted({table.owner[k] for k in np.flatnonzero(table.measure >= 1.0).tolist()}):
             ways = table.admissible(i, self._cos_limit)
             if ways:
                 best = ways[int(np.argmax(traction[ways]))]
-                if pulled[best]:
+                if table.measure[best] >= 1.0:
                     found.append(self._split(table, best))
         return found
 

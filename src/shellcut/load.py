@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, inline, kernel
+from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, store, sub
 from .lanes import WIDTH, Lane, add_row_columns, at, clear_rows, put_row_columns, total, zero
 from .mesh import Mesh
@@ -126,6 +126,10 @@ class LoadSet:
 
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
+        self._cleared = bound_once(_clear_forces)
+        self._begun, self._added = (
+            bound_once(k) for k in (_begin_with_dead_force, _add_dead_force)
+        )
         self._dead: list[_DeadLoad] = []
         self._following: list[tuple[Bools, float, Factor]] = []
         self._nodal: list[tuple[Ints, Floats, Factor]] = []
@@ -162,8 +166,8 @@ class LoadSet:
         if not self._dead:
             self._clear(state)
         for dead in self._dead:
-            add = _add_dead_force if dead is not self._dead[0] else _begin_with_dead_force
-            work += self._dead_force(add, state, dead, dead.factor(now), dead.factor(before))
+            add = self._added if dead is not self._dead[0] else self._begun
+            work += self._dead_force(add, state, dead, float(dead.factor(now)), dead.factor(before))
         for ids, force, factor in self._nodal:
             np.add.at(n.force, ids, factor(now) * force)
             mean = 0.5 * (factor(now) + factor(before)) * force
@@ -189,7 +193,7 @@ class LoadSet:
 
     def _clear(self, state: State) -> None:
         n, stride = state.node, self._workers.count
-        self._workers.run(lambda thread: _clear_forces(thread, stride, n.count, n.force_rows))
+        self._workers.run(lambda thread: self._cleared(thread, stride, n.count, n.force_rows))
 
     def _dead_force(
         self, add: Any, state: State, dead: _DeadLoad, now: float, before: float

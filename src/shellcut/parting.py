@@ -9,7 +9,7 @@ computed for all ways of all candidates in one kernel.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -175,6 +175,8 @@ class PartingTable:
         sigma_F [MPa].
     partings : sequence of sequence of Parting
         Of each candidate node, all of one topology, which the table does not outlive.
+    weigh : callable
+        :func:`weigh_partings`, bound by whoever makes one table after the other.
     """
 
     def __init__(
@@ -183,12 +185,15 @@ class PartingTable:
         loads: LoadSet,
         strength: float,
         partings: Sequence[Sequence[Parting]],
+        weigh: Callable[..., float],
     ) -> None:
-        self._shell, self._loads = shell, loads
+        self._shell, self._loads, self._weigh = shell, loads, weigh
         self.ways = [way for ways in partings for way in ways]
         """All partings, node by node."""
         self.start: list[int] = np.cumsum([0, *map(len, partings)]).tolist()
         """First parting of each node, and the end."""
+        self.owner = [i for i, ways in enumerate(partings) for _ in ways]
+        """Which of the nodes each parting is of."""
         n = len(self.ways)
         corners: dict[tuple[int, int], int] = {}
         sides = [
@@ -197,7 +202,8 @@ class PartingTable:
             for quads in (way.minus, way.plus)
         ]
         shares = [(k, *one) for k, way in enumerate(self.ways) for one in way.cables]
-        self._corner = np.array(list(corners), np.int64).reshape(-1, 2)
+        corner = np.array(list(corners), np.int64).reshape(-1, 2)
+        self._quads, self._at = (np.ascontiguousarray(column) for column in corner.T)
         self._side_start = np.cumsum([0, *map(len, sides)])
         self._member = np.array([corner for side in sides for corner in side], np.int64)
         self._mass = np.array([way.mass for way in self.ways]).reshape(-1, 2)
@@ -233,32 +239,31 @@ class PartingTable:
             The largest measure of all.
         """
         n, c = state.node, state.cable
-        quads, nodes = self._corner[:, 0], self._corner[:, 1]
-        corner_force = self._shell.corner_forces(state, quads, nodes, dt)
-        self._loads.add_corner_forces(state, quads, nodes, corner_force)
-        return _weigh(
-            x=n.x,
-            t=n.t,
-            node=self._node,
-            back=self._back,
-            ahead=self._ahead,
-            turns=self._turns,
-            side_start=self._side_start,
-            member=self._member,
-            corner_force=corner_force,
-            mass=self._mass,
-            carried=self._carried,
-            share_of=self._share_of,
-            share=self._share,
-            status=c.status,
-            cable_force=c.force,
-            cosine=self._cosine,
-            force=self.force,
-            direction=self.direction,
-            m=self.m,
-            pull=self.pull,
-            measure=self.measure,
-            chord=self.chord,
+        corner_force = self._shell.corner_forces(state, self._quads, self._at, dt)
+        self._loads.add_corner_forces(state, self._quads, self._at, corner_force)
+        return self._weigh(
+            n.x,
+            n.t,
+            self._node,
+            self._back,
+            self._ahead,
+            self._turns,
+            self._side_start,
+            self._member,
+            corner_force,
+            self._mass,
+            self._carried,
+            self._share_of,
+            self._share,
+            c.status,
+            c.force,
+            self._cosine,
+            self.force,
+            self.direction,
+            self.m,
+            self.pull,
+            self.measure,
+            self.chord,
         )
 
     def admissible(self, i: int, cos_limit: float) -> list[int]:
@@ -279,7 +284,7 @@ def _both(ends: list[tuple[int, ...]]) -> Ints:
 
 
 @kernel
-def _weigh(
+def weigh_partings(
     x: Floats,
     t: Floats,
     node: Ints,

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
-from ._jit import Floats, Ints, Numbers, bound, bound_once
+from ._jit import Floats, Ints, Numbers, bound_once
 from .centre_stress import CentreStress, FaceStresses
 from .lanes import SIXTEEN, Lane, aligned_zeros, block_dtype, block_width
 from .material import ShellMaterial
@@ -111,7 +111,17 @@ class MITC4Shell:
         self.tables, self.points = _build_tables(mesh, material, self.blocks, self._whole)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated by points, at every step."""
-        self._calls: list[tuple[Any, ...]] = []
+        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+        starts = (self.blocks.flat_start, self.blocks.full_start)
+        # A kernel for each kind of quads there are, and where its strips begin.
+        self._kernels = [
+            (bound_once(kernel), start)
+            for kernel, start in zip(kernels, starts, strict=True)
+            if start[0] < start[-1]
+        ]
+        self._lasting: tuple[Any, ...] = ()
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
@@ -175,20 +185,20 @@ class MITC4Shell:
         node, threads, damped = state.node, self._workers.count, self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         sums = np.zeros((self.blocks.n_strip, 3))
-        # In the order of the kernels, as in _bind.
+        # In the order of the kernels, after what _collect collects.
         changing: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
         if self.has_points:
             changing += (state.history,)
         changing += (node.force_rows, sums, self._lane)
         if self._state is not state or self._revision != state.revision:
-            self._bind(state, changing)
+            self._collect(state)
 
         # Strips of one parity have no node in common (see quad_blocks).
         for parity in range(min(2, len(sums))):
 
             def part(thread: int, parity: int = parity) -> None:
-                for call, lasting in self._calls:
-                    call(parity + 2 * thread, 2 * threads, *lasting, *changing)
+                for add, start in self._kernels:
+                    add(parity + 2 * thread, 2 * threads, start, *self._lasting, *changing)
 
             self._workers.run(part)
         if damped:
@@ -198,21 +208,12 @@ class MITC4Shell:
             return Work(p0, 0.5 * rho * p1)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
 
-    def _bind(self, state: State, changing: tuple[Any, ...]) -> None:
-        """Choose a kernel for each kind of quads, and what it is given until the next split."""
-        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
-        blocks = self.blocks
-        tables: tuple[Any, ...] = (state.node.x, state.node.t, blocks.corner, blocks.chain)
-        tables += (self.tables,)
+    def _collect(self, state: State) -> None:
+        """Collect what the kernels are given until the next split."""
+        node, blocks = state.node, self.blocks
+        self._lasting = (node.x, node.t, blocks.corner, blocks.chain, self.tables)
         if self.has_points:
-            kernels = (add_flat_point_quads, add_full_point_quads)
-            tables += (self.points,)
-        starts = (self.blocks.flat_start, self.blocks.full_start)
-        self._calls = [
-            (bound(kernel, 0, 1, start, *tables, *changing), (start, *tables))
-            for kernel, start in zip(kernels, starts, strict=True)
-            if start[0] < start[-1]
-        ]
+            self._lasting += (self.points,)
         self._state, self._revision = state, state.revision
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:

@@ -9,7 +9,7 @@ from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Split
 from shellcut.load import EdgeTraction, LoadSet, Pressure
 from shellcut.meshing import rectangle
-from shellcut.parting import PartingTable, cable_shares, owns_flank, partings_of
+from shellcut.parting import PartingTable, cable_shares, owns_flank, partings_of, weigh_partings
 from shellcut.topology import split_node
 
 ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
@@ -55,11 +55,11 @@ def test_force_is_that_of_the_two_sides(loaded):
         mesh, [Pressure(0.2), EdgeTraction("bottom", (0.1, 0.2, 0.3))] if loaded else []
     )
     nodes = [1, 8, 14, 15]
-    table = PartingTable(
-        shell, loads, STRENGTH, [partings_of(state, n, shell.mass, NONE) for n in nodes]
-    )
+    ways = [partings_of(state, n, shell.mass, NONE) for n in nodes]
+    table = PartingTable(shell, loads, STRENGTH, ways, weigh_partings)
     largest = table.weigh(state, dt)
     assert table.start == [0, 1, 7, 13, 19]
+    assert table.owner == [0, *[1] * 6, *[2] * 6, *[3] * 6]
     assert largest == table.measure.max()
     for k, way in enumerate(table.ways):
         sides = []
@@ -88,9 +88,8 @@ def test_force_is_that_of_the_two_sides(loaded):
 
 def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     shell, state = cases.set_up(sheet().cut(ROW))
-    table = PartingTable(
-        shell, LoadSet(sheet(), []), STRENGTH, [partings_of(state, 17, shell.mass, NONE)]
-    )
+    ways = partings_of(state, 17, shell.mass, NONE)
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     table.weigh(state, 0.0)
     ahead = [way.ahead[0] for way in table.ways]
     straight = [ahead.index(18)]
@@ -107,7 +106,7 @@ def test_free_edges_have_nothing_to_hold_them():
     ways = partings_of(state, 3, shell.mass, frozenset({(3, 10)}))
     (way,) = ways
     assert way.half_edges == ()
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     for stretch, measure in ((1.01, np.inf), (0.99, -np.inf)):
         state.node.x[: sheet().n_node, 0] = stretch * sheet().nodes[:, 0]
         assert table.weigh(state, 0.0) == measure
@@ -117,7 +116,7 @@ def split_sheet():
     """A sheet whose node 17 has been split along its row, the edges as if of different length."""
     shell, state = cases.set_up(sheet())
     ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     table.weigh(state, 0.0)
     k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
     split_node(state, split_of(ways[k], table, k), shell, CohesiveLaw(), equilibrium_start=False)
@@ -140,7 +139,7 @@ def test_cables_count_with_the_half_that_owns_their_flank():
 def test_cables_pull_on_their_side_until_they_break():
     shell, state, _ = split_sheet()
     ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways])
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
     table.weigh(state, 0.0)
     shares = {side: share for side, _, _, share in way.cables}
