@@ -23,7 +23,8 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, bound_once, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
-from .lanes import WIDTH, Lane, align_stack, along, at, put_at, row_columns, total, zero
+from .lane_instructions import WIDTH, Lane
+from .lanes import align_stack, along, at, put_at, row_columns, total, zero
 from .state import State
 from .threads import NODE_CHUNK, Workers, in_order
 

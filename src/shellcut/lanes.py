@@ -43,41 +43,46 @@ addition may become one fused instruction, nothing is reassociated. LLVM lowers 
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
-from typing import Any, TypeAlias, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import (
-    NativeValue,
-    intrinsic,
-    models,
-    overload,
-    register_model,
-    typeof_impl,
-    unbox,
-)
+from numba.extending import overload
 
 from ._jit import Floats, Number, Numbers, SmallIds, Vector
-
-WIDTH = 8
-"""Doubles in one vector: nodes are taken so many at a time."""
-
-
-class _Sixteen:
-    """The type of :data:`SIXTEEN`."""
-
-
-SIXTEEN = _Sixteen()
-"""All of a block of sixteen, in single precision."""
-
-Lane: TypeAlias = int | _Sixteen | None
+from .lane_instructions import (
+    CACHE_LINE,
+    FLUSH,
+    SIXTEEN,
+    SIXTEEN_TYPE,
+    WIDTH,
+    Lane,
+    LaneIdsType,
+    LanesType,
+    add_to_rows,
+    align_stack_of_function,
+    fewer_bits,
+    fused,
+    gather_column,
+    load_along,
+    load_at,
+    load_block,
+    load_ids,
+    load_row_columns,
+    more_bits,
+    mxcsr,
+    no_lanes,
+    prefetch_lines,
+    put_into_rows,
+    scatter_add_rows,
+    set_mxcsr,
+    store_at,
+    store_block,
+    sum_of_lanes,
+    takes_all,
+    zero_rows,
+)
 
 
 def _one(lane: Lane) -> TypeGuard[int]:
@@ -95,490 +100,17 @@ def block_dtype(lane: Lane) -> npt.DTypeLike:
     return np.float32 if lane is SIXTEEN else np.float64
 
 
-_CACHE_LINE = 64
-
-_I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
-_DOUBLE = ir.DoubleType()
-_LANES = ir.VectorType(_DOUBLE, WIDTH)
-_CONTRACT = ("contract",)
-
-
 def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
     """Return an array of zeros that starts on a cache line, so that no vector straddles two."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
-    raw = np.zeros(size + _CACHE_LINE, np.uint8)
-    start = -raw.ctypes.data % _CACHE_LINE
+    raw = np.zeros(size + CACHE_LINE, np.uint8)
+    start = -raw.ctypes.data % CACHE_LINE
     return raw[start : start + size].view(dtype).reshape(shape)
-
-
-# ---------------------------------------------------------------- the types
-
-
-class _LanesType(types.Type):
-    """Several floating-point numbers."""
-
-    def __init__(self, bits: int, width: int) -> None:
-        self.bits, self.width = bits, width
-        super().__init__(name=f"Lanes({width} x f{bits})")
-
-    @property
-    def one(self) -> Any:
-        """LLVM's type of one of them."""
-        return _DOUBLE if self.bits == 64 else ir.FloatType()
-
-    @property
-    def all(self) -> Any:
-        """LLVM's type of all."""
-        return ir.VectorType(self.one, self.width)
-
-    @property
-    def suffix(self) -> str:
-        """Of the names of LLVM's functions."""
-        return f"v{self.width}f{self.bits}"
-
-
-class _LaneIdsType(types.Type):
-    """Several node ids."""
-
-    def __init__(self, width: int) -> None:
-        self.width = width
-        super().__init__(name=f"LaneIds({width})")
-
-
-class _SixteenType(types.Opaque):
-    pass
-
-
-_DOUBLES, _SINGLES = _LanesType(64, WIDTH), _LanesType(32, 2 * WIDTH)
-_WIDE = _LanesType(64, 2 * WIDTH)  # sixteen doubles: what is to become singles, and sums of them
-_sixteen_type = _SixteenType("Sixteen")
-
-
-@register_model(_LanesType)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, front_end_type.all)
-
-
-@register_model(_LaneIdsType)
-class _LaneIdsModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, ir.VectorType(_I32, front_end_type.width))
-
-
-register_model(_SixteenType)(models.OpaqueModel)
-
-
-@typeof_impl.register(_Sixteen)
-def _type_of_sixteen(value: _Sixteen, context: Any) -> Any:
-    return _sixteen_type
-
-
-@unbox(_SixteenType)
-def _unbox_sixteen(kind: Any, value: Any, context: Any) -> Any:
-    return NativeValue(context.context.get_dummy_value())
-
-
-# ---------------------------------------------------------------- arithmetic
-
-
-def _constant(kind: Any, values: list[int]) -> Any:
-    return ir.Constant(ir.VectorType(kind, len(values)), values)
-
-
-def _broadcast(builder: Any, value: Any, kind: _LanesType) -> Any:
-    """Return lanes that are all one double."""
-    if kind.bits == 32:
-        value = builder.fptrunc(value, kind.one)
-    nothing = ir.Constant(kind.all, ir.Undefined)
-    one = builder.insert_element(nothing, value, ir.Constant(_I32, 0))
-    return builder.shuffle_vector(one, one, _constant(_I32, [0] * kind.width))
-
-
-def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
-    @infer_global(op)
-    class _Typing(AbstractTemplate):
-        def generic(self, args: Any, kws: Any) -> Any:
-            kinds = {a for a in args if isinstance(a, _LanesType)}
-            if len(kinds) != 1 or not all(a in kinds or isinstance(a, types.Float) for a in args):
-                return None
-            (kind,) = kinds
-            return signature(kind, *(a if a == kind else types.float64 for a in args))
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        operands = [
-            a if t == sig.return_type else _broadcast(builder, a, sig.return_type)
-            for a, t in zip(args, sig.args, strict=True)
-        ]
-        return getattr(builder, instruction)(*operands, flags=_CONTRACT)
-
-    for pair in ((_LanesType,) * 2, (_LanesType, types.Float), (types.Float, _LanesType)):
-        lower_builtin(op, *pair)(lower)
-
-
-for _op, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _add_binary_operator(_op, _instruction)
-
-
-@infer_global(operator.neg)
-class _NegativeTyping(AbstractTemplate):
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(*args * 2) if isinstance(args[0], _LanesType) else None
-
-
-@lower_builtin(operator.neg, _LanesType)
-def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fneg(args[0])
-
-
-# ---------------------------------------------------------------- addresses and transposition
-
-
-def _address(context: Any, builder: Any, array_type: Any, array: Any, index: list[Any]) -> Any:
-    made = context.make_array(array_type)(context, builder, array)
-    shape = cgutils.unpack_tuple(builder, made.shape, array_type.ndim)
-    strides = cgutils.unpack_tuple(builder, made.strides, array_type.ndim)
-    return cgutils.get_item_pointer2(
-        context, builder, made.data, shape, strides, array_type.layout, index, wraparound=False
-    )
-
-
-def _vector_address(
-    context: Any, builder: Any, array_type: Any, array: Any, index: list[Any], kind: Any
-) -> Any:
-    address = _address(context, builder, array_type, array, index)
-    return builder.bitcast(address, kind.as_pointer())
-
-
-def _row_address(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
-    """Address of a row of eight in a C-ordered (n, 8) array: a shift instead of a product."""
-    made = context.make_array(array_type)(context, builder, array)
-    return builder.gep(builder.bitcast(made.data, _LANES.as_pointer()), [row])
-
-
-def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
-    """Turn eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges.
-
-    Fewer than eight are filled up: what then stands in the last columns means nothing.
-    """
-    rows = [*rows, *[ir.Constant(rows[0].type, ir.Undefined)] * (WIDTH - len(rows))]
-
-    def exchange(a: Any, b: Any, order: list[int]) -> Any:
-        return builder.shuffle_vector(a, b, _constant(_I32, order))
-
-    pairs = [None] * 8
-    for k in range(0, 8, 2):
-        pairs[k] = exchange(rows[k], rows[k + 1], [0, 8, 2, 10, 4, 12, 6, 14])
-        pairs[k + 1] = exchange(rows[k], rows[k + 1], [1, 9, 3, 11, 5, 13, 7, 15])
-    fours = [None] * 8
-    for k in (0, 1, 4, 5):
-        fours[k] = exchange(pairs[k], pairs[k + 2], [0, 1, 8, 9, 4, 5, 12, 13])
-        fours[k + 2] = exchange(pairs[k], pairs[k + 2], [2, 3, 10, 11, 6, 7, 14, 15])
-    columns = [None] * 8
-    for k in range(4):
-        columns[k] = exchange(fours[k], fours[k + 4], [0, 1, 2, 3, 8, 9, 10, 11])
-        columns[k + 4] = exchange(fours[k], fours[k + 4], [4, 5, 6, 7, 12, 13, 14, 15])
-    return columns
-
-
-_ZERO = ir.Constant(_I64, 0)
-
-
-def _of_table(table: Any) -> _LanesType:
-    """Return the lanes of a table in blocks."""
-    return _SINGLES if table.dtype == types.float32 else _DOUBLES
-
-
-@intrinsic
-def _load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
-    kind = _of_table(table)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        where = _vector_address(context, builder, table, args[0], index, kind.all)
-        return builder.load(where, align=kind.bits // 8)
-
-    return kind(table, types.intp, types.intp), generate
-
-
-@intrinsic
-def _store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> Any:
-    kind = _of_table(table)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        where = _vector_address(context, builder, table, args[0], index, kind.all)
-        builder.store(args[3], where, align=kind.bits // 8)
-        return context.get_dummy_value()
-
-    return types.void(table, types.intp, types.intp, kind), generate
-
-
-@intrinsic
-def _load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
-    kind = _of_nodes(lane)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], args[1:3], kind.all)
-        return builder.load(where, align=8)
-
-    return kind(values, types.intp, types.intp, lane), generate
-
-
-@intrinsic
-def _load_along(typing_context: Any, values: Any, n: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], [args[1]], _LANES)
-        return builder.load(where, align=8)
-
-    return _DOUBLES(values, types.intp), generate
-
-
-@intrinsic
-def _store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
-        builder.store(args[3], where, align=8)
-        return context.get_dummy_value()
-
-    return types.void(values, types.intp, types.intp, _DOUBLES), generate
-
-
-@intrinsic
-def _load_ids(typing_context: Any, corner: Any, b: Any, a: Any, lane: Any) -> Any:
-    kind = _LaneIdsType(_of_nodes(lane).width)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        index = [args[1], args[2], _ZERO]
-        ids = ir.VectorType(_I32, kind.width)
-        where = _vector_address(context, builder, corner, args[0], index, ids)
-        return builder.load(where, align=4)
-
-    return kind(corner, types.intp, types.intp, lane), generate
-
-
-@intrinsic
-def _gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
-    kind = _LanesType(64, ids.width)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        column = _address(context, builder, values, args[0], [_ZERO, args[1]])
-        # llvmlite does not build an address per lane from one base; LLVM does, and then needs no
-        # vector of addresses in registers.
-        where = builder.gep(column, [_ZERO])
-        where.indices = [args[2]]
-        where.operands = [column, args[2]]
-        where.type = ir.VectorType(_DOUBLE.as_pointer(), kind.width)
-        mask = _constant(_I1, [1] * kind.width)
-        function = cgutils.get_or_insert_function(
-            builder.module,
-            ir.FunctionType(kind.all, [where.type, _I32, mask.type, kind.all]),
-            f"llvm.masked.gather.{kind.suffix}.v{kind.width}p0",
-        )
-        return builder.call(
-            function, [where, ir.Constant(_I32, 8), mask, ir.Constant(kind.all, ir.Undefined)]
-        )
-
-    return kind(values, types.intp, ids), generate
-
-
-@intrinsic
-def _fewer_bits(typing_context: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fptrunc(args[0], _SINGLES.all)
-
-    return _SINGLES(value), generate
-
-
-@intrinsic
-def _more_bits(typing_context: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fpext(args[0], _WIDE.all)
-
-    return _WIDE(value), generate
-
-
-@intrinsic
-def _scatter_add_rows(
-    typing_context: Any, rows: Any, corner: Any, b: Any, a: Any, force: Any
-) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        columns = cgutils.unpack_tuple(builder, args[4], 6)
-        lane = 0
-        for first in range(0, force.dtype.width, WIDTH):
-            for row in _transpose(builder, [_eight(builder, c, first) for c in columns]):
-                index = [args[2], args[3], ir.Constant(_I64, lane)]
-                node = builder.load(_address(context, builder, corner, args[1], index))
-                where = _row_address(context, builder, rows, args[0], builder.sext(node, _I64))
-                more = builder.fpext(row, _LANES) if force.dtype.bits == 32 else row
-                builder.store(builder.fadd(builder.load(where, align=8), more), where, align=8)
-                lane += 1
-        return context.get_dummy_value()
-
-    return types.void(rows, corner, types.intp, types.intp, force), generate
-
-
-def _eight(builder: Any, value: Any, first: int) -> Any:
-    """Return eight of the lanes."""
-    if value.type.count == WIDTH:
-        return value
-    return builder.shuffle_vector(value, value, _constant(_I32, list(range(first, first + WIDTH))))
-
-
-@intrinsic
-def _load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
-    returns = types.UniTuple(_DOUBLES, 6)
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        loaded = []
-        for lane in range(WIDTH):
-            row = builder.add(args[1], ir.Constant(_I64, lane))
-            where = _row_address(context, builder, rows, args[0], row)
-            loaded.append(builder.load(where, align=8))
-        return context.make_tuple(builder, returns, _transpose(builder, loaded)[:6])
-
-    return returns(rows, types.intp), generate
-
-
-def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
-    """Return what writes columns, filled up with zeros, to eight rows or adds them."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        given = cgutils.unpack_tuple(builder, args[2], columns.count)
-        nothing = [ir.Constant(_LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
-        for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
-            index = builder.add(args[1], ir.Constant(_I64, lane))
-            where = _row_address(context, builder, rows, args[0], index)
-            written = builder.fadd(builder.load(where, align=8), row) if adding else row
-            builder.store(written, where, align=8)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, columns), generate
-
-
-@intrinsic
-def _add_to_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
-    return _to_rows(rows, columns, adding=True)
-
-
-@intrinsic
-def _put_into_rows(typing_context: Any, rows: Any, n: Any, columns: Any) -> Any:
-    return _to_rows(rows, columns, adding=False)
-
-
-@intrinsic
-def _zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        for lane in range(WIDTH):
-            row = builder.add(args[1], ir.Constant(_I64, lane))
-            where = _row_address(context, builder, rows, args[0], row)
-            builder.store(ir.Constant(_LANES, [0.0] * WIDTH), where, align=8)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp), generate
-
-
-@intrinsic
-def _no_lanes(typing_context: Any, lane: Any) -> Any:
-    kind = _SINGLES if lane == _sixteen_type else _DOUBLES
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(kind.all, [0.0] * kind.width)
-
-    return kind(lane), generate
-
-
-@intrinsic
-def _sum_of_lanes(typing_context: Any, value: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        sum_ = builder.extract_element(args[0], ir.Constant(_I32, 0))
-        for lane in range(1, value.width):
-            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(_I32, lane)))
-        return sum_
-
-    return types.float64(value), generate
-
-
-@intrinsic
-def _fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = context.get_value_type(a)
-        suffix = a.suffix if isinstance(a, _LanesType) else f"f{a.bitwidth}"
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
-        )
-        return builder.call(function, args)
-
-    return (a(a, a, a) if a == b == c else None), generate
-
-
-_FLUSH = 0x8040  # of x86's MXCSR: results flushed to zero, operands taken as zero
-
-
-def _on_x86(builder: Any) -> bool:
-    return str(builder.module.triple).startswith(("x86_64", "amd64", "i386", "i686"))
-
-
-def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
-    """Load or store the setting from or to a number in memory."""
-    where = cgutils.alloca_once_value(builder, value)
-    address = builder.bitcast(where, _I8.as_pointer())
-    function = cgutils.get_or_insert_function(
-        builder.module,
-        ir.FunctionType(ir.VoidType(), [address.type]),
-        f"llvm.x86.sse.{name}",
-    )
-    builder.call(function, [address])
-    return builder.load(where)
-
-
-@intrinsic
-def _rounding(typing_context: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        nothing = _I32(0)
-        return _of_mxcsr(builder, "stmxcsr", nothing) if _on_x86(builder) else nothing
-
-    return types.int32(), generate
-
-
-@intrinsic
-def _set_rounding(typing_context: Any, setting: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        if _on_x86(builder):
-            _of_mxcsr(builder, "ldmxcsr", args[0])
-        return context.get_dummy_value()
-
-    return types.void(types.int32), generate
-
-
-@intrinsic
-def _align_stack(typing_context: Any) -> Any:
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        attributes = builder.function.attributes
-        attributes.alignstack = _CACHE_LINE
-        attributes.add("nounwind")  # true of all kernels; llvmlite writes no attributes without one
-        return context.get_dummy_value()
-
-    return types.void(), generate
 
 
 # ---------------------------------------------------------------- the functions kernels call
 
 _OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
-
-
-def _all(lane: Any) -> bool:
-    return isinstance(lane, types.NoneType) or lane == _sixteen_type
-
-
-def _of_nodes(lane: Any) -> _LanesType:
-    """Return the lanes of what is read at nodes."""
-    return _WIDE if lane == _sixteen_type else _DOUBLES
 
 
 def turns(table: Numbers, lane: Lane) -> int:
@@ -588,7 +120,7 @@ def turns(table: Numbers, lane: Lane) -> int:
 
 @overload(turns, jit_options=_OPTIONS)
 def _turns(table, lane):
-    return (lambda table, lane: 1) if _all(lane) else (lambda table, lane: table.shape[2])
+    return (lambda table, lane: 1) if takes_all(lane) else (lambda table, lane: table.shape[2])
 
 
 def nth(lane: Lane, turn: int) -> Lane:
@@ -598,7 +130,7 @@ def nth(lane: Lane, turn: int) -> Lane:
 
 @overload(nth, jit_options=_OPTIONS)
 def _nth(lane, turn):
-    return (lambda lane, turn: lane) if _all(lane) else (lambda lane, turn: turn)
+    return (lambda lane, turn: lane) if takes_all(lane) else (lambda lane, turn: turn)
 
 
 def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
@@ -608,8 +140,8 @@ def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
 
 @overload(pick, jit_options=_OPTIONS)
 def _pick(table, b, k, lane):
-    if _all(lane):
-        return lambda table, b, k, lane: _load_block(table, b, k)
+    if takes_all(lane):
+        return lambda table, b, k, lane: load_block(table, b, k)
     return lambda table, b, k, lane: table[b, k, lane]
 
 
@@ -623,8 +155,8 @@ def put(table: Numbers, b: int, k: int, lane: Lane, value: Number) -> None:
 
 @overload(put, jit_options=_OPTIONS)
 def _put(table, b, k, lane, value):
-    if _all(lane):
-        return lambda table, b, k, lane, value: _store_block(table, b, k, value)
+    if takes_all(lane):
+        return lambda table, b, k, lane, value: store_block(table, b, k, value)
 
     def one(table, b, k, lane, value):
         table[b, k, lane] = value
@@ -639,8 +171,8 @@ def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
 
 @overload(corner_node, jit_options=_OPTIONS)
 def _corner_node(corner, b, a, lane):
-    if _all(lane):
-        return lambda corner, b, a, lane: _load_ids(corner, b, a, lane)
+    if takes_all(lane):
+        return lambda corner, b, a, lane: load_ids(corner, b, a, lane)
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
 
@@ -651,7 +183,7 @@ def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
 
 @overload(first_node, jit_options=_OPTIONS)
 def _first_node(corner, b, a, lane):
-    if _all(lane):
+    if takes_all(lane):
         return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
     return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
 
@@ -663,8 +195,8 @@ def gather(values: Floats, c: int, ids: Any) -> Number:
 
 @overload(gather, jit_options=_OPTIONS)
 def _gather(values, c, ids):
-    if isinstance(ids, _LaneIdsType):
-        return lambda values, c, ids: _gather_column(values, c, ids)
+    if isinstance(ids, LaneIdsType):
+        return lambda values, c, ids: gather_column(values, c, ids)
     return lambda values, c, ids: values[ids, c]
 
 
@@ -679,8 +211,8 @@ def scatter_add(
 
 @overload(scatter_add, jit_options=_OPTIONS)
 def _scatter_add(rows, corner, b, a, lane, force):
-    if _all(lane):
-        return lambda rows, corner, b, a, lane, force: _scatter_add_rows(rows, corner, b, a, force)
+    if takes_all(lane):
+        return lambda rows, corner, b, a, lane, force: scatter_add_rows(rows, corner, b, a, force)
 
     def one(rows, corner, b, a, lane, force):
         for c in range(6):
@@ -696,8 +228,8 @@ def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
 
 @overload(at, jit_options=_OPTIONS)
 def _at(values, n, c, lane):
-    if _all(lane):
-        return lambda values, n, c, lane: _load_at(values, n, c, lane)
+    if takes_all(lane):
+        return lambda values, n, c, lane: load_at(values, n, c, lane)
     return lambda values, n, c, lane: values[n, c]
 
 
@@ -708,8 +240,8 @@ def along(values: Floats, n: int, lane: Lane) -> Number:
 
 @overload(along, jit_options=_OPTIONS)
 def _along(values, n, lane):
-    if _all(lane):
-        return lambda values, n, lane: _load_along(values, n)
+    if takes_all(lane):
+        return lambda values, n, lane: load_along(values, n)
     return lambda values, n, lane: values[n]
 
 
@@ -723,8 +255,8 @@ def put_at(values: Floats, n: int, c: int, lane: Lane, value: Number) -> None:
 
 @overload(put_at, jit_options=_OPTIONS)
 def _put_at(values, n, c, lane, value):
-    if _all(lane):
-        return lambda values, n, c, lane, value: _store_at(values, n, c, value)
+    if takes_all(lane):
+        return lambda values, n, c, lane, value: store_at(values, n, c, value)
 
     def one(values, n, c, lane, value):
         values[n, c] = value
@@ -741,8 +273,8 @@ def row_columns(rows: Floats, n: int, lane: Lane) -> tuple[Number, ...]:
 
 @overload(row_columns, jit_options=_OPTIONS)
 def _row_columns(rows, n, lane):
-    if _all(lane):
-        return lambda rows, n, lane: _load_row_columns(rows, n)
+    if takes_all(lane):
+        return lambda rows, n, lane: load_row_columns(rows, n)
 
     def one(rows, n, lane):
         return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5]
@@ -758,8 +290,8 @@ def add_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
 
 @overload(add_row_columns, jit_options=_OPTIONS)
 def _add_row_columns(rows, n, lane, columns):
-    if _all(lane):
-        return lambda rows, n, lane, columns: _add_to_rows(rows, n, columns)
+    if takes_all(lane):
+        return lambda rows, n, lane, columns: add_to_rows(rows, n, columns)
 
     def add(rows, n, lane, columns):
         for c in range(3):
@@ -776,8 +308,8 @@ def put_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
 
 @overload(put_row_columns, jit_options=_OPTIONS)
 def _put_row_columns(rows, n, lane, columns):
-    if _all(lane):
-        return lambda rows, n, lane, columns: _put_into_rows(rows, n, columns)
+    if takes_all(lane):
+        return lambda rows, n, lane, columns: put_into_rows(rows, n, columns)
 
     def put_one(rows, n, lane, columns):
         for c in range(3):
@@ -795,8 +327,8 @@ def clear_rows(rows: Floats, n: int, lane: Lane) -> None:
 
 @overload(clear_rows, jit_options=_OPTIONS)
 def _clear_rows(rows, n, lane):
-    if _all(lane):
-        return lambda rows, n, lane: _zero_rows(rows, n)
+    if takes_all(lane):
+        return lambda rows, n, lane: zero_rows(rows, n)
 
     def clear(rows, n, lane):
         for c in range(8):
@@ -812,8 +344,8 @@ def narrow(value: Number, lane: Lane) -> Number:
 
 @overload(narrow, jit_options=_OPTIONS)
 def _narrow(value, lane):
-    if lane == _sixteen_type:
-        return lambda value, lane: _fewer_bits(value)
+    if lane == SIXTEEN_TYPE:
+        return lambda value, lane: fewer_bits(value)
     return lambda value, lane: value
 
 
@@ -824,8 +356,8 @@ def widen(value: Number, lane: Lane) -> Number:
 
 @overload(widen, jit_options=_OPTIONS)
 def _widen(value, lane):
-    if lane == _sixteen_type:
-        return lambda value, lane: _more_bits(value)
+    if lane == SIXTEEN_TYPE:
+        return lambda value, lane: more_bits(value)
     return lambda value, lane: value
 
 
@@ -836,8 +368,8 @@ def zero(lane: Lane) -> Number:
 
 @overload(zero, jit_options=_OPTIONS)
 def _zero(lane):
-    if _all(lane):
-        return lambda lane: _no_lanes(lane)
+    if takes_all(lane):
+        return lambda lane: no_lanes(lane)
     return lambda lane: 0.0
 
 
@@ -851,8 +383,8 @@ def total(value: Number) -> float:
 
 @overload(total, jit_options=_OPTIONS)
 def _total(value):
-    if isinstance(value, _LanesType):
-        return lambda value: _sum_of_lanes(value)
+    if isinstance(value, LanesType):
+        return lambda value: sum_of_lanes(value)
     return lambda value: value
 
 
@@ -867,9 +399,9 @@ def multiply_add(a: Number, b: Number, c: Number) -> Number:
 
 @overload(multiply_add, jit_options=_OPTIONS)
 def _multiply_add(a, b, c):
-    if isinstance(a, _LanesType):
-        return lambda a, b, c: _fused(a, b, c)
-    return lambda a, b, c: _fused(np.float64(a), np.float64(b), np.float64(c))
+    if isinstance(a, LanesType):
+        return lambda a, b, c: fused(a, b, c)
+    return lambda a, b, c: fused(np.float64(a), np.float64(b), np.float64(c))
 
 
 def align_stack() -> None:
@@ -883,7 +415,7 @@ def align_stack() -> None:
 
 @overload(align_stack, inline="always")
 def _aligned_stack():
-    return lambda: _align_stack()
+    return lambda: align_stack_of_function()
 
 
 def flush_subnormals() -> int:
@@ -898,8 +430,8 @@ def flush_subnormals() -> int:
 @overload(flush_subnormals, jit_options=_OPTIONS)
 def _flush_subnormals():
     def flush():
-        before: int = _rounding()
-        _set_rounding(before | _FLUSH)
+        before: int = mxcsr()
+        set_mxcsr(before | FLUSH)
         return before
 
     return flush
@@ -911,7 +443,7 @@ def set_rounding(setting: int) -> None:
 
 @overload(set_rounding, jit_options=_OPTIONS)
 def _restore_rounding(setting):
-    return lambda setting: _set_rounding(setting)
+    return lambda setting: set_mxcsr(setting)
 
 
 def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
@@ -920,24 +452,7 @@ def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
     The hardware looks ahead along a few streams only; a quad's tables are more. The block after
     the last one does no harm.
     """
-
-    @intrinsic
-    def ask(typing_context: Any, table: Any, b: Any) -> Any:
-        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            index = [args[1], _ZERO, _ZERO]
-            first = _vector_address(context, builder, table, args[0], index, _I8)
-            function = cgutils.get_or_insert_function(
-                builder.module,
-                ir.FunctionType(ir.VoidType(), [first.type, _I32, _I32, _I32]),
-                "llvm.prefetch.p0",
-            )
-            read, keep_near, data = _I32(0), _I32(3), _I32(1)
-            for line in range(lines):
-                where = builder.gep(first, [ir.Constant(_I64, line * _CACHE_LINE)])
-                builder.call(function, [where, read, keep_near, data])
-            return context.get_dummy_value()
-
-        return types.void(table, types.intp), generate
+    ask = prefetch_lines(lines)
 
     def prefetch(table: Floats, b: int) -> None:
         pass

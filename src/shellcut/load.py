@@ -14,7 +14,8 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, store, sub
-from .lanes import WIDTH, Lane, add_row_columns, at, clear_rows, put_row_columns, total, zero
+from .lane_instructions import WIDTH, Lane
+from .lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from .mesh import Mesh
 from .state import State, columns
 from .support import NodeChoice, choose_nodes

@@ -43,7 +43,8 @@ from typing import NamedTuple, TypeAlias
 
 from ._jit import Floats, Number, Numbers, SmallIds, Vector, always_inline
 from ._vec3 import add, add_scaled, scale, sub
-from .lanes import Lane, at, corner_node, first_node, gather, multiply_add, narrow, pick, put
+from .lane_instructions import Lane
+from .lanes import at, corner_node, first_node, gather, multiply_add, narrow, pick, put
 
 N_STRAIN = 16
 """Strains of a quad, and resultants."""

@@ -11,7 +11,7 @@ keeps.
 from __future__ import annotations
 
 from ._jit import Floats, Number, Vector, always_inline
-from .lanes import Lane
+from .lane_instructions import Lane
 
 ELASTIC = 0
 """St.Venant-Kirchhoff: parameters are the six moduli of the upper triangle of C; no history."""

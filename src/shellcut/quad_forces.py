@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Numbers, SmallIds, always_inline, kernel
+from .lane_instructions import Lane
 from .lanes import (
-    Lane,
     align_stack,
     flush_subnormals,
     make_prefetch,

@@ -8,7 +8,8 @@ import numpy as np
 
 from ._jit import Floats, Ints, Numbers, bound_once
 from .centre_stress import CentreStress, FaceStresses
-from .lanes import SIXTEEN, Lane, aligned_zeros, block_dtype, block_width
+from .lane_instructions import SIXTEEN, Lane
+from .lanes import aligned_zeros, block_dtype, block_width
 from .material import ShellMaterial
 from .mesh import Mesh
 from .mitc4 import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli

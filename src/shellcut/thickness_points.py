@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ._jit import Floats, Ints, Number, Vector, always_inline
-from .lanes import Lane, pick, zero
+from .lane_instructions import Lane
+from .lanes import pick, zero
 from .material import ShellMaterial
 from .mitc4 import G, Sixteen
 from .point_law import point_stress

@@ -18,7 +18,7 @@ import numba
 from benchmarks.discs import build_mesh, pressurised_disc
 from benchmarks.machine import Machine
 from shellcut._jit import _OPTIONS
-from shellcut.lanes import WIDTH
+from shellcut.lane_instructions import WIDTH
 from shellcut.quad_forces import add_flat_quads
 
 _KINDS = {

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from shellcut._jit import kernel
+from shellcut.lane_instructions import SIXTEEN
 from shellcut.lanes import (
-    SIXTEEN,
     add_row_columns,
     align_stack,
     aligned_zeros,
