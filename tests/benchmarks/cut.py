@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.discs import SINGLE
 from benchmarks.memory import resident
 from shellcut import Recorder, Simulation, opening_test, warmup
 from shellcut.models import Case
@@ -104,6 +105,7 @@ class Cut:
     """What one opening test took."""
 
     mesh: str
+    """Followed by SINGLE where quads are in single precision."""
     n_quad: int
     angle: float
     """Reached [degrees]."""
@@ -203,9 +205,15 @@ def _run(case: Case, until: float, profile: Profile | None) -> _Run:
     return _Run(wall - closing, closing, cpu, hook.memory - before)
 
 
+def _case(mesh: str) -> Case:
+    """Return the opening test on a mesh, in single precision if its name ends in SINGLE."""
+    precision = "single" if mesh.endswith(SINGLE) else "double"
+    return opening_test(mesh.removesuffix(SINGLE), precision=precision)  # type: ignore[arg-type]
+
+
 def profile_parts(mesh: str, angle: float) -> tuple[dict[str, float], list[str]]:
     """Return own times by part [ns a quad and step] of a run to an angle, closing left out."""
-    case = opening_test(mesh)  # type: ignore[arg-type]
+    case = _case(mesh)
     sim, profile = case.simulation, Profile()
     not_found = []
     for part, names in METHODS.items():
@@ -234,7 +242,7 @@ def measure(mesh: str, angle: float = ANGLE, profiled: float = PROFILED) -> Cut:
     """Time one opening test to an angle, then profile a part of it."""
     compile_all()
     began = time.perf_counter()
-    case = opening_test(mesh)  # type: ignore[arg-type]
+    case = _case(mesh)
     set_up = time.perf_counter() - began
     sim = case.simulation
     run = _run(case, time_of_angle(case, angle), None)
