@@ -7,6 +7,7 @@ fraction of a second on later ones. Timings that shall not contain compilation c
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 from .criterion import Fracture
 from .imprinting import PathCurve, imprint
@@ -14,20 +15,24 @@ from .meshing import rectangle
 from .models.guillotine import guillotine
 
 
-def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
+def warmup(
+    criteria: Sequence[str] = ("force", "stress"), precisions: Sequence[str] = ("double",)
+) -> None:
     """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
 
     Parameters
     ----------
     criteria : sequence of str
         Which criteria of :class:`Fracture` to compile for.
+    precisions : sequence of str
+        Which precisions of :class:`Simulation`.
 
     Examples
     --------
     >>> import shellcut
     >>> shellcut.warmup()  # doctest: +SKIP
     """
-    for criterion in criteria:
+    for criterion, precision in product(criteria, precisions):
         case = guillotine(
             1.0,
             length=6.0,
@@ -35,6 +40,7 @@ def warmup(criteria: Sequence[str] = ("force", "stress")) -> None:
             notch=1.0,
             travel=1.5,
             fracture=Fracture(criterion=criterion),
+            precision=precision,
         )
         case.simulation.run(case.duration)
     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))

@@ -231,16 +231,16 @@ def profile_parts(mesh: str, angle: float) -> tuple[dict[str, float], list[str]]
     return {part: ns * s for part, s in profile.own_seconds(seconds).items()}, not_found
 
 
-def compile_all() -> None:
+def compile_all(mesh: str = "quick") -> None:
     """Compile what a run with a Recorder needs, pictures' import included."""
     warmup()
-    case = opening_test("quick")
+    case = _case("quick" + SINGLE if mesh.endswith(SINGLE) else "quick")
     _run(case, time_of_angle(case, 1.0), None)
 
 
 def measure(mesh: str, angle: float = ANGLE, profiled: float = PROFILED) -> Cut:
     """Time one opening test to an angle, then profile a part of it."""
-    compile_all()
+    compile_all(mesh)
     began = time.perf_counter()
     case = _case(mesh)
     set_up = time.perf_counter() - began

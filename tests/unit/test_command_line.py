@@ -1,6 +1,7 @@
 """The command: exit codes, what it says and leaves, what it refuses."""
 
 import hashlib
+import importlib
 import re
 import subprocess
 import sys
@@ -22,6 +23,17 @@ def test_warmup_says_where_the_cache_is(capsys):
     said = capsys.readouterr().out
     assert said.startswith("compiling the kernels")
     assert "done in" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "wanted"), [([], ("double",)), (["--single"], ("double", "single"))]
+)
+def test_warmup_compiles_for_the_precisions_asked_for(monkeypatch, options, wanted):
+    module = importlib.import_module("shellcut.command_line.warmup")
+    asked = []
+    monkeypatch.setattr(module, "warmup", lambda precisions: asked.append(precisions))
+    assert main(["warmup", *options]) == 0
+    assert asked == [wanted]
 
 
 @pytest.mark.parametrize("wrong", [[], ["wramup"]])

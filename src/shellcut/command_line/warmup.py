@@ -17,14 +17,19 @@ def add_to(commands: Any) -> None:
         help="compile all kernels into the cache",
         description="Compile all kernels into the cache, so that the first run starts at once.",
     )
+    parser.add_argument(
+        "--single",
+        action="store_true",
+        help='also the kernels of precision = "single"',
+    )
     parser.set_defaults(run=run)
 
 
-def run(_: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Compile, say how long it took and where the cache is."""
     print("compiling the kernels (half a minute, on the first run only) ...", flush=True)
     start = time.perf_counter()
-    warmup()
+    warmup(precisions=("double", "single") if arguments.single else ("double",))
     cache = os.environ.get("NUMBA_CACHE_DIR", "__pycache__ of the package")
     print(f"done in {time.perf_counter() - start:.1f} s; the cache is in {cache}")
     return 0
