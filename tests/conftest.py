@@ -29,6 +29,8 @@ def _digest(folder):
     return digest.hexdigest()[:16]
 
 
+os.environ["SHELLCUT_CHECK_TYPES"] = "1"
+
 if "NUMBA_CACHE_DIR" not in os.environ:
     assert "numba" not in sys.modules, "numba was imported before its cache could be named"
     cache = Path(tempfile.gettempdir()) / f"shellcut-numba-{getpass.getuser()}"

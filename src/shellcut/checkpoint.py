@@ -27,7 +27,7 @@ import numpy as np
 from .simulation import Simulation
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 1  # to be raised whenever the names or the meaning of what is saved change
+_FORMAT = 2  # to be raised whenever the names or the meaning of what is saved change
 
 # What names and describes an input without being part of it.
 _LABELS = frozenset({"name", "parameters"})

@@ -23,7 +23,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, Vector, always_inline, bound_once, kernel
 from ._vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
-from .lane_instructions import WIDTH, Lane
+from .lane_instructions import WIDTH
 from .lanes import align_stack, along, at, put_at, row_columns, total, zero
 from .state import State
 from .threads import NODE_CHUNK, Workers, in_order
@@ -115,12 +115,12 @@ class CentralDifference:
 
 
 @always_inline
-def _node_vector(values: Floats, n: int, lane: Lane) -> Vector:
+def _node_vector(values: Floats, n: int, lane: int | None) -> Vector:
     return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
 
 
 @always_inline
-def _put_node_vector(values: Floats, n: int, lane: Lane, v: Vector) -> None:
+def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
     put_at(values, n, 0, lane, v[0])
     put_at(values, n, 1, lane, v[1])
     put_at(values, n, 2, lane, v[2])
@@ -129,7 +129,7 @@ def _put_node_vector(values: Floats, n: int, lane: Lane, v: Vector) -> None:
 @always_inline
 def _kick_nodes(
     n: int,
-    lane: Lane,
+    lane: int | None,
     dt: float,
     alpha: float,
     mirror: bool,
@@ -299,7 +299,7 @@ def _kick(
 @always_inline
 def _drift_nodes(
     n: int,
-    lane: Lane,
+    lane: int | None,
     dt: float,
     velocity: Floats,
     spin: Floats,

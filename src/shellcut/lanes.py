@@ -27,7 +27,7 @@ always, and :func:`narrow` makes singles of it:
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
 :func:`multiply_add`                   a b + c, one instruction where there is one
 :func:`make_prefetch`                  a function that asks for a block needed soon
-:func:`align_stack`                    the first line of a kernel that handles lanes
+:func:`align_stack`                    the first line of a kernel with more lanes than registers
 :func:`flush_subnormals`               what numbers too small do in a kernel, and
 :func:`set_rounding`                   what they did before
 =====================================  ===================================================
@@ -233,7 +233,7 @@ def _at(values, n, c, lane):
     return lambda values, n, c, lane: values[n, c]
 
 
-def along(values: Floats, n: int, lane: Lane) -> Number:
+def along(values: Floats, n: int, lane: int | None) -> Number:
     """Return values : (m,) at node ``n``, or at the eight nodes from ``n``."""
     return values[n : n + WIDTH].copy() if lane is None else values[n]
 
@@ -245,7 +245,7 @@ def _along(values, n, lane):
     return lambda values, n, lane: values[n]
 
 
-def put_at(values: Floats, n: int, c: int, lane: Lane, value: Number) -> None:
+def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
     """Write column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
     if lane is None:
         values[n : n + WIDTH, c] = value
@@ -264,7 +264,7 @@ def _put_at(values, n, c, lane, value):
     return one
 
 
-def row_columns(rows: Floats, n: int, lane: Lane) -> tuple[Number, ...]:
+def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
     """Return the first six columns of rows : (m, 8) at node ``n``, or the eight from ``n``."""
     if lane is None:
         return tuple(rows[n : n + WIDTH, c].copy() for c in range(6))
@@ -282,7 +282,7 @@ def _row_columns(rows, n, lane):
     return one
 
 
-def add_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
+def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
     """Add to the first three columns of rows : (m, 8) at node ``n``, or at the eight from ``n``."""
     for c, column in enumerate(columns):
         rows[n : n + (WIDTH if lane is None else 1), c] += column
@@ -300,7 +300,7 @@ def _add_row_columns(rows, n, lane, columns):
     return add
 
 
-def put_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> None:
+def put_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
     """Set rows : (m, 8) at node ``n``, or the eight from ``n``: three columns, the others zero."""
     clear_rows(rows, n, lane)
     add_row_columns(rows, n, lane, columns)
@@ -320,7 +320,7 @@ def _put_row_columns(rows, n, lane, columns):
     return put_one
 
 
-def clear_rows(rows: Floats, n: int, lane: Lane) -> None:
+def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
     """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
     rows[n : n + (WIDTH if lane is None else 1)] = 0.0
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ._jit import Bools, Floats, Ints, Number, Vec3, always_inline, bound_once, inline, kernel
 from ._vec3 import add, combine, cross, dot, load, scale, store, sub
-from .lane_instructions import WIDTH, Lane
+from .lane_instructions import WIDTH
 from .lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from .mesh import Mesh
 from .state import State, columns
@@ -360,7 +360,7 @@ def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
 @always_inline
 def _dead_at(
     n: int,
-    lane: Lane,
+    lane: int | None,
     begins: bool,
     dead: Floats,
     factor: float,

@@ -162,7 +162,7 @@ def _vector_at(values: Floats, n: int, lane: Lane) -> Vector:
 
 @always_inline
 def _dot(a: Vector, b: Vector) -> Number:
-    """Return a · b, its rounding fixed: a film at rest is to have no strain, not one of 1e-16."""
+    """Return a · b, its rounding fixed: what a strain subtracts at rest is to be the same bits."""
     return multiply_add(a[2], b[2], multiply_add(a[1], b[1], a[0] * b[0]))
 
 

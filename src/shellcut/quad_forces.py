@@ -214,8 +214,9 @@ def write_products(
 ) -> None:
     """Write the first n products on the reference surface of the blocks from ``first`` on.
 
-    By the functions that make strains of them, in the same precision, so that a film at rest has
-    none, not even of round-off.  X, T : (n_node, 3).  table : (n_block - first, n or more, width).
+    By the functions that make strains of them, in the same precision, so that what is subtracted
+    at rest is the same to the last bit.  X, T : (n_node, 3).  table : (n_block - first, n or more,
+    width).
     """
     for b in range(table.shape[0]):
         xm, tm = quad_modes(X, T, corner, first + b, lane)

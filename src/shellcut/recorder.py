@@ -207,6 +207,8 @@ class Recorder:
         if self._closed:
             return
         self._closed = True
+        if not self._sim.between_steps:
+            self._settle_quietly()
         with ExitStack() as at_last:  # all of it, whatever goes wrong with any
             at_last.callback(self._end_progress)
             at_last.callback(self._history.close)
@@ -216,6 +218,13 @@ class Recorder:
                 self._save_checkpoint()
             self._show_end()
         self._sum_up()
+
+    def _settle_quietly(self) -> None:
+        """Wait for a frame on its way: what broke the step is what the caller shall be told."""
+        try:
+            self._frames.settle()
+        except ValueError as problem:
+            _log.warning("the last frame before the end could not be made: %s", problem)
 
     # ------------------------------------------------------------------ restart
 

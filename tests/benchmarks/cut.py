@@ -148,7 +148,7 @@ class _TimedRecorder:
             self.due = profile.timed("history and result file", self.due)
             self._call = profile.timed("history and result file", self._call)
         self._close = recorder.close
-        self.closing_seconds = 0.0
+        self.closing_seconds = self.measuring_seconds = 0.0
         self.memory = 0.0
         """Resident when the run ended, before closing [bytes]."""
 
@@ -156,10 +156,12 @@ class _TimedRecorder:
         self._call(sim)
 
     def close(self) -> None:
-        self.memory = resident()
         began = time.perf_counter()
+        self.memory = resident()
+        measured = time.perf_counter()
         self._close()
-        self.closing_seconds += time.perf_counter() - began
+        self.measuring_seconds += measured - began
+        self.closing_seconds += time.perf_counter() - measured
 
 
 def time_of_angle(case: Case, angle: float) -> float:
@@ -202,7 +204,7 @@ def _run(case: Case, until: float, profile: Profile | None) -> _Run:
         sim.run(until, [hook])
         wall, cpu = time.perf_counter() - began, time.process_time() - cpu
     closing = hook.closing_seconds
-    return _Run(wall - closing, closing, cpu, hook.memory - before)
+    return _Run(wall - closing - hook.measuring_seconds, closing, cpu, hook.memory - before)
 
 
 def _case(mesh: str) -> Case:

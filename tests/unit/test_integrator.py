@@ -174,7 +174,7 @@ def test_constant_acceleration_needs_the_reaction_m_a():
     time = 0.0
     booked = []
     for n in range(50):
-        state.node.force[1] = [0.4, 0.3, 0.0]  # the drift cleared it
+        state.node.force[1] = [0.4, 0.3, 0.0]
         supports.prescribe(state, time + 0.5 * dt)
         result = scheme.kick(state, dt if n else 0.0, dt)
         work = booked[-1][0] + result.support_work if n else result.support_work

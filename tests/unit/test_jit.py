@@ -4,8 +4,10 @@ import ast
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import shellcut
+from shellcut import _jit
 from shellcut._jit import bound, bound_once, kernel
 
 SOURCES = Path(shellcut.__file__).parent
@@ -51,4 +53,15 @@ def test_bound_once_is_the_kernel_for_the_types_of_its_first_call():
     for n in (4, 7):
         numbers = np.arange(float(n))
         assert call(numbers, 2.0) == _scaled_sum(numbers, 2.0)
+    for other in (np.arange(4), np.arange(8.0)[::2]):
+        with pytest.raises(TypeError, match="a bound kernel was given other types"):
+            call(other, 2.0)
     assert bound_once(sum)([1, 2]) == 3
+
+
+def test_bound_once_binds_once(monkeypatch):
+    count = []
+    monkeypatch.setattr(_jit, "bound", lambda function, *_: count.append(0) or function)
+    call = bound_once(_scaled_sum)
+    assert [call(np.arange(3.0), 2.0) for _ in range(3)] == [6.0] * 3
+    assert len(count) == 1

@@ -1,4 +1,4 @@
-"""Lanes against eight floats: arithmetic, loads and stores, gather and scatter."""
+"""Lanes against floats, doubles and singles: arithmetic, loads and stores, gather and scatter."""
 
 import os
 import platform

@@ -1,6 +1,7 @@
 """Lanes against plain floats, threads against one, other processors, no compiler."""
 
 import os
+import platform
 import subprocess
 import sys
 
@@ -8,6 +9,8 @@ import numpy as np
 import pytest
 
 from naive import cases
+from shellcut._jit import kernel
+from shellcut.lane_instructions import mxcsr
 from shellcut.load import Pressure
 from shellcut.material import Elastic, Layer, ShellMaterial
 from shellcut.meshing import disc, rectangle
@@ -178,6 +181,27 @@ def test_results_do_not_depend_on_the_number_of_threads(precision):
         other_rows, other_books = run_sheet(threads, precision)
         assert all((a == b).all() for a, b in zip(rows, other_rows, strict=True))
         assert books == other_books
+
+
+@kernel
+def _setting():
+    return mxcsr()
+
+
+@pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
+)
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("material", ["film", "film by points"])
+def test_a_step_leaves_the_processor_as_it_was(precision, material):
+    before = _setting() & 0x8040
+    sim = Simulation(
+        disc(2.0, n_side=4, n_layer=1), MATERIALS[material], precision=precision, threads=2
+    )
+    sim.step()
+    there = sim.shell._workers._pool.submit(_setting).result()
+    # The flags of exceptions that have been stay; what is flushed or not is as before.
+    assert [_setting() & 0x8040, there & 0x8040] == [before, before]
 
 
 def test_precision_is_checked():

@@ -129,6 +129,24 @@ def test_a_run_gone_on_with_has_not_ended(tmp_path):
         recorder.close()
 
 
+def test_a_frame_that_cannot_be_made_does_not_hide_why_the_run_died(tmp_path, caplog):
+    sim = cutting()
+
+    class Spoiled(Recorder):
+        def __call__(self, sim):
+            if sim.state.step == 30:
+                sim.state.node.velocity_half[0] = np.nan
+            super().__call__(sim)
+
+    recorder = Spoiled(
+        sim, tmp_path, until=2e-5, name="cut", n_frame=1000, n_snapshot=0, progress=False
+    )
+    with pytest.raises(UnstableStep, match="blew up"):
+        sim.run(2e-5, [recorder])
+    assert "could not be made: velocity must be finite" in caplog.text
+    assert (tmp_path / "summary.json").exists()
+
+
 def test_the_summary_of_a_blow_up_is_json(tmp_path):
     blown = Case("cut", cutting(stepping=Stepping(fixed=3e-7)), 8e-5)
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
