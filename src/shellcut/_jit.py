@@ -49,7 +49,7 @@ Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""
 
-_CHECKED_FIRST = 50
+_CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
@@ -99,7 +99,7 @@ def _checked(call: Callable[..., R]) -> Callable[..., R]:
 
     def checked(*arguments: object) -> R:
         nonlocal first, count
-        if count < _CHECKED_FIRST or count % _CHECKED_FIRST == 0:
+        if count < _CHECKED_FIRST or count % _CHECKED_EVERY == 0:
             found = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
             first = first or found
             if found != first:

@@ -9,11 +9,12 @@ they are the bare run. Times are of their own: what a part calls belongs to the 
 from __future__ import annotations
 
 import math
+import statistics
 import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -122,7 +123,7 @@ class Cut:
     memory_growth: float
     """Of the resident set over the run, before closing [bytes]."""
     parts: dict[str, float]
-    """Profile [ns a quad and step]; together the run with its closing."""
+    """Profile [ns a quad and step]; together the run with its closing, but for medians of each."""
     profile_scale: float
     """By which the profiled run's parts were multiplied."""
     not_found: list[str]
@@ -240,9 +241,19 @@ def compile_all(mesh: str = "quick") -> None:
     _run(case, time_of_angle(case, 1.0), None)
 
 
-def measure(mesh: str, angle: float = ANGLE, profiled: float = PROFILED) -> Cut:
-    """Time one opening test to an angle, then profile a part of it."""
+def measure(mesh: str, angle: float = ANGLE, profiled: float = PROFILED, *, times: int = 1) -> Cut:
+    """Time an opening test to an angle and profile a part of it, so many times in all.
+
+    Returns the run of median length, with the medians of all parts.
+    """
     compile_all(mesh)
+    cuts = [_measured(mesh, angle, profiled) for _ in range(times)]
+    middle = sorted(cuts, key=lambda cut: cut.wall_seconds)[times // 2]
+    parts = {part: statistics.median(c.parts[part] for c in cuts) for part in middle.parts}
+    return replace(middle, parts=parts)
+
+
+def _measured(mesh: str, angle: float, profiled: float) -> Cut:
     began = time.perf_counter()
     case = _case(mesh)
     set_up = time.perf_counter() - began

@@ -185,7 +185,7 @@ def cuts(r: Results) -> list[str]:
     meshes = " | ".join(c.mesh for c in r.cuts)
     lines += [
         "By part, nanoseconds a quad and step; from an instrumented run of a third of the angle,"
-        " the timers' cost subtracted, scaled to the bare run (by "
+        " the timers' cost subtracted, medians of three for M1, scaled to the bare run (by "
         + ", ".join(f"{c.profile_scale:.3f}" for c in r.cuts)
         + f"). All but {', '.join(OF_THE_FILM[:-1])} and {OF_THE_FILM[-1]} counts as *all but the"
         " shells*.",

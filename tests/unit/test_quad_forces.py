@@ -263,11 +263,14 @@ def forces_here():
 @pytest.mark.parametrize(
     "environment",
     [
-        {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
-        {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
-        {"NUMBA_DISABLE_JIT": "1"},
+        pytest.param({"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}, id="AVX2"),
+        pytest.param(
+            {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+            id="SSE2",
+            marks=pytest.mark.slow,  # compiles everything again, as the one before
+        ),
+        pytest.param({"NUMBA_DISABLE_JIT": "1"}, id="no compiler"),
     ],
-    ids=["AVX2", "SSE2", "no compiler"],
 )
 def test_the_same_forces_on_other_processors_and_without_the_compiler(tmp_path, environment):
     there, here = forces_in_another_process(tmp_path, **environment), forces_here()
