@@ -49,6 +49,8 @@ Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""
 
+# Calls of a bound kernel whose arguments' types are looked at, where they are: the first and every
+# so many later ones, because finding the types takes longer than most of the kernels.
 _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
