@@ -1,15 +1,22 @@
-"""The reference part of ``command-line.md``, made from the parser itself.
+"""The exit codes and the reference of ``command-line.md``, made from the code itself.
 
-``python docs/command_line_page.py`` writes it into the page; a test compares the two.
+``python docs/command_line_page.py`` writes them into the page; a test compares the two.
 """
 
 import argparse
 from pathlib import Path
 
+from shellcut.command_line.exit_code import MEANINGS
 from shellcut.command_line.main import parser_of_all
 
 PAGE = Path(__file__).parent / "command-line.md"
 BEGIN = "## All commands\n\n"
+CODES = "| exit code | means |\n|---|---|\n"
+
+
+def codes():
+    """Return the rows of the table of exit codes."""
+    return "".join(f"| {code} | {meaning} |\n" for code, meaning in MEANINGS.items())
 
 
 def reference():
@@ -47,4 +54,6 @@ def _meaning(action):
 
 if __name__ == "__main__":
     before = PAGE.read_text(encoding="utf-8").partition(BEGIN)[0]
-    PAGE.write_text(before + BEGIN + reference(), encoding="utf-8")
+    top, _, rest = before.partition(CODES)
+    middle = rest[rest.index("\n\n") + 1 :]
+    PAGE.write_text(top + CODES + codes() + middle + BEGIN + reference(), encoding="utf-8")

@@ -33,6 +33,7 @@ html_show_sourcelink = False
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["keys.js"]
 html_theme_options = {"top_of_page_buttons": []}
 
 myst_heading_anchors = 3
@@ -54,6 +55,7 @@ PAGES = {
         "howto/read-results",
         "howto/pictures",
         "howto/compare",
+        "howto/trust",
     ],
     "Theory": [
         "theory/opening",
@@ -67,7 +69,14 @@ PAGES = {
         "theory/imprint",
     ],
     "What to trust": ["limits", "verification", "performance"],
-    "Reference": ["command-line", "api", "glossary", "architecture", "howto/add-a-case"],
+    "Reference": [
+        "model-keys",
+        "command-line",
+        "api",
+        "glossary",
+        "architecture",
+        "howto/add-a-case",
+    ],
 }
 """The side bar. A page that is missing here is a warning of Sphinx, hence an error."""
 

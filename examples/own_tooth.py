@@ -18,8 +18,8 @@ from shellcut.view import draw_torque
 
 SETTINGS = {
     "membrane.mesh": "quick",
-    "motion.angle_deg": 40.0,
-    "motion.duration": "2.5 ms",
+    "motion.angle_deg": 50.0,
+    "motion.duration": "3.1 ms",
 }
 
 
@@ -32,21 +32,21 @@ def main() -> None:
     six = cut(options.out / "six", {"tool.teeth": 6, "tool.edge_inclination_deg": 40.0})
     draw_torque(
         options.out / "torque.png",
-        six["angle"],
-        six["torque"],
-        second=(four["angle"], four["torque"]),
+        six.history["angle"],
+        six.history["torque"],
+        second=(four.history["angle"], four.history["torque"]),
         second_label="four teeth at 60°",
         title="total torque of six teeth at 40°, and of four",
     )
-    for name, history in (("four", four), ("six", six)):
-        late = history["torque"][history["angle"] > 20.0]
-        print(f"{name} teeth: {late.mean():.0f} N*mm in the mean from 20° on")
+    for name, results in (("four", four), ("six", six)):
+        window = results.steady_window.text("deg")
+        print(f"{name} teeth: {results.summary['torque_plateau_Nmm']:.0f} N*mm over {window}")
 
 
-def cut(folder: Path, tool: dict[str, object]) -> dict:
+def cut(folder: Path, tool: dict[str, object]) -> shellcut.results.Results:
     case = shellcut.read_model("opening", SETTINGS | tool).build()
     case.run(folder, n_snapshot=0, progress=False)
-    return shellcut.read(folder).history
+    return shellcut.read(folder)
 
 
 if __name__ == "__main__":

@@ -11,9 +11,9 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 from importlib.metadata import version
 
 from .checkpoint import load_checkpoint, save_checkpoint
+from .checks import check_model
 from .cohesive_law import CohesiveLaw
 from .comparison import Comparison, compare
-from .contact import Contact
 from .criterion import Fracture
 from .film_file import read_film
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
@@ -25,6 +25,7 @@ from .model_file import ModelFileError, read_model
 from .models import guillotine, opening_test
 from .motion import ScrewMotion, StraightMotion
 from .outline_mesh import mesh_from_outline
+from .penalty import Contact
 from .preview import preview
 from .quality import mesh_quality
 from .recorder import Recorder
@@ -69,6 +70,7 @@ __all__ = [
     "TableMotion",
     "Tool",
     "blade_path",
+    "check_model",
     "compare",
     "guillotine",
     "imprint",

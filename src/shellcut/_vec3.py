@@ -78,15 +78,17 @@ def norm(a: Vec3) -> float:
 
 @always_inline
 def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
-    """Rotate the unit director ``t`` by the Cayley map of ``spin`` = Δt ω, where ω · t = 0.
+    """Rotate the unit director ``t`` by the Cayley map of ``spin`` = Δt ω.
 
-    With a = ½ Δt ω normal to t, the Cayley rotation (1 + ã)(1 - ã)⁻¹ t reduces to
-    ((1 - a·a) t + 2 a × t) / (1 + a·a): rational, exactly of unit length, and ω stays normal to
-    the new director because the rotation turns about ω itself.
+    With a = ½ Δt ω the Cayley rotation (1 + ã)(1 - ã)⁻¹ t is
+    ((1 - a·a) t + 2 a × t + 2 (a·t) a) / (1 + a·a): rational, exactly of unit length. It turns
+    about ω itself, so a spin normal to the director stays normal to it. Only where a support
+    makes the director turn about an axis it is not normal to does a·t differ from zero.
     """
     a = scale(0.5, spin)
-    aa = dot(a, a)
-    return scale(1.0 / (1.0 + aa), combine(1.0 - aa, t, 2.0, cross(a, t)))
+    aa, twice = dot(a, a), 2.0 * dot(a, t)
+    turned = add(combine(1.0 - aa, t, 2.0, cross(a, t)), scale(twice, a))
+    return scale(1.0 / (1.0 + aa), turned)
 
 
 @always_inline

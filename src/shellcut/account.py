@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .checks import Sweep, edge_line
+from .progress import percent
 from .simulation import Simulation
 
 if TYPE_CHECKING:
@@ -17,7 +19,9 @@ if TYPE_CHECKING:
 _STEP_COST, _QUAD_COST = 50e-6, 48e-9
 
 
-def start_lines(sim: Simulation, resistance: Resistance, until: float) -> Iterator[str]:
+def start_lines(
+    sim: Simulation, resistance: Resistance, until: float, sweep: Sweep | None = None
+) -> Iterator[str]:
     """Yield what a run starts from: film, tool, step, and how long it may take.
 
     Parameters
@@ -28,6 +32,8 @@ def start_lines(sim: Simulation, resistance: Resistance, until: float) -> Iterat
         Of its motion.
     until : float
         End of the run [s].
+    sweep : Sweep, optional
+        The way of the cutting edges, for what becomes of them.
     """
     mesh, tool = sim.mesh, sim.tool
     edges = mesh.edge_lengths()
@@ -43,7 +49,10 @@ def start_lines(sim: Simulation, resistance: Resistance, until: float) -> Iterat
             f"{tool.n_triangle:,} triangles, {n} cutting {'edge' if n == 1 else 'edges'}, "
             f"{length:.4g} mm"
         )
+    if sweep is not None:
+        yield edge_line(sweep)
     r = resistance
+    yield f"shown  {r.meaning}, over the {r.coordinate_name}"
     n_step = until / sim.dt
     cost = n_step * (_STEP_COST + _QUAD_COST * mesh.n_quad)
     yield (
@@ -75,10 +84,10 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "damping": book.damping,
         "ext": book.put_in,
     }
-    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation)[0]
+    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation, s.time)[0]
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
-        f"{100.0 * share:.0f} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
+        f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
         f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
         f"E: {parts} N*mm | balance {100.0 * book.relative(book.imbalance):+.2f} % | "
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "

@@ -4,6 +4,13 @@ It differs from [Frangi2010], where stress alone splits a node. Under a blade th
 the cables and the tip may stay below the strength while the blade runs on; a stress criterion alone
 then opens cracks on the rows on either side of it. The rule knows the blade's geometry and the
 nodes' positions only: no list of nodes of an expected path exists.
+
+Two kinds of node are cut when the edge reaches them and the blade is there. A whole one inside the
+sheet is *pierced*: it lies nearly on the edge. A node of the sheet's present edge, be it of the
+film's own boundary, of the flank of an earlier cut or the tip of a crack, is *passed*: it belongs
+to the nearest row, provided that the blade parts its quads, some of them clearly to one side of the
+mid-plane and some to the other. A flank that the blade slides along has all its quads on one side,
+the flank of a cut that it crosses has not, whoever made that cut and when.
 """
 
 from __future__ import annotations
@@ -13,21 +20,36 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, bound_once, inline, kernel
-from ._vec3 import load
-from .cutting_edge import CUT_DEPTH, NORMAL, CuttingEdges, strip_coordinates, to_body
+from ._jit import Bools, Floats, Ints, Vec3, bound_once, inline, kernel
+from ._vec3 import dot, load
+from .cutting_edge import (
+    CUT_DEPTH,
+    NORMAL,
+    CuttingEdges,
+    in_the_blade,
+    segment_part,
+    strip_coordinates,
+    to_body,
+    turn,
+)
 from .near_nodes import NearNodes, in_box
 from .state import State
 from .tool import Tool
 
-# Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a node no
-# crack has reached must lie nearly on the edge (well below half the distance to the next row); a
-# tip, or a node of a free edge where the blade comes in, belongs to the nearest row. The first kind
-# is caught when the edge goes through it, so it lies no deeper behind the edge either: farther back
-# a flank that is drawn under the tooth brings nodes of the next row near the mid-plane, and
-# splitting those opens cracks beside the cut (six in an opening test with rows 0.16 mm apart).
+# Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a pierced
+# node must lie nearly on the edge (well below half the distance to the next row), a passed one
+# belongs to the nearest row. The first kind is caught when the edge goes through it, so it lies no
+# deeper behind the edge either: farther back a flank that is drawn under the tooth brings nodes of
+# the next row near the mid-plane, and splitting those opens cracks beside the cut (six in an
+# opening test with rows 0.16 mm apart).
 _PIERCED_REACH = 0.3
 _PASSED_REACH = 0.5
+
+# The blade parts the quads of a node when the centres of some lie farther than this from its own
+# distance to the mid-plane, on either side, in the same units. Two rectangles on a flank that the
+# blade slides along stand 0.5 to the one side, and pass this limit when turned by 57 degrees; of a
+# cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
+_PARTED = 0.15
 
 # Of the list of near nodes [mm]: it is looked through once in ten steps or so, hence short.
 _MARGIN = 0.25
@@ -75,12 +97,16 @@ class BladeCut:
             rim,
             n.halved,
             n.contact_area,
+            state.quads,
+            n.quads,
+            n.n_quad_at,
             rotation,
             translation,
             self._low,
             self._high,
             self._edges.segments,
             self._edges.body,
+            self._edges.solid,
             edge_of,
         )
         traces: dict[int, Floats] = {}
@@ -109,6 +135,30 @@ def _holds(ids: Ints, n: int) -> bool:
     return found
 
 
+@inline
+def _parted(
+    n: int,
+    x: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    normal: Vec3,
+    least: float,
+) -> bool:
+    """Return whether quads of a node lie on both sides of a plane through it, ``least`` off it.
+
+    normal : of the plane, as the nodes are in space.
+    """
+    to_minus = to_plus = 0.0
+    here = dot(load(x, n), normal)
+    for i in range(n_quad_at[n]):
+        centre = -here
+        for a in range(4):
+            centre += 0.25 * dot(load(x, quads[quads_at[n, i], a]), normal)
+        to_minus, to_plus = min(to_minus, centre), max(to_plus, centre)
+    return to_minus < -least and to_plus > least
+
+
 @kernel
 def _cut_nodes(
     near: Ints,
@@ -118,39 +168,50 @@ def _cut_nodes(
     rim: Bools,
     halved: Bools,
     contact_area: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
     rotation: Floats,
     translation: Floats,
     low: Floats,
     high: Floats,
     segments: Floats,
     body: Ints,
+    solid: tuple,  # type: ignore[type-arg]
     edge_of: Ints,
 ) -> int:
     """Write the segment that has cut each near node to edge_of : (n_near,), else -1; count them.
 
-    low, high : (n_body, 3), boxes around the strips of each tooth.  body : (n_edge,).
+    quads : (n_quad, 4).  quads_at : (n_node, most), of which n_quad_at : (n_node,) count.  low,
+    high : (n_body, 3), boxes around the strips of each tooth.  body : (n_edge,).  solid : as in
+    CuttingEdges.
     """
     n_cut = 0
     for i in range(near.shape[0]):
         n = near[i]
         edge_of[i] = -1
-        # A flank that the blade slides along is within reach of its edge, but has been cut.
-        if supported[n] or (halved[n] and not _holds(tips, n)):
+        if supported[n]:
             continue
         p = to_body(load(x, n), rotation, translation)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
-            nearest_row = _holds(tips, n) or (n < rim.shape[0] and rim[n])
-            reach = _PASSED_REACH if nearest_row else _PIERCED_REACH
-            reach *= np.sqrt(4.0 * contact_area[n])
-            deepest = CUT_DEPTH if nearest_row else reach
+            size = np.sqrt(4.0 * contact_area[n])
+            at_an_edge = halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
+            reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
+            deepest = CUT_DEPTH if at_an_edge else reach
             for k in range(segments.shape[0]):
                 if body[k] != b:
                     continue
                 _, lateral, depth, owns = strip_coordinates(p, k, segments)
-                if owns and depth < min(shallowest, deepest) and abs(lateral) <= reach:
+                if not owns or depth >= min(shallowest, deepest) or abs(lateral) > reach:
+                    continue
+                if at_an_edge:
+                    normal = turn(segment_part(segments, k, NORMAL), rotation)
+                    if not _parted(n, x, quads, quads_at, n_quad_at, normal, _PARTED * size):
+                        continue
+                if in_the_blade(p, lateral, k, segments, solid):
                     shallowest = depth
                     edge_of[i] = k
         if edge_of[i] >= 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,8 @@ class Bookmark:
     """Of the last row [s]."""
     frame_time: float = -np.inf
     """Of the last frame [s]."""
+    captured_time: float = -np.inf
+    """Of the last frame or picture [s]."""
     n_picture: int = 0
     unfelt: float = 0.0
     """How deep the tool was between nodes without being felt, when last looked at [mm]."""
@@ -49,6 +51,20 @@ class Bookmark:
             Trigger(until / n_row),
             Trigger(until / n_frame),
             Trigger(until / n_snapshot) if n_snapshot else None,
+        )
+
+    def due(self, time: float) -> bool:
+        """Whether anything is due; it stays so."""
+        triggers = (self.row_due, self.frame_due, self.picture_due)
+        return any(one is not None and time >= one.next for one in triggers)
+
+    def copy(self) -> Bookmark:
+        """Return one that stays as it is when this one goes on."""
+        return replace(
+            self,
+            row_due=replace(self.row_due),
+            frame_due=replace(self.frame_due),
+            picture_due=replace(self.picture_due) if self.picture_due else None,
         )
 
     def saved(self) -> dict[str, Any]:

@@ -21,8 +21,9 @@ literal form.
 **Joint.** Let a segment of the cutting edge run from a with unit vector e, and let b be the normal
 of the blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane
 where its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when
-c lies along the segment, 0 <= (c - a)·e <= L, and the edge has reached it, 0 <= (c - a)·k. This is
-a test of positions, not of motions: a cable born with the edge already past is caught at once. A
+c lies along the segment, 0 <= (c - a)·e <= L, the edge has reached it, 0 <= (c - a)·k, and the
+blade is there: below the relief of a tooth a cable passes free (:mod:`shellcut.cutting_edge`). This
+is a test of positions, not of motions: a cable born with the edge already past is caught at once. A
 blade that runs beside the mesh line has the whole cable on one side, although its *flanks* lie on
 either side of it: a cable within half an edge length of the mid-plane, whose m is along b rather
 than along the blade, is met too, at its middle.
@@ -51,6 +52,7 @@ from .cutting_edge import (
     START,
     CuttingEdges,
     edge_point,
+    in_the_blade,
     segment_part,
     strip_coordinates,
     to_body,
@@ -145,6 +147,7 @@ class CableSet:
             self._parameters,
             self._edges.segments,
             self._edges.body,
+            self._edges.solid,
             n.x,
             n.velocity_half,
             n.contact_area,
@@ -224,6 +227,7 @@ def _find_joint(
     rotation: Floats,
     translation: Floats,
     segments: Floats,
+    solid: tuple,  # type: ignore[type-arg]
     edge: Ints,
     joint_body: Floats,
     joint: Floats,
@@ -232,8 +236,8 @@ def _find_joint(
 ) -> bool:
     """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
-    Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  Writes
-    row c of the last five.
+    Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  solid :
+    as in CuttingEdges.  Writes row c of the last five.
     """
     minus = to_body(x_minus, rotation, translation)
     plus = to_body(x_plus, rotation, translation)
@@ -251,8 +255,10 @@ def _find_joint(
         elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
             continue
         crossing = combine(1.0 - share, minus, share, plus)
-        along, _, depth, owns = strip_coordinates(crossing, k, segments)
+        along, lateral, depth, owns = strip_coordinates(crossing, k, segments)
         if not owns or depth >= shallowest:
+            continue
+        if not in_the_blade(crossing, lateral, k, segments, solid):
             continue
         shallowest = depth
         edge[c] = k
@@ -280,6 +286,7 @@ def _add_cable_forces(
     law: Floats,
     segments: Floats,
     edge_body: Ints,
+    solid: tuple,  # type: ignore[type-arg]
     x: Floats,
     velocity: Floats,
     contact_area: Floats,
@@ -305,9 +312,9 @@ def _add_cable_forces(
 ) -> tuple[float, float, int, int]:
     """Add the forces of all live cables to force : (n_node, 3) and wrench : (n_body, 6).
 
-    velocity : (n_node, 3), moved x over the last step dt.  segments : as CuttingEdges.  Writes the
-    cables' opening, stress, joint, branch directions, force and work.  Returns the work on law and
-    start force, how many joints were made and how many cables broke.
+    velocity : (n_node, 3), moved x over the last step dt.  segments, solid : as CuttingEdges.
+    Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
+    on law and start force, how many joints were made and how many cables broke.
     """
     onset = law[7]
     work = 0.0
@@ -331,6 +338,7 @@ def _add_cable_forces(
                 rotation,
                 translation,
                 segments,
+                solid,
                 edge,
                 joint_body,
                 joint,

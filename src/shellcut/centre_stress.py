@@ -33,6 +33,10 @@ from ._jit import Floats, Ints, Vec3, inline, kernel
 from ._vec3 import combine, cross, dot, load, norm, scale
 from .material import ShellMaterial
 from .mesh import Mesh
+from .section import frame_components
+
+# Derivatives of the shape functions by xi and eta at the centre.
+_AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
 
 
 class FaceStresses(NamedTuple):
@@ -105,6 +109,58 @@ class CentreStress:
             sigma=sigma,
         )
         return sigma
+
+    def linear(
+        self, x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, which: Ints, place: str
+    ) -> Floats:
+        """Return the stress tensors of some quads after a small motion [MPa], shape (n, 3, 3).
+
+        Stress and its linear change: d sigma = [dS_ij f_i f_j + S_ij (df_i f_j + f_i df_j)] / J
+        - sigma dJ / J with dS = C dE, dE_ij = ½ (df_i·f_j + f_i·df_j).
+
+        Parameters
+        ----------
+        dx, dt : ndarray, shape (n_node, 3)
+            Motion of nodes [mm] and directors.
+        x, t, quads, which
+            As :meth:`cauchy`.
+        place : {"mid", "top", "bottom"}
+            As :meth:`MITC4Shell.stress`.
+        """
+        places = ("mid", "top", "bottom")
+        if place not in places:
+            raise ValueError(f"place must be one of {list(places)}, got {place!r}")
+        corners = self._mesh.quads[which]
+
+        def tangents(x: Floats, t: Floats, corners: Ints) -> Floats:
+            lifted = x[corners] + self._height[place] * t[corners]
+            return np.asarray(np.einsum("da,nac->ndc", _AT_CENTRE, lifted))
+
+        G = tangents(self._mesh.nodes, self._mesh.directors, corners)
+        T = self._mesh.directors[corners].mean(axis=1)
+        up = frame_components(G[:, 0], G[:, 1], T)[0][:, :2, :2]
+        g, dg = tangents(x, t, quads[which]), tangents(dx, dt, quads[which])
+        f, df, F = (np.einsum("nia,nac->nic", up, base) for base in (g, dg, G))
+        change = np.einsum("nic,njc->nij", df, f)
+        e = 0.5 * np.stack(
+            [
+                np.einsum("nic,njc->nij", f, f) - np.einsum("nic,njc->nij", F, F),
+                change + change.swapaxes(1, 2),
+            ]
+        )
+        strains = np.stack([e[..., 0, 0], e[..., 1, 1], 2.0 * e[..., 0, 1]], axis=-1)
+        s = strains @ self._law[place]
+        S, dS = s[..., [0, 2, 2, 1]].reshape(*s.shape[:2], 2, 2)
+        area, old = (np.cross(base[:, 0], base[:, 1]) for base in (g, G))
+        grown = np.cross(dg[:, 0], g[:, 1]) + np.cross(g[:, 0], dg[:, 1])
+        size = np.einsum("nc,nc->n", area, area)
+        J = np.sqrt(size / np.einsum("nc,nc->n", old, old))[:, None, None]
+        dJ_over_J = (np.einsum("nc,nc->n", grown, area) / size)[:, None, None]
+        stress = np.einsum("nij,nic,njd->ncd", S, f, f) / J
+        turned = np.einsum("nij,nic,njd->ncd", S, df, f) / J
+        strained = np.einsum("nij,nic,njd->ncd", dS, f, f) / J
+        total = stress * (1.0 - dJ_over_J) + strained + turned + turned.swapaxes(1, 2)
+        return np.asarray(total)
 
     def faces(self, x: Floats, t: Floats, quads: Ints) -> FaceStresses:
         """Return the stresses of the membrane and at both faces, and the thickness, of all quads.

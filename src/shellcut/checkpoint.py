@@ -1,5 +1,9 @@
 """Checkpoints: all that has changed since a simulation was built, in one HDF5 file.
 
+The file begins with a text of 512 bytes, HDF5's user block: what it is, the number of its format,
+and the SHA-256 of all that follows. It is compared before HDF5 sees the file, which might find
+other numbers in a damaged one, or types that are none.
+
 A checkpoint holds no model. The simulation is built again from the same inputs, by the same script
 or model file, and then takes over the checkpoint; functions of the user's own (factors of loads,
 velocities of supports) are part of the script. What makes a run what it is, mesh, material, tool
@@ -15,6 +19,7 @@ import hashlib
 import io
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version
@@ -25,12 +30,20 @@ import h5py
 import numpy as np
 
 from .simulation import Simulation
+from .whole_file import write_all, written_whole
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 2  # to be raised whenever the names or the meaning of what is saved change
+_FORMAT = 5  # to be raised whenever the names or the meaning of what is saved change
+
+_HEADER = 512  # bytes; the least that HDF5 takes for a user block
+_FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())
+_HDF5 = b"\x89HDF\r\n\x1a\n"  # begins a file without user block, as of format 3 and before
+_PIECE = 1 << 20  # bytes read at a time
 
 # What names and describes an input without being part of it.
 _LABELS = frozenset({"name", "parameters"})
+
+_KINDS_OF_NUMBERS = {"b": "bool", "i": "int", "u": "int", "f": "float", "U": "text", "O": "text"}
 
 _MOST_DIFFERENCES = 10
 _SHOWN = 9  # numbers of an array that are written out
@@ -91,25 +104,16 @@ def save_checkpoint(
             "go on from an earlier checkpoint"
         )
     path = Path(path)
-    # In memory first: HDF5 that meets a full disk can neither go on nor close its file.
+    # In memory first: what meets a full disk shall not be HDF5, see hdf_target.
     image = io.BytesIO()
-    with h5py.File(image, "w") as file:
-        file.attrs["kind"], file.attrs["format"] = _KIND, _FORMAT
+    with h5py.File(image, "w", userblock_size=_HEADER) as file:
         file.attrs["version"] = version("shellcut")
         inputs = json.dumps(_described_inputs(sim))
-        content = {"inputs": inputs, "run": sim.saved(), "extra": dict(extra or {})}
-        file.attrs["sha256"] = _checksum(content)
-        _write(file, content)
-    aside = path.with_name(path.name + ".new")
-    try:
-        with aside.open("wb") as target:
-            target.write(image.getbuffer())
-            target.flush()
-            os.fsync(target.fileno())
-        os.replace(aside, path)
-    except BaseException:  # of a full disk, or of a second Ctrl-C
-        aside.unlink(missing_ok=True)
-        raise
+        _write(file, {"inputs": inputs, "run": sim.saved(), "extra": dict(extra or {})})
+    image.getbuffer()[:_HEADER] = _header(hashlib.sha256(image.getbuffer()[_HEADER:]).hexdigest())
+    with written_whole(path) as aside, aside.open("wb", buffering=0) as target:
+        write_all(target, image.getbuffer())
+        os.fsync(target.fileno())
 
 
 def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -161,6 +165,9 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
         if known.get(name) != given.get(name)
     ]
     if not differing:
+        # Tables that are empty at the start have no types yet to compare with.
+        differing = [*_differing_layout("run", sim.saved(), content["run"])]
+    if not differing:
         differing = _differing_poses(sim, content["run"])
     if differing:
         more = len(differing) - _MOST_DIFFERENCES
@@ -169,31 +176,49 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
             f"{path} belongs to another model; build the simulation as it was, or begin anew:\n"
             + "\n".join(f"- {line}" for line in lines)
         )
-    sim.restore(content["run"])
+    try:
+        sim.restore(content["run"])
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError) as problem:
+        raise CheckpointError(
+            f"{path} cannot be taken over ({problem}): another program wrote it; begin anew, with "
+            "the simulation built again"
+        ) from problem
     extra: dict[str, Any] = content["extra"]
     return extra
+
+
+def _header(digest: str) -> bytes:
+    text = f"{_KIND}, format {_FORMAT}\nsha256 of what follows: {digest}\n"
+    return text.encode().ljust(_HEADER, b"\0")
 
 
 def _read_file(path: Path) -> dict[str, Any]:
     if not path.exists():
         raise FileNotFoundError(f"there is no checkpoint {path}")
+    damage = f"{path} is damaged, or no checkpoint of shellcut"
+    if not path.is_file():
+        raise CheckpointError(f"{damage} (no regular file)")
     try:
+        with path.open("rb") as file:
+            header = file.read(_HEADER)
+            digest = hashlib.sha256()
+            while piece := file.read(_PIECE):
+                digest.update(piece)
+        told = _FORMAT_TOLD.match(header)
+        if (told and int(told[1]) != _FORMAT) or header.startswith(_HDF5):
+            found = f"has format {int(told[1])}" if told else "is none, or of an older format"
+            raise CheckpointError(
+                f"{path} {found}; this version of shellcut reads its checkpoints of format "
+                f"{_FORMAT}: go on with the version that wrote it, or begin anew"
+            )
+        if header != _header(digest.hexdigest()):
+            raise CheckpointError(f"{damage} (its SHA-256 is another); begin anew")
         with h5py.File(path, "r") as file:
-            if file.attrs.get("kind") != _KIND:
-                raise CheckpointError(f"{path} is no checkpoint of shellcut")
-            found = file.attrs["format"]
-            if found != _FORMAT:
-                raise CheckpointError(
-                    f"{path} has format {found}, this version of shellcut reads format {_FORMAT}: "
-                    "go on with the version that wrote it, or begin anew"
-                )
             content = _read(file)
-            if _checksum(content) != file.attrs["sha256"]:
-                raise OSError("its contents do not match its checksum")
-    except (OSError, KeyError, RuntimeError) as problem:
-        raise CheckpointError(
-            f"{path} is damaged, or no checkpoint of shellcut ({problem}); begin anew"
-        ) from problem
+    except OSError as problem:
+        raise CheckpointError(f"{damage} ({problem}); begin anew") from problem
+    if set(content) != {"inputs", "run", "extra"}:
+        raise CheckpointError(f"{damage} (it holds {', '.join(content)}); begin anew")
     return content
 
 
@@ -221,21 +246,6 @@ def _read(group: Any) -> dict[str, Any]:
         rows = np.asarray((node.asstr() if text else node)[()])
         content[name] = rows.item() if rows.ndim == 0 else rows
     return content
-
-
-def _checksum(content: Mapping[str, Any]) -> str:
-    """Return a digest of all names and values, whatever their order."""
-    digest = hashlib.sha256()
-    for name in sorted(content):
-        value = content[name]
-        digest.update(name.encode())
-        if isinstance(value, Mapping):
-            digest.update(_checksum(value).encode())
-            continue
-        rows = np.asarray(value)
-        numbers = rows.dtype.kind in "biuf"
-        digest.update(rows.tobytes() if numbers else str(rows.tolist()).encode())
-    return digest.hexdigest()
 
 
 # ---------------------------------------------------------------- what a run is made of
@@ -279,6 +289,27 @@ def _digest(rows: Any) -> str:
         return str(rows.tolist())
     digest = hashlib.sha256(rows.tobytes()).hexdigest()[:16]
     return f"{' x '.join(map(str, rows.shape))} numbers ({digest})"
+
+
+def _differing_layout(name: str, wanted: Any, found: Any) -> Iterator[str]:
+    """Yield what of the checkpoint could not be taken over: names and kinds of numbers."""
+    if isinstance(wanted, Mapping) and isinstance(found, Mapping):
+        for key in {**wanted, **found}:
+            if key in wanted and key in found:
+                yield from _differing_layout(f"{name}.{key}", wanted[key], found[key])
+            else:
+                there = "in the checkpoint" if key in found else "in this simulation"
+                yield f"{name}.{key}: only {there}"
+    elif isinstance(wanted, Mapping) or isinstance(found, Mapping):
+        yield f"{name}: a group in one, not in the other"
+    elif np.size(wanted) and np.size(found) and _kind_of(wanted) != _kind_of(found):
+        yield f"{name}: {_kind_of(found)} in the checkpoint, {_kind_of(wanted)} in this simulation"
+
+
+def _kind_of(value: Any) -> str:
+    rows = np.asarray(value)
+    kind = _KINDS_OF_NUMBERS.get(rows.dtype.kind, str(rows.dtype))
+    return f"{kind} of {rows.ndim} dimensions" if rows.ndim else kind
 
 
 def _differing_poses(sim: Simulation, run: dict[str, Any]) -> list[str]:

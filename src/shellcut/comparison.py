@@ -11,6 +11,8 @@ peak                the value of the largest magnitude on [a, b], of s among all
 peak error          (peak of s - peak of m) / abs(peak of m)
 place of the peak   where it is met, the first time
 work                integral from a to b of the broken line, exact; angles in radians
+mean                over the part of [a, b] in which the run cuts steadily
+                    (:mod:`shellcut.steady_window`)
 work error          (work of s - work of m) / abs(work of m)
 correlation         of s(x_i) and m(x_i) with the weights w_i (Pearson)
 ==================  ===========================================================================
@@ -33,6 +35,8 @@ from typing import Any
 import numpy as np
 
 from ._jit import Floats
+from .broken_line import BrokenLine
+from .comparison_table import table_of
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .results import Results, read
 from .trapezoid import integral
@@ -99,6 +103,14 @@ class Comparison:
     """N*mm of a torque over an angle or a force over a path, else the product of both units."""
     correlation: float
     """[-], from -1 to 1."""
+    steady_range: tuple[float, float] | None
+    """Part of the common range in which the run cuts steadily [x_unit], None if there is none."""
+    mean_measured: float
+    """Over that part, nan without it [y_unit]."""
+    mean_simulated: float
+    """[y_unit]."""
+    mean_error: float
+    """[-]."""
     notes: tuple[str, ...]
     """What to know before trusting the figures, as ranges that overlap in part."""
 
@@ -109,46 +121,7 @@ class Comparison:
 
     def __str__(self) -> str:
         """Return a small table."""
-        x, y = _shown_unit(self.x_unit), _shown_unit(self.y_unit)
-        rows = [
-            (
-                f"peak {self.y_name}",
-                f"{self.peak_measured:.4g}{y}",
-                f"{self.peak_simulated:.4g}{y}",
-                _percent(self.peak_error),
-            ),
-            (
-                f"{self.x_name} of the peak",
-                f"{self.peak_at_measured:.4g}{x}",
-                f"{self.peak_at_simulated:.4g}{x}",
-                f"{self.peak_at_simulated - self.peak_at_measured:+.4g}{x}",
-            ),
-            (
-                "work",
-                f"{self.work_measured:.4g} {self.work_unit}",
-                f"{self.work_simulated:.4g} {self.work_unit}",
-                _percent(self.work_error),
-            ),
-            ("RMS difference", "", "", f"{self.rms:.4g}{y}"),
-            ("  of the peak", "", "", _percent(self.rms_relative, sign="")),
-            (
-                "correlation",
-                "",
-                "",
-                f"{self.correlation:.4f}" if np.isfinite(self.correlation) else "-",
-            ),
-        ]
-        table = [("", "measured", "simulated", "difference"), *rows]
-        width = [max(len(row[k]) for row in table) for k in range(4)]
-        lines = [
-            row[0].ljust(width[0])
-            + "".join(f"  {cell.rjust(w)}" for cell, w in zip(row[1:], width[1:], strict=True))
-            for row in table
-        ]
-        a, b = self.range
-        smoothed = "" if self.window is None else f", simulated mean over {self.window:g}{x}"
-        head = f"{self.name}: {self.x_name} {a:.4g} to {b:.4g}{x}, {len(self.x)} points{smoothed}"
-        return "\n".join([head, *lines, *(f"note: {note}" for note in self.notes)])
+        return table_of(self)
 
     def to_json(self, path: str | os.PathLike[str]) -> Path:
         """Write the figures, each as ``{"value", "unit"}``, and both curves; return the path.
@@ -168,6 +141,9 @@ class Comparison:
             "work_simulated": (self.work_simulated, work),
             "work_error": (self.work_error, "-"),
             "correlation": (self.correlation, "-"),
+            "mean_measured": (self.mean_measured, y),
+            "mean_simulated": (self.mean_simulated, y),
+            "mean_error": (self.mean_error, "-"),
         }
         content: dict[str, Any] = {
             "run": self.name,
@@ -177,6 +153,7 @@ class Comparison:
             "measured_range": self.measured_curve[0][[0, -1]].tolist(),
             "simulated_range": self.simulated_curve[0][[0, -1]].tolist(),
             "window": self.window,
+            "steady_range": self.steady_range,
             "n_point": len(self.x),
             "figures": {
                 name: {"value": value if np.isfinite(value) else None, "unit": unit}
@@ -304,6 +281,9 @@ def compare(
     work_m = to_work * integral(points, there)
     work_s = to_work * integral(corners, s.at(corners))
     rms = float(np.sqrt(_mean(points, (ours - there) ** 2)))
+    steady, why_not = _steady_range(results, x, a, b)
+    means = [line.integral(*steady) / (steady[1] - steady[0]) for line in (m, s)] if steady else []
+    mean_m, mean_s = means or (float("nan"), float("nan"))
     return Comparison(
         name=results.name,
         x_name=x,
@@ -328,45 +308,35 @@ def compare(
         work_error=_over(work_s - work_m, work_m),
         work_unit=work_unit,
         correlation=_correlation(points, there, ours),
-        notes=(*measured.notes, *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0)),
+        steady_range=steady,
+        mean_measured=mean_m,
+        mean_simulated=mean_s,
+        mean_error=_over(mean_s - mean_m, mean_m),
+        notes=(
+            *measured.notes,
+            *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0),
+            *why_not,
+        ),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _BrokenLine:
-    """Corners of a curve, x increasing."""
-
-    x: Floats
-    y: Floats
-
-    def points_within(self, a: float, b: float) -> Floats:
-        """Return a, the corners between a and b, and b."""
-        return np.concatenate(([a], self.x[(self.x > a) & (self.x < b)], [b]))
-
-    def at(self, x: Floats) -> Floats:
-        """Return the values at x."""
-        return np.interp(x, self.x, self.y)
-
-    def mean_at(self, x: Floats, window: float) -> Floats:
-        """Return the means over the window about x, made narrower near the ends of the line."""
-        half = np.minimum(0.5 * window, np.minimum(x - self.x[0], self.x[-1] - x))
-        wide = half > 0.0
-        means = self.at(x)
-        x, half = x[wide], half[wide]
-        means[wide] = (self._integral(x + half) - self._integral(x - half)) / (2.0 * half)
-        return means
-
-    def _integral(self, x: Floats) -> Floats:
-        # from the first corner to x
-        width = np.diff(self.x)
-        slope = np.diff(self.y) / width
-        whole = np.concatenate(([0.0], np.cumsum(0.5 * width * (self.y[1:] + self.y[:-1]))))
-        k = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(width) - 1)
-        d = x - self.x[k]
-        return np.asarray(whole[k] + d * (self.y[k] + 0.5 * d * slope[k]))
+def _steady_range(
+    results: Results, x: str, a: float, b: float
+) -> tuple[tuple[float, float] | None, list[str]]:
+    """Return the steady part of [a, b], or a note on why there is none."""
+    if x != results.coordinate_name:
+        return None, []
+    window = results.steady_window
+    if not window:
+        return None, [f"no steady window, hence no mean: {window.reason}"]
+    low, high = max(window.low, a), min(window.high, b)
+    if not low < high:
+        steadily = window.text(results.units[x])
+        return None, [f"no mean: the steady window, {steadily}, lies outside the common range"]
+    return (low, high), []
 
 
-def _in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> _BrokenLine:
+def _in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:
     """Return the measured curve in the units of the history; x and y are names and units."""
     values, problems = [], []
     for (name, unit), ours, own in ((x, curve.x, curve.x_unit), (y, curve.y, curve.y_unit)):
@@ -376,10 +346,10 @@ def _in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> _
             problems.append(f"measured {name} {problem}")
     if problems:
         raise ValueError("; ".join(problems))
-    return _BrokenLine(*values)
+    return BrokenLine(*values)
 
 
-def _increasing(name: str, x: Floats, y: Floats) -> _BrokenLine:
+def _increasing(name: str, x: Floats, y: Floats) -> BrokenLine:
     back = np.flatnonzero(np.diff(x) < 0.0)
     if len(back):
         raise ValueError(
@@ -389,7 +359,7 @@ def _increasing(name: str, x: Floats, y: Floats) -> _BrokenLine:
     _, first = np.unique(x, return_index=True)
     if len(first) < 2:
         raise ValueError(f"{name} must grow in the history, it has {len(first)} values")
-    return _BrokenLine(x[first], y[first])
+    return BrokenLine(x[first], y[first])
 
 
 def _peak(x: Floats, y: Floats) -> tuple[float, float]:
@@ -422,7 +392,7 @@ def _work_scale(x_unit: str, y_unit: str) -> tuple[float, str]:
 
 
 def _notes(
-    m: _BrokenLine, s: _BrokenLine, points: Floats, x: tuple[str, str], opposed: bool
+    m: BrokenLine, s: BrokenLine, points: Floats, x: tuple[str, str], opposed: bool
 ) -> list[str]:
     name, unit = x
     notes = []
@@ -438,11 +408,3 @@ def _notes(
     if opposed:
         notes.append(f"the peaks have opposite signs: is {name} or the sign convention turned?")
     return notes
-
-
-def _shown_unit(unit: str) -> str:
-    return "" if unit == "-" else f" {unit}"
-
-
-def _percent(fraction: float, sign: str = "+") -> str:
-    return f"{100.0 * fraction:{sign}.1f} %" if np.isfinite(fraction) else "-"

@@ -1,13 +1,8 @@
 """Penalty contact of the nodes with the rigid tool ([Frangi2010] 5.2).
 
-A node inside the tool by the depth g gets the force +lambda f(g) A n, n the outward normal of the
-tool there, and the tool minus that (the paper prints the minus, the force on the cutter). A is ¼ of
-the mean reference area of the node's quads, and
-
-    f(g) = (g/g_M)³ (3 g_M - 2 g)  below g_M = h/4,  g above,
-
-which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. The faces are
-frictionless: adhesion is in the joints of the cables.
+A node inside the tool by the depth g gets the force +k f(g) n, n the outward normal of the tool
+there, and the tool minus that (the paper prints the minus, the force on the cutter); k and f are in
+:mod:`shellcut.penalty`. The faces are frictionless: adhesion is in the joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then (:mod:`shellcut.near_nodes`).
 Local: a listed node looks up the closest triangles of its cell in a grid fixed to the tool. What it
@@ -23,36 +18,37 @@ the blade; else from the nearest face. It is forgotten when the node has left th
 runs well beside the mesh line thus leaves both flanks on one side of it: to push one of them across
 would put energy into the film that no tool has paid for.
 
-*Jumps.* When the depth grows by more than ``JUMP`` in one step, which no motion does, the excess is
-put into an offset that decays over ``ABSORB_TIME``. The work this takes out or puts in is in the
-contact entry of the ledger, like all contact work, by forces and increments.
+*Jumps.* When the depth grows by more than node and tool have moved in the step, which a split does
+that sets a node to the other flank, the excess is not loaded: it goes into an offset, which decays.
+As it does the spring is loaded without anyone moving, and gives the film what it takes to push the
+node out, work that no tool has done. It is an entry of the ledger, by its own increments. Growth
+by motion is no jump: a node that flies into a face is stopped by it however far it goes in a step,
+and rebounds with no more energy than it came with.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ._jit import Bools, Floats, Ints, SmallInts, bound_once, inline, kernel
-from ._vec3 import cross, dot, load, norm, store, sub
+from ._vec3 import combine, cross, dot, load, norm, store, sub
 from .cutting_edge import NORMAL, CuttingEdges, segment_part, strip_coordinates, to_body, turn
+from .material import ShellMaterial
 from .near_nodes import NearNodes
+from .penalty import (
+    Contact,
+    PenaltyLaw,
+    largest_rebound,
+    node_stiffness,
+    smoothed,
+    smoothed_integral,
+)
 from .state import State
 from .tool import Tool
 from .tool_distance import signed_distance, signed_distance_to
 from .tool_grid import ClosestTriangleGrid
-
-STEEPEST = 27.0 / 16.0
-"""Largest slope of the smoothing function f, at g = ¾ g_M."""
-
-JUMP = 0.01
-"""Growth of the depth in one step that is absorbed instead of loaded [mm]."""
-
-ABSORB_TIME = 2e-5
-"""Decay time of an absorbed jump [s]."""
 
 # Of the list of near nodes [mm]: half of it is also how near a node must be for its contact
 # stiffness to count in the time step until that is looked at again.
@@ -69,36 +65,6 @@ _ROUND_OFF = 1e-9
 _UNDECIDED = 0.1
 
 
-@dataclass(frozen=True)
-class Contact:
-    """Parameters of the penalty contact.
-
-    Parameters
-    ----------
-    penalty : float
-        lambda [N/mm³].
-    smoothing : float
-        g_M as a fraction of the thickness.
-
-    Examples
-    --------
-    >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25)
-    """
-
-    penalty: float = 1e4
-    smoothing: float = 0.25
-
-    def __post_init__(self) -> None:
-        problems = [
-            f"{name} must be positive, got {value!r}"
-            for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
-            if not (math.isfinite(value) and value > 0)
-        ]
-        if problems:
-            raise ValueError("; ".join(problems))
-
-
 class ContactForces(NamedTuple):
     """What the contact did in one evaluation."""
 
@@ -107,7 +73,9 @@ class ContactForces(NamedTuple):
     node_work: float
     """Work of the contact on the nodes since t_{n-1} [N·mm]."""
     stored: float
-    """Penalty energy lambda A ∫ f dg at t_n [N·mm]."""
+    """Penalty energy k ∫ f dg at t_n [N·mm]."""
+    absorbed: float
+    """Energy that absorbed jumps took up since t_{n-1}; negative: gave to the film [N·mm]."""
     n_inside: int
     """Nodes inside the tool."""
     deepest: float
@@ -141,17 +109,16 @@ class PenaltyContact:
         The rigid body.
     contact : Contact
         Parameters.
-    thickness : float
-        Of the film [mm].
+    film : ShellMaterial
+        Which they follow.
     """
 
-    def __init__(self, tool: Tool, contact: Contact, thickness: float) -> None:
+    def __init__(self, tool: Tool, contact: Contact, film: ShellMaterial) -> None:
         self.tool = tool
-        self.parameters = contact
-        self.smoothing_depth = contact.smoothing * thickness
+        self.law = PenaltyLaw.of(contact, film, tool)
         self._n_body = tool.n_body
-        self.grid = ClosestTriangleGrid.build(tool)
-        """Finds the surface near a point; a tool of many triangles takes seconds to build it."""
+        self.grid = ClosestTriangleGrid.of(tool)
+        """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
@@ -164,27 +131,29 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
         self._lookups = _NO_LOOKUPS
-        self._pose = np.eye(3), np.zeros(3)
+        self._pose: tuple[Floats, Floats] | None = None
         self._arguments: tuple[Any, ...] = ()
         self._call = bound_once(_add_contact_forces)
 
     def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
+        before = self._pose or (rotation, translation)
         self._pose = rotation, translation
         if self.near.renew(state, rotation, translation):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
         return ContactForces(
             wrench,
-            *self._call(rotation, translation, state.dt, wrench, *self._arguments),
+            *self._call(rotation, translation, *before, state.dt, wrench, *self._arguments),
         )
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon.
 
-        It depends on the places of the last evaluation alone, not on when the list was made.
+        It depends on the places of the last evaluation alone, not on when the list was made; before
+        the first there are none.
         """
-        return self.near.within(state, *self._pose)
+        return self.near.within(state, *self._pose) if self._pose else self.near.ids
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes and what each of them found last."""
@@ -207,7 +176,7 @@ class PenaltyContact:
         stays = near.take(place, mode="clip") == before if near.size else before < 0
         left = before[~stays]
         n.contact_side[left] = 0
-        n.contact_depth[left] = n.contact_offset[left] = 0.0
+        n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
         lookups = _Lookups(
             np.zeros((near.size, 3)),
@@ -237,34 +206,22 @@ class PenaltyContact:
             n.quads,
             n.n_quad_at,
             n.contact_area,
-            self.parameters.penalty,
-            self.smoothing_depth,
+            self.law.penalty,
+            self.law.softest,
+            self.law.stiffest,
+            self.law.smoothing_depth,
+            self.law.noticed,
+            self.law.absorb_slowness,
             *self._lookups,
             n.contact_side,
             n.contact_depth,
             n.contact_offset,
+            n.contact_work,
             n.contact_force,
+            n.mass,
+            n.supported,
             n.force,
         )
-
-
-@inline
-def smoothed(g: float, g_m: float) -> float:
-    """Return f(g) [mm]. [Frangi2010] 5.2."""
-    if g >= g_m:
-        return g
-    r = g / g_m
-    return r * r * r * (3.0 * g_m - 2.0 * g)
-
-
-@inline
-def smoothed_integral(g: float, g_m: float) -> float:
-    """Return ∫_0^g f [mm²]."""
-    if g >= g_m:
-        # ∫_0^{g_m} f = g_m² (3/4 - 2/5)
-        return 0.35 * g_m * g_m + 0.5 * (g * g - g_m * g_m)
-    r = g / g_m
-    return g_m * g_m * r * r * r * r * (0.75 - 0.4 * r)
 
 
 @inline
@@ -311,6 +268,8 @@ def _side_of_quads(
 def _add_contact_forces(
     rotation: Floats,
     translation: Floats,
+    rotation_before: Floats,
+    translation_before: Floats,
     dt: float,
     wrench: Floats,
     near: Ints,
@@ -325,7 +284,11 @@ def _add_contact_forces(
     n_quad_at: Ints,
     contact_area: Floats,
     penalty: float,
+    softest: float,
+    stiffest: float,
     g_m: float,
+    noticed: float,
+    absorb_slowness: float,
     place: Floats,
     lasts: Floats,
     within: Bools,
@@ -333,20 +296,24 @@ def _add_contact_forces(
     side: SmallInts,
     depth: Floats,
     offset: Floats,
+    contact_work: Floats,
     contact_force: Floats,
+    mass: Floats,
+    supported: Bools,
     force: Floats,
-) -> tuple[float, float, int, float]:
+) -> tuple[float, float, float, int, float]:
     """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
 
     place : (n_near, 3), lasts, within : (n_near,), closest : (n_near, 2): what the last look-up of
     each node found, good as long as it is closer to its place in the body frame than ``lasts``.
-    Writes them, and side, depth, offset and contact_force of these nodes. Returns the work on the
-    nodes over the last step, the stored energy, how many are inside and the largest depth.
+    Writes them, and side, depth, offset, contact_work and contact_force of these nodes. Returns the
+    work on the nodes over the last step, the stored energy, the absorbed energy, how many are
+    inside and the largest depth.
     """
-    decay = np.exp(-dt / ABSORB_TIME)
     corners, flank, pseudo_normals = grid[6], grid[7], grid[8]
     work = 0.0
     stored = 0.0
+    absorbed = 0.0
     n_inside = 0
     deepest = 0.0
     for i in range(near.shape[0]):
@@ -382,6 +349,7 @@ def _add_contact_forces(
             side[n] = 0
             depth[n] = 0.0
             offset[n] = 0.0
+            contact_work[n] = 0.0
             continue
         if side[n] == 0:
             lies = _side_of_quads(
@@ -406,20 +374,43 @@ def _add_contact_forces(
             pseudo_normals[triangle, 0, 2],
         )
         g = dot(sub(q, p), outward)
-        if g - depth[n] > JUMP:
-            offset[n] += g - depth[n]
+        moved = load(velocity, n)
+        way = 0.0
+        change = g - depth[n]
+        impact = abs(change) > noticed
+        if impact:
+            was = to_body(combine(1.0, load(x, n), -dt, moved), rotation_before, translation_before)
+            way = dot(sub(was, p), outward)
+            if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
+                offset[n] += change
+                impact = False
         depth[n] = g
-        offset[n] *= decay
         n_inside += 1
         deepest = max(deepest, g)
-        loaded = max(g - offset[n], 0.0)
-        stiffness = penalty * contact_area[n]
+        stiffness = node_stiffness(contact_area[n], penalty, softest, stiffest)
+        loaded = max(g, 0.0)
+        if offset[n] > 0.0:
+            loaded = max(g - offset[n], 0.0)
+            absorbed += stiffness * smoothed_integral(loaded, g_m)
+            offset[n] *= np.exp(-dt / (absorb_slowness * np.sqrt(4.0 * contact_area[n])))
+            # A node that has come out may come in again: that is felt at once.
+            offset[n] = min(offset[n], max(g, 0.0))
+            loaded = max(g, 0.0) - offset[n]
+            absorbed -= stiffness * smoothed_integral(loaded, g_m)
         magnitude = stiffness * smoothed(loaded, g_m)
-        stored += stiffness * smoothed_integral(loaded, g_m)
+        energy = stiffness * smoothed_integral(loaded, g_m)
         direction = turn(outward, rotation)
-        f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
         old = load(contact_force, n)
-        moved = load(velocity, n)
+        if impact and dt > 0.0 and not supported[n]:
+            before = dot(old, direction)
+            pushed = -dot(load(force, n), direction)
+            most = largest_rebound(contact_work[n], before, way, pushed, mass[n], dt)
+            magnitude = min(magnitude, most)
+            contact_work[n] += 0.5 * (before + magnitude) * way
+        else:
+            contact_work[n] = energy
+        stored += energy
+        f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
         work += (
             0.5
             * dt
@@ -434,4 +425,4 @@ def _add_contact_forces(
             force[n, c] += f[c]
             wrench[body, c] -= f[c]
             wrench[body, 3 + c] -= moment[c]
-    return work, stored, n_inside, deepest
+    return work, stored, absorbed, n_inside, deepest

@@ -6,9 +6,18 @@ blade, in that plane and normal to e. A point p has
 
     along = (p - a) · e,    lateral = (p - a) · b,    depth = (p - a) · k,
 
-and the segment *owns* it when 0 <= along <= L and 0 <= depth < CUT_DEPTH: the edge has reached or
-passed the point, which then lies in the strip of the mid-plane behind the segment, ``lateral`` to
-one side of it. All in the body frame of the tool.
+and the segment *owns* it when 0 <= along <= L and 0 <= depth < CUT_DEPTH: the point then lies in
+the strip of the mid-plane behind the segment, ``lateral`` to one side of it. All in the body frame
+of the tool.
+
+The strip alone does not say that the edge has passed the point. At the end of an edge the body ends
+too, on a face of its own: below the tip of a tooth its relief rises backwards, and under a steep
+edge the strip reaches far below it, where no blade is. A point that the edge has passed has the
+blade where it lies or beside it: its *foot* on the mid-plane, p - lateral b, is inside the solid
+(:func:`in_the_blade`). The faces may have pushed the point itself aside, its foot stays. Contact
+yields a little, so that film which such an end face presses on lies inside the solid as well, by
+some thousandths of a millimetre; but there the nearest way out of the solid leads back through that
+face, along the mid-plane, and behind the edge it leads aside, through a flank.
 """
 
 from __future__ import annotations
@@ -20,6 +29,8 @@ import numpy as np
 from ._jit import Floats, Ints, Vec3, inline
 from ._vec3 import combine, dot, norm, sub
 from .tool import Tool
+from .tool_distance import GridArrays, signed_distance
+from .tool_grid import ClosestTriangleGrid
 
 CUT_DEPTH = 1.5
 """Points farther behind the edge were passed by some other part of the tool [mm]."""
@@ -27,6 +38,11 @@ CUT_DEPTH = 1.5
 # Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
 # widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
 _STRIP_SLOPE = 0.2
+
+# Least sine of the angle between the mid-plane and a way out of the solid that leads aside: flanks
+# stand at less than 60 degrees to the mid-plane, the blunt ones at 40; a face that ends the body
+# stands across it.
+_ASIDE = 0.5
 
 START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
 """Rows of :attr:`CuttingEdges.segments`."""
@@ -40,15 +56,18 @@ class CuttingEdges:
     """a [mm], L e [mm], b and k of each segment, shape (n_edge, 4, 3)."""
     body: Ints
     """Tooth of each segment, shape (n_edge,)."""
+    solid: GridArrays
+    """Finds the tool's surface, for :func:`in_the_blade`."""
 
     @classmethod
     def of(cls, tool: Tool | None) -> CuttingEdges:
         """Collect the segments of a tool; none of no tool."""
+        solid = ClosestTriangleGrid.of(tool).arrays
         if tool is None:
-            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64))
+            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
-        return cls(np.stack(rows, axis=1), tool.edge_body)
+        return cls(np.stack(rows, axis=1), tool.edge_body, solid)
 
     def strip_boxes(self, beside: float) -> tuple[Floats, Floats]:
         """Return boxes around the strips of each tooth, low and high corners : (n_body, 3) [mm].
@@ -87,6 +106,29 @@ def strip_coordinates(p: Vec3, k: int, segments: Floats) -> tuple[float, float, 
     slack = _STRIP_SLOPE * depth
     owns = 0.0 <= depth < CUT_DEPTH and -slack <= along <= length + slack
     return along, lateral, depth, owns
+
+
+@inline
+def in_the_blade(
+    p: Vec3,
+    lateral: float,
+    k: int,
+    segments: Floats,
+    solid: tuple,  # type: ignore[type-arg]
+) -> bool:
+    """Return whether the blade is where a point behind segment k lies, or beside it.
+
+    p : in the body frame, [mm].  lateral : of it, from :func:`strip_coordinates`.  solid : as in
+    :class:`CuttingEdges`.
+    """
+    aside = segment_part(segments, k, NORMAL)
+    foot = combine(1.0, p, -lateral, aside)
+    _, inside, _, nearest, _, _ = signed_distance(foot, 0, *solid)
+    if not inside:
+        return False
+    way_out = sub(nearest, foot)
+    sideways = dot(way_out, aside)
+    return sideways * sideways >= _ASIDE * _ASIDE * dot(way_out, way_out)
 
 
 @inline

@@ -43,6 +43,8 @@ class Ledger:
     """Work that went into the contact from both sides, nodes and tool."""
     contact_stored: float = 0.0
     """Penalty energy, the recoverable part of it."""
+    contact_absorbed: float = 0.0
+    """What absorbed jumps have taken up of it; negative: what they have given to the film."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -72,6 +74,20 @@ class Ledger:
             + self.contact_work
             + self.damping
         )
+
+    def entries(self) -> dict[str, float]:
+        """Return works and energies that make up the balance, by the words for them."""
+        return {
+            "tool": self.tool_work,
+            "loads": self.load_work,
+            "supports": self.support_work,
+            "initial": self.initial,
+            "kinetic": self.kinetic,
+            "strain": self.strain,
+            "cables": self.cohesive_work + self.cohesive_start_work,
+            "contact": self.contact_work,
+            "damping": self.damping,
+        }
 
     @property
     def imbalance(self) -> float:

@@ -8,10 +8,12 @@ import numpy as np
 
 from ._jit import Bools, Floats
 
-# Imbalance and kinetic energy are compared with the tool's work from this angle on [degrees], or
-# after a tenth of a straight way: at the start next to no work has been done to compare with.
-_TRUSTED_FROM_DEG = 10.0
-_TRUSTED_FROM_SHARE = 0.1
+# Imbalance and kinetic energy are compared with the tool's work where that is at least this part of
+# the most it ever is: at first touch there is next to nothing to compare with.
+_COMPARED_FROM = 0.1
+
+# A share below this, relative to the largest, is not drawn: thinner than a line.
+_NEGLIGIBLE_SHARE = 2e-3
 
 
 def work_put_in(history: Mapping[str, Floats]) -> Floats:
@@ -20,36 +22,47 @@ def work_put_in(history: Mapping[str, Floats]) -> Floats:
 
 
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return where the work is by name, each of shape (n_row,), [N·mm]."""
-    return {
+    """Return where the work is by name, each of shape (n_row,), [N·mm].
+
+    What absorbed jumps took from the contact's share or gave the film is a share of its own
+    unless it is negligible.
+    """
+    shares = {
         "cables": history["cohesive_work"] + history["cohesive_start_work"],
         "damping": history["damping_stiffness"] + history["damping_mass"],
         "strain": history["strain"],
         "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
         "contact": history["contact_work"],
     }
+    absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions have none
+    largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
+    if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:
+        shares["contact"] = shares["contact"] - absorbed
+        shares["absorbed jumps"] = absorbed
+    return shares
 
 
-def trusted_rows(coordinate: Floats, unit: str, end: float) -> Bools:
+def trusted_rows(history: Mapping[str, Floats]) -> Bools:
     """Return in which rows the tool has done enough work to compare with, shape (n_row,).
 
-    Parameters
-    ----------
-    coordinate : ndarray, shape (n_row,)
-        Angle or path.
-    unit : str
-        ``"deg"`` or ``"mm"``.
-    end : float
-        Where the run ends, in that unit.
+    These are the rows with a tenth of the most that it has done in the run, short or long; none of
+    a run in which it has done no work.
+
+    Examples
+    --------
+    >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
+    array([False, False,  True,  True])
     """
-    start = _TRUSTED_FROM_DEG if unit == "deg" else _TRUSTED_FROM_SHARE * end
-    return np.asarray(coordinate >= start)
+    work = np.abs(history["tool_work"])
+    finite = np.isfinite(work)
+    most = work[finite].max(initial=0.0)
+    return np.asarray(finite & (work > 0.0) & (work >= _COMPARED_FROM * most))
 
 
 def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
     """Return the largest imbalance and kinetic energy relative to the tool's work, [-].
 
-    Nothing if no row can be trusted: a run that ended so early has closed no balance.
+    Nothing if no row can be trusted: where the tool has done no work there is no balance to close.
 
     Examples
     --------

@@ -17,6 +17,8 @@ import scipy
 
 from ._jit import Floats, Ints
 from .connected_parts import connected_parts
+from .film_doubts import film_doubts
+from .film_size import check_film_size
 from .formats.abaqus import read_abaqus
 from .formats.errors import FileError, named
 from .formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, FileMesh
@@ -125,7 +127,7 @@ def read_film(
     film.drop_unused()
     film.turn()
     try:
-        return Mesh.from_arrays(
+        mesh = Mesh.from_arrays(
             film.nodes,
             film.quads,
             node_sets=film.node_sets,
@@ -136,6 +138,8 @@ def read_film(
         raise MeshError(
             f"{path} holds no film (ids count from 0 in the order of the file): {problem}"
         ) from None
+    film.say(*film_doubts(mesh))
+    return mesh
 
 
 class _Film:
@@ -228,6 +232,7 @@ class _Film:
 
     def split(self) -> None:
         n_triangle, n_quad = len(self.triangles), len(self.quads)
+        check_film_size(3 * n_triangle + 4 * n_quad, "mesh coarser, or with quads only")
         split = split_in_quads(self.nodes, self.quads, self.triangles)
         for name, members in self.node_sets.items():
             if name in self.lines:

@@ -31,6 +31,8 @@ class FrameOutput:
         Whether to write PVD + VTU too.
     mode, until
         As :class:`GrowingFile`, ``until`` in s.
+    announce : callable, optional
+        Given the path of each further file before it is written.
 
     Raises
     ------
@@ -46,7 +48,9 @@ class FrameOutput:
         pvd: bool = False,
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
+        announce: Callable[[Path], None] = lambda _: None,
     ) -> None:
+        self._announce = announce
         self._result = VtkHdfWriter(result_file(folder, name), mode=mode, until=until)
         try:
             self._pvd = self._pvd_writer(frame_list(folder, name)) if pvd else None
@@ -55,6 +59,8 @@ class FrameOutput:
             raise
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
+        self.failed = False
+        """Whether a frame that was handed over is not in the files."""
 
     def append(self, make: Callable[[], Frame]) -> None:
         """Begin to make and write a frame; raises what went wrong with the one before it."""
@@ -65,7 +71,27 @@ class FrameOutput:
         """Wait until all frames are in the files; raises what went wrong with the last."""
         writing, self._writing = self._writing, None
         if writing is not None:
-            writing.result()
+            try:
+                writing.result()
+            except BaseException:
+                self.failed = True
+                raise
+
+    def sync(self) -> None:
+        """Settle, and wait until the result file is on the disk.
+
+        Raises
+        ------
+        OSError
+            If it cannot be.
+        """
+        self.settle()
+        self._result.sync()
+
+    def check(self) -> None:
+        """Raise what went wrong with the last frame, without waiting for one on its way."""
+        if self._writing is not None and self._writing.done():
+            self.settle()
 
     def close(self) -> None:
         """Settle and close the files; a second call does nothing."""
@@ -79,8 +105,9 @@ class FrameOutput:
 
     def _pvd_writer(self, path: Path) -> PvdWriter:
         if self._result.goes_on:  # with the frames that are kept there
-            return PvdWriter(path, mode="a", until=self._result.last_time)
-        return PvdWriter(path)
+            until = self._result.last_time
+            return PvdWriter(path, mode="a", until=until, announce=self._announce)
+        return PvdWriter(path, announce=self._announce)
 
     def _write(self, frame: Frame) -> None:
         self._result.append(frame)

@@ -2,13 +2,19 @@
 
 Five freedoms a node: x, y, z and the turns of the director along two unit tangents b_1, b_2, with
 b_1 x b_2 = t. A turn (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold translations
-along axes, which drop out, and spins about axes, which leave those turns whose spin vector has no
-part along a held axis: both of them, one direction, or none. Where one direction is left, b_1 is
-that direction, so what is left is always a choice of freedoms and never a combination: ``free``.
+along axes, which drop out, and spins about axes, which leave two turns, one or none
+(:mod:`shellcut.support`). Where one is left, b_1 is its direction, so what is left is always a
+choice of freedoms and never a combination: ``free``.
 
-The spins s_k of the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns a node;
-its rank counts the turns that are held, and its right singular vector of singular value zero is
-the turn that is left.
+The spins of a turn about the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns
+a node. The turn that is left is its right singular vector of least singular value: of one held axis
+that is zero; of two, f being left, it is |t·f|, and the turn is the one that rotates t about f. It
+then takes t along a cone, not along a great circle, by the spin vector
+
+    a_1 (b_2 + c t),    c = (t·f) / (b_2·f),
+
+which is along f; and since t'' = -t + c b_2 on the cone, the second derivative of the energy W
+has the term c W_t·b_2 besides.
 
 The free freedoms stand in the order of a *nested dissection* (George 1973): the nodes of a strip
 that parts the film in two come last, each part before it is ordered likewise. Factors of a
@@ -27,9 +33,8 @@ from .shell import MITC4Shell
 from .state import State
 from .tangent import N_FREEDOM
 
-# A turn counts as held when its spin about a held axis exceeds this: the sine of an angle between
-# a director and an axis that is zero but for round-off.
-_HELD = 1e-9
+# The sine of an angle between a director and an axis that is zero but for round-off.
+_PARALLEL = 1e-9
 
 # Nodes of a part that is not dissected further; between 8 and 32 it makes no difference.
 _SMALL_PART = 16
@@ -53,6 +58,8 @@ class Freedoms:
         self.n_node = state.n_node
         self.basis = np.empty((self.n_node, 2, 3))
         self.free = np.empty(0, np.int64)
+        self._cone = np.zeros(self.n_node)
+        self._cone_diagonal: Floats | None = None
         self._turned = np.empty(self.n_node, np.complex128)
         order = _dissection(state.node.X[: self.n_node], state.quads)
         self._order = (5 * order[:, None] + np.arange(5)).ravel()
@@ -67,15 +74,24 @@ class Freedoms:
         free = np.ones((self.n_node, 5), np.bool_)
         free[:, :3] = ~support[:, :3]
         held = np.flatnonzero(support[:, 3:].any(axis=1))
+        axes = support[held, 3:]
         b1, b2 = self.basis[held, 0], self.basis[held, 1]
-        spin = np.where(support[held, 3:, None], np.stack([b2, -b1], axis=2), 0.0)
+        spin = np.where(axes[:, :, None], np.stack([b2, -b1], axis=2), 0.0)
         _, size, direction = np.linalg.svd(spin, full_matrices=False)
-        rank = (size > _HELD).sum(axis=1)
-        cos, sin = np.where(rank == 1, direction[:, 1].T, [[1.0], [0.0]])
+        n_axis = axes.sum(axis=1)
+        # Of two axes the larger size is one, the lesser less unless t is along the third.
+        lost = (n_axis == 3) | ((n_axis == 2) & (size[:, 1] > np.sqrt(1.0 - _PARALLEL**2)))
+        one = ~lost & (size[:, 0] > _PARALLEL)
+        cos, sin = np.where(one, direction[:, 1].T, [[1.0], [0.0]])
         self._turned[held] = cos + 1j * sin
         self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
         self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
-        free[held, 3], free[held, 4] = rank < 2, rank < 1
+        free[held, 3], free[held, 4] = ~lost, ~lost & ~one
+        self._cone[:] = 0.0
+        on_cone = held[one & (n_axis == 2)]
+        axis = ~support[on_cone, 3:]
+        t = self._state.node.t[on_cone]
+        self._cone[on_cone] = t[axis] / self.basis[on_cone, 1][axis]
         self.free = self._order[free.ravel()[self._order]]
 
     def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> scipy.sparse.csc_array:
@@ -91,7 +107,31 @@ class Freedoms:
         quads = self._state.quads
         tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
         _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
-        return self._pattern.assemble(tangent)
+        self._cone_diagonal = self._cone_stiffness(shell)
+        return self._pattern.assemble(tangent, self._cone_diagonal)
+
+    def product(self, shell: MITC4Shell, u: Floats, bent: Floats | None = None) -> Floats:
+        """Return the stiffness times a vector over all freedoms, through the strains.
+
+        The same as by the matrix last assembled but for round-off, which is less by far where the
+        film is thin (:mod:`shellcut.tangent`).
+        """
+        displacement, spin = self.split(u)
+        turn = np.cross(spin, self._state.node.t[: self.n_node])
+        force = self.gather(*shell.tangent_product(self._state, displacement, turn, bent))
+        return force if self._cone_diagonal is None else force + self._cone_diagonal * u
+
+    def _cone_stiffness(self, shell: MITC4Shell) -> Floats | None:
+        """Return what turns along cones add to the diagonal; nodal forces are overwritten."""
+        if not self._cone.any():
+            return None
+        node, n = self._state.node, self.n_node
+        node.force_rows[:n] = 0.0
+        shell.add_forces(self._state)
+        diagonal = np.zeros((n, 5))
+        pull = np.einsum("ni,ni->n", self.basis[:, 1], node.director_force[:n])
+        diagonal[:, 3] = -self._cone * pull
+        return diagonal.ravel()
 
     def restrict(self, stiffness: scipy.sparse.csc_array) -> scipy.sparse.csc_array:
         """Return the free rows and columns of an assembled stiffness."""
@@ -128,8 +168,10 @@ class Freedoms:
         """
         displacement, spin = self.split(u)
         node, quads = self._state.node, self._state.quads
+        along = self._cone * u.reshape(self.n_node, 5)[:, 3]
         bent = np.zeros((quads.shape[0], N_STRAIN))
         turn = np.cross(spin, node.t[: self.n_node])
+        spin += along[:, None] * node.t[: self.n_node]
         _take_linear_products(
             x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent
         )
@@ -147,12 +189,16 @@ class _Pattern:
         row, column = np.repeat(ids, N_FREEDOM, axis=1), np.tile(ids, (1, N_FREEDOM))
         key, slot = np.unique(column.ravel() * n + row.ravel(), return_inverse=True)
         self._n, self._slot, self._row = n, slot, key % n
+        self._diagonal = np.searchsorted(key, np.arange(n) * (n + 1))
         self._start = np.searchsorted(key // n, np.arange(n + 1))
         self._free: Ints = np.empty(0, np.int64)
         self._part: scipy.sparse.csc_array = scipy.sparse.csc_array((0, 0))
 
-    def assemble(self, tangent: Floats) -> scipy.sparse.csc_array:
-        data = np.bincount(self._slot, weights=tangent.ravel(), minlength=self._row.size)
+    def assemble(self, tangent: Floats, diagonal: Floats | None) -> scipy.sparse.csc_array:
+        weights, n_entry = tangent.ravel(), self._row.size
+        data: Floats = np.bincount(self._slot, weights, n_entry).astype(float, copy=False)
+        if diagonal is not None:
+            data[self._diagonal] += diagonal
         return self._matrix(data)
 
     def restrict(self, stiffness: scipy.sparse.csc_array, free: Ints) -> scipy.sparse.csc_array:

@@ -42,6 +42,16 @@ class GrowingFile:
         self.goes_on = mode == "a" and self.path.exists()
         """Whether there is an interrupted run's file to go on with."""
 
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk, where a power cut does not reach it.
+
+        Raises
+        ------
+        OSError
+            If it cannot be.
+        """
+        raise NotImplementedError
+
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         raise NotImplementedError

@@ -17,6 +17,7 @@ import numpy as np
 
 from .frame import Floats
 from .growing_file import GrowingFile
+from .whole_file import write_all
 
 _FORBIDDEN = ',"[]\r\n'
 _SHOWN_BYTES = 120  # as much of a foreign file's first line as an error message quotes
@@ -78,7 +79,8 @@ class HistoryWriter(GrowingFile):
             self._file.seek(kept)
         else:
             self._file = self.path.open("wb", buffering=0)
-            self._file.write((_header(self.columns) + "\n").encode())
+            write_all(self._file, (_header(self.columns) + "\n").encode())
+        self._can_be_told = self._is_the_one_there()
 
     def append(self, row: Mapping[str, float]) -> None:
         """Write one row; its keys must be the names of the columns, all of them.
@@ -87,6 +89,9 @@ class HistoryWriter(GrowingFile):
         ------
         KeyError
             If names are missing or unknown; nothing is written then.
+        OSError
+            If the disk is full; of the row there may be a part then, which is dropped when the file
+            is gone on with.
         """
         if tuple(row) != self._names:
             missing = [name for name in self._names if name not in row]
@@ -95,11 +100,31 @@ class HistoryWriter(GrowingFile):
                 raise KeyError(f"history row: missing {missing}, unknown {unknown}")
             row = {name: row[name] for name in self._names}
         line = ",".join(map(repr, map(float, row.values()))) + "\n"
-        self._file.write(line.encode("ascii"))
+        write_all(self._file, line.encode("ascii"))
+
+    def in_place(self) -> bool:
+        """Whether the file is still where it was begun: nobody has moved or removed it."""
+        return self._is_the_one_there() if self._can_be_told else self.path.exists()
+
+    def sync(self) -> None:
+        """Wait until all rows are on the disk.
+
+        Raises
+        ------
+        OSError
+            If they cannot be.
+        """
+        os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         self._file.close()
+
+    def _is_the_one_there(self) -> bool:
+        try:
+            return os.path.samestat(os.fstat(self._file.fileno()), self.path.stat())
+        except FileNotFoundError:
+            return False
 
     def _check_columns(self) -> None:
         if not self.columns:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .resistance import Resistance
+from .cut_front import CutFront
+from .resistance import COMPONENTS, Resistance
 from .simulation import Simulation
+from .steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
 
 _ENERGIES = (
     "tool_work",
@@ -20,6 +22,7 @@ _ENERGIES = (
     "cohesive_dissipated",
     "contact_work",
     "contact_stored",
+    "contact_absorbed",
     "damping_stiffness",
     "damping_mass",
 )
@@ -27,7 +30,7 @@ _ENERGIES = (
 
 
 def history_row(
-    sim: Simulation, resistance: Resistance, *, unfelt: float
+    sim: Simulation, resistance: Resistance, front: CutFront, *, unfelt: float
 ) -> Iterator[tuple[str, str, float]]:
     """Yield name, unit and value of every column.
 
@@ -39,6 +42,8 @@ def history_row(
         Between two steps, with a tool.
     resistance : Resistance
         Of its motion.
+    front : CutFront
+        Of its cuts.
     unfelt : float
         How deep the tool was between nodes without being felt, when last looked at [mm].
     """
@@ -46,15 +51,19 @@ def history_row(
     contact, joints = sim.contact_forces.wrench, sim.cable_forces.wrench
     yield "time", "s", s.time
     yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
-    of_contact = r.of(contact.sum(axis=0), sim.translation)
-    of_joints = r.of(joints.sum(axis=0), sim.translation)
+    contact_sum, joints_sum = contact.sum(axis=0), joints.sum(axis=0)
+    of_contact = r.of(contact_sum, sim.translation, s.time)
+    of_joints = r.of(joints_sum, sim.translation, s.time)
     for (figure, unit), c, j in zip(r.columns, of_contact, of_joints, strict=True):
         yield figure, unit, c + j
         yield f"{figure}_contact", unit, c
         yield f"{figure}_joints", unit, j
     first, unit = r.columns[0]
     for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
-        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.translation)[0]
+        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.translation, s.time)[0]
+    whole = r.components(contact_sum + joints_sum, sim.translation)
+    for (component, unit), value in zip(COMPONENTS, whole, strict=True):
+        yield component, unit, value
     book = sim.close_ledger()
     for energy in _ENERGIES:
         yield energy, "N*mm", getattr(book, energy)
@@ -65,5 +74,10 @@ def history_row(
     yield "cables_jointed", "-", sim.n_joint_made
     yield "cables_broken", "-", sim.n_cable_broken
     yield "crack_length", "mm", s.crack_length
+    for edge, (length, zone, ahead, spare) in enumerate(front.rows(sim).tolist(), start=1):
+        yield f"{CUT_LENGTH}{edge}", "mm", length
+        yield f"{PROCESS_ZONE}{edge}", "mm", zone
+        yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
+        yield f"{TO_SPARE}{edge}", "mm", spare
     yield "deepest_penetration", "mm", sim.contact_forces.deepest
     yield "unfelt_penetration", "mm", unfelt

@@ -8,8 +8,10 @@ Velocities live at half steps, positions and forces at whole steps:
 and likewise the spin omega of the director, with the moment t x g of the director force g and the
 scaled inertia. The spin lies in the tangent plane: the moment is normal to t_n, and the Cayley
 rotation about omega keeps omega normal to the new director, so that there is no drilling freedom to
-eliminate. With the kinetic energy taken as ½ m v_{n-1/2} · v_{n+1/2} and every work as
-½ (f_{n-1} + f_n) · Δx, the energy balance of a constant step is an identity to round-off.
+eliminate. Where a support leaves a director one axis f to turn about, omega stays along f, and a
+director not normal to f goes on a cone. With the kinetic energy taken as
+½ m v_{n-1/2} · v_{n+1/2} and every work as ½ (f_{n-1} + f_n) · Δx, the energy balance of a
+constant step is an identity to round-off.
 
 The first kick, from v_0 at t_0, is a half one. Mass damping (alpha) enters the balance with errors
 of the order alpha dt.
@@ -27,6 +29,9 @@ from .lane_instructions import WIDTH
 from .lanes import align_stack, along, at, put_at, row_columns, total, zero
 from .state import State
 from .threads import NODE_CHUNK, Workers, in_order
+
+# Square of the sine below which a director counts as along the axis its spin is held about.
+_POLE = 1e-18
 
 
 class KickResult(NamedTuple):
@@ -166,6 +171,26 @@ def _kick_nodes(
 
 
 @always_inline
+def _one_spin_held(n: int, support: Bools, rate: Floats, t: Vec3, free: Vec3) -> tuple[Vec3, bool]:
+    """Return the spin of a director that is held about one axis h, and whether it is.
+
+    It turns about h as prescribed, and freely about h x t: in the plane of h and t. A director
+    along h has no such plane, and none is held.
+    """
+    h = (
+        1.0 if support[n, 3] else 0.0,
+        1.0 if support[n, 4] else 0.0,
+        1.0 if support[n, 5] else 0.0,
+    )
+    axis = cross(h, t)
+    square = dot(axis, axis)
+    if dot(h, h) != 1.0 or square < _POLE:
+        return free, False
+    about_h = dot(h, (rate[n, 3], rate[n, 4], rate[n, 5]))
+    return combine(about_h, h, dot(axis, free) / square, axis), True
+
+
+@always_inline
 def _kick_supported(
     n: int,
     first: int,
@@ -173,6 +198,7 @@ def _kick_supported(
     dt: float,
     alpha: float,
     m: float,
+    t: Vec3,
     force: Vec3,
     support: Bools,
     support_rate: Floats,
@@ -181,7 +207,8 @@ def _kick_supported(
 ) -> tuple[Vec3, float, float, float]:
     """Return a supported node's velocity after the kick, m v·v', the damping's sum and the work.
 
-    ``first`` is 0 for translation and 3 for rotation; reaction : (n_node, 6) is written.
+    ``first`` is 0 for translation and 3 for rotation, t the director; reaction : (n_node, 6) is
+    written.
     """
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     push = dt / (1.0 + 0.5 * alpha * dt) / m
@@ -193,9 +220,14 @@ def _kick_supported(
         support_rate[n, first + 1] if support[n, first + 1] else free[1],
         support_rate[n, first + 2] if support[n, first + 2] else free[2],
     )
+    in_plane = False
+    if first == 3:
+        spin, in_plane = _one_spin_held(n, support, support_rate, t, free)
+        if in_plane:
+            after = spin
     for c in range(3):
         v, w = before[c], after[c]
-        if support[n, first + c]:
+        if support[n, first + c] or in_plane:
             r = m * (rate * (w - v) + 0.5 * alpha * (w + v)) - force[c]
             work += 0.5 * (reaction[n, first + c] + r) * v * dt_last
             reaction[n, first + c] = r
@@ -239,8 +271,9 @@ def _kick(
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for i in range(first_supported[chunk], first_supported[chunk + 1]):
             n = supported[i]
+            director = load(t, n)
             force = rows[n, 0], rows[n, 1], rows[n, 2]
-            moment = cross(load(t, n), (rows[n, 3], rows[n, 4], rows[n, 5]))
+            moment = cross(director, (rows[n, 3], rows[n, 4], rows[n, 5]))
             v, kinetic, damping, work = _kick_supported(
                 n,
                 0,
@@ -248,6 +281,7 @@ def _kick(
                 dt,
                 alpha,
                 mass[n],
+                director,
                 force,
                 support,
                 support_rate,
@@ -261,6 +295,7 @@ def _kick(
                 dt,
                 alpha,
                 inertia[n],
+                director,
                 moment,
                 support,
                 support_rate,

@@ -39,6 +39,11 @@ class Interruption:
         """Whether a signal has come."""
         return self._number is not None
 
+    @property
+    def ends_process(self) -> bool:
+        """Whether the signal that was held back, if any, ends the process at once."""
+        return self._number is not None and signal.getsignal(self._number) is signal.SIG_DFL
+
     def deliver(self) -> None:
         """Raise the signal that was held back, if any, after the block.
 

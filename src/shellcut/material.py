@@ -43,8 +43,8 @@ class Elastic:
         problems = []
         if not (math.isfinite(self.young) and self.young > 0):
             problems.append(f"young must be a positive modulus in MPa, got {self.young!r}")
-        if not -1.0 < self.poisson < 0.5:
-            problems.append(f"poisson must lie between -1 and 0.5, got {self.poisson!r}")
+        if not -1.0 < self.poisson <= 0.5:
+            problems.append(f"poisson must lie above -1 and not above 0.5, got {self.poisson!r}")
         if not (math.isfinite(self.density) and self.density > 0):
             problems.append(
                 f"density must be positive in t/mm³, got {self.density!r}; "

@@ -25,18 +25,14 @@ from ._jit import Floats, Ints
 from .mesh_checks import (
     MAX_VALENCE,
     MeshError,
-    QuadSides,
     cast_sets,
     checked_arrays,
-    corner_vectors,
-    edge_lengths,
     error,
     look_up,
-    norm,
     place,
-    scaled_jacobian,
     some,
 )
+from .quad_geometry import QuadSides, corner_vectors, edge_lengths, norm, scaled_jacobian
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
 
@@ -133,11 +129,15 @@ class Mesh:
             Named ids, no id twice in a set.
         directors : array_like, shape (n_node, 3), optional
             Unit directors on the side of the normals; scaled to exact unit length. By default the
-            area-weighted mean of the corner normals at each node.
+            area-weighted mean of the corner normals at each node. The mean of a quad's four must
+            lie within 5° of its normal, more only where it makes folds with its neighbours, and
+            each within 45° of the default: thickness is measured along the director.
         origin : array_like of int, shape (n_node,), optional
             For a mesh that was cut before: the node each node was duplicated from.
         max_fold_deg : float
-            Largest angle [degrees] between the normals of two neighbouring quads.
+            Largest angle [degrees] between the normals of two neighbouring quads. Larger ones than
+            the default's, on a very coarse mesh of a curved film, cost accuracy; a real fold is
+            not for these shells, whatever the number.
 
         Returns
         -------

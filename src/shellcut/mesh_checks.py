@@ -14,6 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ._jit import Bools, Floats, Ints
+from .quad_geometry import (
+    QuadSides,
+    angles_deg,
+    corner_vectors,
+    edge_lengths,
+    mean_directors,
+    norm,
+    quad_vectors,
+    scaled_jacobian,
+    unit,
+)
 
 MAX_VALENCE = 12
 """Most quads one node may join: the split kernels keep a node's fan in an array of this length."""
@@ -22,7 +33,13 @@ _NAMED = 5  # offenders named in a message; a thousand bad quads need no thousan
 _MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; below it round-off decides
 _MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
 _DIRECTOR_LENGTH = 1e-6  # | |T| - 1 | let through, then scaled to one: text files carry 7 digits
-_FLAT = 1e-12  # directors this near to their mean are the mean: round-off of a plane mesh
+# Thickness is measured along the director: a film all of whose directors lean by 5° is 0.4 % too
+# thin and up to 1.2 % too soft, by 10° four times that. The mean over a quad of exact normals is
+# its own normal, and a single node that leans by 45° costs 2 %; mean normals at a rim lean by part
+# of the fold between their quads.
+_QUAD_LEAN_DEG = 5.0
+_NODE_LEAN_DEG = 45.0
+_LEAN_OF_FOLD = 0.75
 
 
 class MeshError(ValueError):
@@ -68,11 +85,13 @@ def checked_arrays(
             if given is not None:
                 _check_directors(X, Q, given, sound, problems)
     if given is None and not problems:
-        given = _mean_directors(X, Q)
+        given = mean_directors(X, Q)
         _check_directors(X, Q, given, sound, problems)
+    elif given is not None and not problems:
+        _check_lean(X, Q, edges, given, max_fold_deg, problems)
     if given is None or problems:
         raise error(problems)
-    T = _unit(given)
+    T = unit(given)
     return X, Q, T, named_nodes, named_quads, ancestors
 
 
@@ -298,7 +317,7 @@ def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> N
 def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bools:
     lengths = edge_lengths(X, Q)
     longest = lengths.max(axis=1)
-    flat = norm(_quad_vectors(X, Q)) <= _MIN_RELATIVE_AREA * longest**2
+    flat = norm(quad_vectors(X, Q)) <= _MIN_RELATIVE_AREA * longest**2
     flat |= lengths.min(axis=1) <= _MIN_RELATIVE_EDGE * longest
     flat &= among
     if flat.any():
@@ -325,18 +344,16 @@ def _check_folds(
     one, two, alike = edges.neighbours()
     alike &= sound[one] & sound[two]
     one, two = one[alike], two[alike]
-    normals = _unit(_quad_vectors(X, Q))
-    # the arc tangent keeps small angles, which an arc cosine rounds away
-    sine = norm(np.cross(normals[one], normals[two]))
-    cosine = np.einsum("ij,ij->i", normals[one], normals[two])
-    angle = np.degrees(np.arctan2(sine, cosine))
+    normals = quad_vectors(X, Q)
+    angle = angles_deg(normals[one], normals[two])
     folded = angle > limit_deg
     if folded.any():
         problems.append(
             f"normals of neighbouring quads must differ by {limit_deg:g} degrees at most, got "
             f"{some(angle[folded], '{:.1f}'.format)} between "
             f"{_quad_pairs(one[folded], two[folded], X, Q)}; five-parameter nodes are for smooth "
-            "shells only: refine a curved sheet, round a fold, or raise max_fold_deg"
+            "shells only: refine a curved sheet, round a fold by several quads across it; one that "
+            "stays sharp cannot be modelled"
         )
 
 
@@ -362,6 +379,34 @@ def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: 
         )
 
 
+def _check_lean(
+    X: Floats, Q: Ints, edges: QuadSides, given: Floats, max_fold_deg: float, problems: list[str]
+) -> None:
+    normals = quad_vectors(X, Q)
+    one, two, _ = edges.neighbours()
+    fold = np.zeros(len(Q))
+    for side in (one, two):
+        np.maximum.at(fold, side, angles_deg(normals[one], normals[two]))
+    lean = angles_deg(given[Q].sum(axis=1), normals)
+    limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
+    if len(bad := np.flatnonzero(lean > limit)):
+        problems.append(
+            "directors must stand on the film, the mean of a quad's within "
+            f"{_QUAD_LEAN_DEG:g} degrees of its normal where the film is flat, got "
+            f"{_quad_places(bad, X, Q)} with directors that lean by "
+            f"{some(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
+            "them out for the mean normals"
+        )
+    lean = angles_deg(given, mean_directors(X, Q))
+    most = max(_NODE_LEAN_DEG, _LEAN_OF_FOLD * max_fold_deg)
+    if len(bad := np.flatnonzero(lean > most)):
+        problems.append(
+            f"directors must lie within {most:g} degrees of the mean normal of their quads, got "
+            f"{_places(bad, X)} that lean by {some(lean[bad], '{:.3g}'.format)} degrees; give "
+            "normals of the surface, or leave them out for the mean normals"
+        )
+
+
 def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
     """Return a named set; a wrong name is answered with those there are, nearest first."""
     try:
@@ -373,93 +418,3 @@ def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
         raise MeshError(
             f"{kind} set must be one of those present ({names}), got {name!r}{hint}"
         ) from None
-
-
-# --- adjacency and geometry ----------------------------------------------------------------------
-
-
-class QuadSides:
-    """The sides of some quads grouped by edge.
-
-    The sides on edge k, whose ends are ``nodes[k]``, belong to
-    ``quads[start[k] : start[k] + n_quad[k]]``.
-    """
-
-    def __init__(self, quads: Ints, n_node: int, ids: Ints) -> None:
-        tail = quads[ids]
-        head = np.roll(tail, -1, axis=1)
-        keys = (np.minimum(tail, head) * n_node + np.maximum(tail, head)).ravel()
-        order = np.argsort(keys, kind="stable")
-        keys = keys[order]
-        self.quads = ids[order // 4]
-        self.start = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]]))[: len(keys)]
-        self.n_quad = np.diff(np.append(self.start, len(keys))).astype(np.int64)
-        keys = keys[self.start]
-        self.nodes = np.stack([keys // n_node, keys % n_node], axis=1)
-        self._forward = (tail < head).ravel()[order]  # the side runs from lower to higher id
-
-    def neighbours(self) -> tuple[Ints, Ints, Bools]:
-        """Return the two quads of every inner edge, and whether they turn the same way."""
-        start = self.start[self.n_quad == 2]
-        turning_alike = self._forward[start] != self._forward[start + 1]
-        return self.quads[start], self.quads[start + 1], turning_alike
-
-
-def norm(vectors: Floats) -> Floats:
-    """Return the length of every row."""
-    length: Floats = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return length
-
-
-def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:
-    """Return the edge vectors p and q of corner ``a`` of every quad."""
-    at = X[quads[:, a]]
-    return X[quads[:, (a + 1) % 4]] - at, X[quads[:, (a + 3) % 4]] - at
-
-
-def _quad_vectors(X: Floats, quads: Ints) -> Floats:
-    # vector areas [mm²], half the cross product of the diagonals, along the mean normals
-    diagonals = X[quads[:, 2]] - X[quads[:, 0]], X[quads[:, 3]] - X[quads[:, 1]]
-    vectors: Floats = 0.5 * np.cross(*diagonals)
-    return vectors
-
-
-def edge_lengths(X: Floats, quads: Ints) -> Floats:
-    """Return the edge lengths of every quad, from corner a to a+1."""
-    sides = (X[quads[:, (a + 1) % 4]] - X[quads[:, a]] for a in range(4))
-    return np.stack([norm(side) for side in sides], axis=1)
-
-
-def _unit(vectors: Floats) -> Floats:
-    # rows of length zero stay zero; they are reported as degenerate
-    length = norm(vectors)[:, None]
-    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
-    return unit
-
-
-def scaled_jacobian(X: Floats, quads: Ints) -> Floats:
-    """Return the least scaled Jacobian of every quad; see :meth:`Mesh.scaled_jacobian`."""
-    normals = _unit(_quad_vectors(X, quads))
-    least = np.ones(len(quads))
-    for a in range(4):
-        p, q = corner_vectors(X, quads, a)
-        jacobian = np.einsum("ij,ij->i", np.cross(p, q), normals)
-        lengths = norm(p) * norm(q)
-        scaled = np.divide(jacobian, lengths, out=np.zeros(len(quads)), where=lengths > 0.0)
-        np.minimum(least, scaled, out=least)
-    return least
-
-
-def _mean_directors(X: Floats, quads: Ints) -> Floats:
-    # |p × q| is twice the area of the corner's triangle: the plain sum is area-weighted
-    sums = np.zeros_like(X)
-    for a in range(4):
-        vectors = np.cross(*corner_vectors(X, quads, a))
-        for i in range(3):
-            sums[:, i] += np.bincount(quads[:, a], weights=vectors[:, i], minlength=len(X))
-    T = _unit(sums)
-    mean = _unit(T.mean(axis=0, keepdims=True))
-    if np.abs(T - mean).max() < _FLAT:
-        T[:] = _unit(np.where(np.abs(mean) < _FLAT, 0.0, mean))
-    T += 0.0  # no negative zeros
-    return T

@@ -29,6 +29,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._jit import Floats, Ints
+from .film_size import MOST_QUADS, check_film_size
 from .mesh import Mesh, MeshError
 
 _CORE_SHAPE = ((-0.396, 0.20), (0.101, 0.57), (-0.146, -0.21), (0.226, 0.01))
@@ -83,10 +84,12 @@ def rectangle(
         if n_x is not None or n_y is not None:
             raise MeshError("specify either size or n_x and n_y, got both; leave one out")
         _check_positive(size=size)
+        check_film_size(length / size * (width / size), "enlarge size, or shrink the sheet")
         n_x, n_y = max(1, round(length / size)), max(1, round(width / size))
     elif n_x is None or n_y is None:
         raise MeshError("specify either size or both n_x and n_y, got neither; add size=...")
     _check_whole(n_x=n_x, n_y=n_y)
+    check_film_size(n_x * n_y, "lower n_x or n_y, or enlarge size")
     x = length * (np.arange(n_x + 1) / n_x)
     y = width * ((2 * np.arange(n_y + 1) - n_y) / (2 * n_y))
     ids = np.arange((n_x + 1) * (n_y + 1)).reshape(n_y + 1, n_x + 1)
@@ -159,6 +162,8 @@ def disc(
                 f"n_layer must exceed the {n_exact} layers between the rings, got {n_layer}; give "
                 f"{n_exact + 1} or more, or fewer ring_radii"
             )
+    n_quad = n_side**2 + 4 * n_side * (n_free + n_exact)
+    check_film_size(n_quad, "lower n_side or n_layer")
     core, grid = _core(n_side, n_free)
     circle = _circle(4 * n_side)
     # from the corner at -45 degrees counter-clockwise, then turned to begin at angle 0
@@ -222,6 +227,7 @@ def annulus(r_inner: float, r_outer: float, *, n_around: int, n_radial: int) -> 
         raise MeshError(f"r_inner must be below r_outer, got {r_inner:g} and {r_outer:g}")
     _check_whole(n_radial=n_radial)
     _check_whole(least=3, n_around=n_around)
+    check_film_size(n_around * n_radial, "lower n_around or n_radial")
     t = np.arange(n_radial + 1) / n_radial
     radii = (1.0 - t) * r_inner + t * r_outer
     nodes = radii[:, None, None] * _circle(n_around)
@@ -259,6 +265,7 @@ def cylinder(
     if arc_deg > 360.0:
         raise MeshError(f"arc_deg must be 360 at most, got {arc_deg:g}; 360 closes the cylinder")
     _check_whole(n_around=n_around, n_along=n_along)
+    check_film_size(n_around * n_along, "lower n_around or n_along")
     closed = arc_deg == 360.0
     n_column = n_around if closed else n_around + 1
     angle = np.radians(arc_deg) * ((2 * np.arange(n_column) - n_around) / (2 * n_around))
@@ -351,6 +358,8 @@ def _check_whole(*, least: int = 1, **counts: int) -> None:
     for name, value in counts.items():
         if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
             raise MeshError(f"{name} must be a whole number of {least} or more, got {value!r}")
+        if value > MOST_QUADS:
+            raise MeshError(f"{name} must be {MOST_QUADS:,} at most, the quads of the largest film")
 
 
 def _check_rings(radius: float, ring_radii: Sequence[float]) -> list[float]:

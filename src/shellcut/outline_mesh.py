@@ -17,10 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from ._jit import Floats, Ints
+from .film_size import check_film_size
 from .mesh import Mesh, MeshError
 
 CORNER_DEG = 30.0
 """A vertex at which the outline turns by more is a corner and becomes a node [deg]."""
+
+_MOST_EDGES = 50_000
+"""Along outline and holes; the check that they do not cross takes a minute for so many."""
 
 _ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: in turn if triangles stay
 _OPTIONS = {
@@ -74,6 +78,7 @@ def mesh_from_outline(
         _polygon(vertices, name) for vertices, name in zip((outline, *holes), names, strict=True)
     ]
     _check_apart(polygons, names)
+    _check_count(polygons, size)
     loops = [_divided(polygon, size) for polygon in polygons]
     _check_apart(loops, names)  # what is narrower than an edge may have been bridged
     with _gmsh() as gmsh:
@@ -86,6 +91,23 @@ def mesh_from_outline(
         f"Gmsh must find a mesh of quads only, it leaves {left} triangles; change size a little, "
         "or mind narrow places of the outline"
     )
+
+
+def _check_count(polygons: list[Floats], size: float) -> None:
+    # of quads by the area, and of edges along the outlines, which Gmsh is given one by one
+    area = _area(polygons[0]) - sum(_area(hole) for hole in polygons[1:])
+    check_film_size(area / size / size, "enlarge size, or shrink the outline")
+    around = sum(float(np.hypot(*(np.roll(p, -1, axis=0) - p).T).sum()) for p in polygons)
+    if not around / size <= _MOST_EDGES:
+        raise MeshError(
+            f"outline and holes must be {_MOST_EDGES:,} edges of a size around at most, got "
+            f"{around:.4g} mm at size {size:g} mm, {around / size:,.0f} edges: enlarge size"
+        )
+
+
+def _area(polygon: Floats) -> float:
+    x, y = (polygon - polygon[0]).T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
 
 def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:

@@ -1,11 +1,15 @@
 """How far a run is: a bar on a terminal, a plain line now and then elsewhere.
 
+How far is the share of the work that is done. Bar, lines, account and the time left all go by this
+one number; an angle or a path would not do: a tool starts slowly, may rest, or come back.
+
 Whatever goes wrong while showing it (a closed pipe, a full disk under a redirected stream) switches
 the display off; it never stops the run.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -16,6 +20,8 @@ BAR_INTERVAL = 0.2
 """Least time between two drawings of the bar [s]."""
 LINE_INTERVAL = 10.0
 """Least time between two plain lines [s]."""
+_ROUND_OFF = 1e-9
+"""A share of 0.2 may come as 0.19999999999999998."""
 
 
 class Progress:
@@ -23,17 +29,13 @@ class Progress:
 
     Parameters
     ----------
-    total : float
-        Where the run ends, in ``unit``.
     label : str
         What is running.
-    unit : str
-        Unit of the position, e.g. ``"deg"``.
     figure_units : mapping of str to str, optional
-        Units of the figures given to `update`, by name, e.g. ``{"torque": "N*mm", "imbalance":
+        Units of the figures given to `update`, by name, e.g. ``{"angle": "deg", "imbalance":
         "%"}``.
-    position_name : str
-        What the position is, e.g. ``"angle"``.
+    step_name : str
+        What is counted, in the plural.
     stream : text stream, optional
         Where to; standard error by default. On a terminal a bar is drawn in place, elsewhere
         plain lines are written, at most one every `LINE_INTERVAL`.
@@ -45,28 +47,24 @@ class Progress:
 
     def __init__(
         self,
-        total: float,
         label: str,
-        unit: str,
         *,
         figure_units: Mapping[str, str] | None = None,
-        position_name: str = "angle",
+        step_name: str = "steps",
         stream: TextIO | None = None,
         log: Callable[[str], None] | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._total = total
         self._label = label
-        self._unit = unit
         self._figure_units = dict(figure_units or {})
-        self._position_name = position_name
+        self._step_name = step_name
         self._stream = sys.stderr if stream is None else stream
         self._log = log
         self._clock = clock
         self._alive = self._stream is not None  # pythonw and some services have no stderr
         self._bar: _Bar | None = None
         self._due = -float("inf")
-        self._first: tuple[float, float] | None = None  # time, position
+        self._first: tuple[float, float] | None = None  # time, share
         self._shown: tuple[float, int] | None = None  # time, step
         self._latest: tuple[float, int, dict[str, float]] | None = None
         self._guard(self._begin)
@@ -77,27 +75,27 @@ class Progress:
         """Whether an update would be drawn now; asking costs 0.3 us."""
         return self._alive and (self._first is None or self._clock() >= self._due)
 
-    def update(self, position: float, *, step: int, **figures: float) -> None:
-        """Show the position and the figures if a drawing is due (0.5 us if none is).
+    def update(self, share: float, *, step: int, **figures: float) -> None:
+        """Show the share done and the figures if a drawing is due (0.5 us if none is).
 
         Parameters
         ----------
-        position : float
-            Where the run is, in the unit given.
+        share : float
+            Part of the work that is done, 0 to 1.
         step : int
-            Number of the time step, for the steps per second.
+            How many steps are done, for the steps per second.
         **figures : float
             What else is of interest, by name.
         """
-        if not self._alive:
+        if not self._alive or (self._shown is not None and step == self._shown[1]):
             return
         now = self._clock()
         if now < self._due and self._first is not None:
-            self._latest = position, step, figures
+            self._latest = share, step, figures
             return
         if self._first is None:
-            self._first = now, position
-        self._latest = position, step, figures
+            self._first = now, share
+        self._latest = share, step, figures
         self._due = now + self._interval
         self._guard(self._show)
 
@@ -108,7 +106,7 @@ class Progress:
         self._guard(lambda: self._bar.note(text) if self._bar else self._write(text))
 
     def close(self) -> None:
-        """Show the last position and end the display; a second call does nothing."""
+        """Show the last update and end the display; a second call does nothing."""
         if self._latest is not None:
             self._guard(self._show)
         if self._bar is not None:
@@ -136,28 +134,31 @@ class Progress:
 
     def _begin(self) -> None:
         if self._stream.isatty():
-            self._bar = _Bar.on_terminal(self._stream, self._total, self._label)
+            self._bar = _Bar.on_terminal(self._stream, self._label)
 
     def _show(self) -> None:
         assert self._latest is not None
         assert self._first is not None
-        position, step, figures = self._latest
+        share, step, figures = self._latest
+        self._latest = None
         now = self._clock()
-        texts = [f"{self._position_name} {_number(position, self._unit)}"]
-        for name, value in figures.items():
-            texts.append(f"{name} {_number(value, self._figure_units.get(name, ''))}")
+        texts = [
+            f"{name} {_number(value, self._figure_units.get(name, ''))}"
+            for name, value in figures.items()
+        ]
         if self._shown is not None and now > self._shown[0] and step > self._shown[1]:
-            texts.append(f"{(step - self._shown[1]) / (now - self._shown[0]):,.0f} steps/s")
+            speed = (step - self._shown[1]) / (now - self._shown[0])
+            texts.append(f"{_speed(speed)} {self._step_name}/s")
         self._shown = now, step
         began, start = self._first
-        if position > start:
-            left = (now - began) * (self._total - position) / (position - start)
+        if share > start:
+            left = (now - began) * (1.0 - share) / (share - start)
             texts.append(f"{_duration(left)} left")
+        text = ", ".join(texts)
         if self._bar:
-            self._bar.draw(position, ", ".join(texts))
+            self._bar.draw(share, text)
         else:
-            done = 100.0 * position / self._total if self._total else 100.0
-            line = f"{done:.0f} %: {', '.join(texts)}"
+            line = f"{percent(share)} %: {text}"
             if self._log is not None:
                 self._log(line)
             self._write(line)
@@ -170,13 +171,13 @@ class Progress:
 class _Bar:
     # A bar of rich, drawn only when told to: no thread beside the time loop.
 
-    def __init__(self, bar: Any, label: str, total: float) -> None:
+    def __init__(self, bar: Any, label: str) -> None:
         self._bar = bar
-        self._task = bar.add_task(label, total=total, text="")
+        self._task = bar.add_task(label, total=1.0, done=0, text="")
         bar.start()
 
     @classmethod
-    def on_terminal(cls, stream: TextIO, total: float, label: str) -> _Bar | None:
+    def on_terminal(cls, stream: TextIO, label: str) -> _Bar | None:
         try:
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn
@@ -189,13 +190,14 @@ class _Bar:
         columns = (
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
-            TextColumn("{task.percentage:.0f} %"),
+            TextColumn("{task.fields[done]} %"),
             TextColumn("{task.fields[text]}", markup=False),
         )
-        return cls(RichProgress(*columns, console=console, auto_refresh=False), label, total)
+        return cls(RichProgress(*columns, console=console, auto_refresh=False), label)
 
-    def draw(self, position: float, text: str) -> None:
-        self._bar.update(self._task, completed=position, text=text, refresh=True)
+    def draw(self, share: float, text: str) -> None:
+        done = percent(share)
+        self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
 
     def note(self, text: str) -> None:
         self._bar.console.print(text, markup=False, highlight=False)
@@ -204,11 +206,28 @@ class _Bar:
         self._bar.stop()
 
 
+def percent(share: float) -> int:
+    """Return the whole percent that are done; 100 only of what has ended.
+
+    Examples
+    --------
+    >>> percent(0.2), percent(0.9999), percent(1.0003)
+    (20, 99, 100)
+    """
+    if not share > 0.0:  # nan too
+        return 0
+    return math.floor(100.0 * min(share, 1.0) + _ROUND_OFF)
+
+
 def _number(value: float, unit: str) -> str:
     # Four figures are enough to watch a run; "%" and units stand apart from the number.
     value += 0.0  # no minus before a zero
     digits = f"{value:.1f}" if 0.1 <= abs(value) < 1e5 else f"{value:.3g}"
     return f"{digits} {unit}".rstrip()
+
+
+def _speed(value: float) -> str:
+    return f"{value:,.0f}" if value >= 10.0 else f"{value:.2g}"
 
 
 def _duration(seconds: float) -> str:

@@ -9,6 +9,7 @@ a list of whole frames.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
@@ -16,6 +17,7 @@ from xml.etree import ElementTree
 from .frame import Frame
 from .frame_grid import FrameGrid, grid_of
 from .growing_file import GrowingFile
+from .whole_file import written_whole
 
 _ROOT = {"type": "Collection", "version": "0.1", "byte_order": "LittleEndian"}
 
@@ -28,7 +30,10 @@ class PvdWriter(GrowingFile):
     path : str or Path
         The list, ``NAME.pvd``; frames go to ``NAME_frames``.
     mode, until
-        As :class:`GrowingFile`, ``until`` in s.
+        As :class:`GrowingFile`, ``until`` in s. Of the frames there those are removed that the old
+        list names and the new one does not.
+    announce : callable, optional
+        Given the path of each frame before it is written.
 
     Raises
     ------
@@ -42,14 +47,16 @@ class PvdWriter(GrowingFile):
         *,
         mode: Literal["w", "a"] = "w",
         until: float | None = None,
+        announce: Callable[[Path], None] = lambda _: None,
     ) -> None:
         super().__init__(path, mode=mode, until=until)
         self._folder = self.path.with_name(f"{self.path.stem}_frames")
+        self._announce = announce
+        listed = self._listed_times()
+        self._times = [time for time in listed if self.goes_on and (until is None or time <= until)]
         self._folder.mkdir(parents=True, exist_ok=True)
-        self._times = self._old_times(until) if self.goes_on else []
-        for file in self._folder.glob("frame_*.vtu*"):
-            if file.name not in map(_file_name, range(len(self._times))):
-                file.unlink()
+        for k in range(len(self._times), len(listed)):
+            (self._folder / _file_name(k)).unlink(missing_ok=True)
         self._write_list()
 
     @property
@@ -71,11 +78,14 @@ class PvdWriter(GrowingFile):
                 f"{self._times[-1]} s"
             )
         path = self._folder / _file_name(self.n_frame)
-        aside = path.with_name(f"{path.name}.part")
-        _mesh_of(grid_of(frame)).write(aside, file_format="vtu")
-        aside.replace(path)
+        self._announce(path)
+        with written_whole(path) as aside:
+            _mesh_of(grid_of(frame)).write(aside, file_format="vtu")
         self._times.append(frame.time)
         self._write_list()
+
+    def sync(self) -> None:
+        """Do nothing: what a power cut takes of these can be made again from the result file."""
 
     def close(self) -> None:
         """Do nothing: between two frames no file is open."""
@@ -88,24 +98,25 @@ class PvdWriter(GrowingFile):
             row = {"timestep": repr(float(time)), "part": "0", "file": file}
             ElementTree.SubElement(collection, "DataSet", row)
         ElementTree.indent(root)
-        aside = self.path.with_name(f"{self.path.name}.part")
-        ElementTree.ElementTree(root).write(aside, encoding="utf-8", xml_declaration=True)
-        aside.replace(self.path)
+        with written_whole(self.path) as aside:
+            ElementTree.ElementTree(root).write(aside, encoding="utf-8", xml_declaration=True)
 
-    def _old_times(self, until: float | None) -> list[float]:
+    def _listed_times(self) -> list[float]:
+        """Return the times that the old list gives; none without one that is to be replaced."""
         try:
             rows = ElementTree.parse(self.path).getroot().findall("Collection/DataSet")
-            listed = [(float(row.attrib["timestep"]), Path(row.attrib["file"])) for row in rows]
+            files = [row.attrib["file"] for row in rows]
+            if files != [f"{self._folder.name}/{_file_name(k)}" for k in range(len(files))]:
+                raise ValueError("other files are listed")
+            return [float(row.attrib["timestep"]) for row in rows]
+        except FileNotFoundError:
+            return []
         except (ElementTree.ParseError, KeyError, ValueError) as error:
-            raise ValueError(self._foreign()) from error
-        if [file.as_posix() for _, file in listed] != [
-            f"{self._folder.name}/{_file_name(k)}" for k in range(len(listed))
-        ]:
-            raise ValueError(self._foreign())
-        return [time for time, _ in listed if until is None or time <= until]
-
-    def _foreign(self) -> str:
-        return f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
+            if not self.goes_on:
+                return []
+            raise ValueError(
+                f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
+            ) from error
 
 
 def _file_name(k: int) -> str:

@@ -43,9 +43,14 @@ class MeshQuality:
         return float(self.step.min())
 
     @property
+    def median_step(self) -> float:
+        """Step of the median quad [s]."""
+        return float(np.median(self.step))
+
+    @property
     def step_cost(self) -> float:
         """Stable step over that of the median quad: 0.5 means twice as many steps."""
-        return self.stable_step / float(np.median(self.step))
+        return self.stable_step / self.median_step
 
     def __str__(self) -> str:
         def spread(values: Floats) -> str:
@@ -63,11 +68,10 @@ class MeshQuality:
             f"the {len(self.worst)} quads of the shortest step:",
             "  quad    step [s]  of median  Jacobian  aspect  centre [mm]",
         ]
-        median = float(np.median(self.step))
         for e in self.worst.tolist():
             place = ", ".join(f"{c:.4g}" for c in self.centre[e])
             lines.append(
-                f"  {e:<6}  {self.step[e]:.3g}  {self.step[e] / median:<9.2f}  "
+                f"  {e:<6}  {self.step[e]:.3g}  {self.step[e] / self.median_step:<9.2f}  "
                 f"{self.scaled_jacobian[e]:<8.3f}  {self.aspect[e]:<6.2f}  ({place})"
             )
         return "\n".join(lines)

@@ -20,11 +20,14 @@ import numpy.typing as npt
 
 from .cut_quality import UNITS, cut_quality
 from .energy_balance import energy_shares, work_put_in
+from .file_list import names_in
 from .frame import Floats, Frame
 from .history import read_history
 from .run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from .split_table import read_splits
-from .vtkhdf import VtkHdfReader
+from .steady_window import SteadyWindow, steady_window
+from .trapezoid import integral
+from .vtkhdf_reader import VtkHdfReader
 
 # The imbalance of energies is drawn from this share of the run's largest work on.
 _LEAST_WORK = 0.01
@@ -104,6 +107,11 @@ class Results:
     def resistance_unit(self) -> str:
         """Unit of the resistance."""
         return self.units[self.resistance_name]
+
+    @property
+    def steady_window(self) -> SteadyWindow:
+        """Where the cut is steady, by what the history says, also of a run that has not ended."""
+        return steady_window(self.history, (self.coordinate_name, self.coordinate_unit))
 
     def to_pandas(self) -> Any:
         """Return the history as a ``pandas.DataFrame``; ``.attrs["units"]`` holds the units.
@@ -215,6 +223,7 @@ class Results:
             contact=self.history[f"{first}_contact"],
             joints=self.history[f"{first}_joints"],
             teeth=np.stack([self.history[t] for t in teeth], axis=1) if len(teeth) > 1 else None,
+            plateau=self._plateau(),
             name=first,
             unit=self.resistance_unit,
             title=self.name,
@@ -254,6 +263,15 @@ class Results:
 
     # ------------------------------------------------------------------ parts
 
+    def _plateau(self) -> tuple[float, float, float] | None:
+        """Return from where to where the cut is steady, and the mean resistance there."""
+        window = self.steady_window
+        if not window:
+            return None
+        x = self.history[self.coordinate_name][window.rows]
+        y = self.history[self.resistance_name][window.rows]
+        return window.low, window.high, integral(x, y) / float(x[-1] - x[0])
+
     def _column(self, k: int) -> str:
         # Time, coordinate and the figure to plot are the first three columns of every history.
         if not self.history:
@@ -274,7 +292,8 @@ def read(path: str | os.PathLike[str]) -> Results:
     FileNotFoundError
         If there is no such folder, or no result file in it.
     ValueError
-        If it holds more than one, or the file is not one of shellcut.
+        If it holds more than one and does not list which of them is the run's, or the file is not
+        one of shellcut.
 
     Examples
     --------
@@ -296,6 +315,9 @@ def read(path: str | os.PathLike[str]) -> Results:
             raise FileNotFoundError(
                 f"{path} must hold the result of a run, NAME.vtkhdf; none there"
             )
+        if len(found) > 1:  # others may lie beside that of the run
+            listed = names_in(path)
+            found = [file for file in found if file.name in listed] or found
         if len(found) > 1:
             names = ", ".join(file.name for file in found)
             raise ValueError(f"{path} must hold one .vtkhdf file, got {names}; give one of them")

@@ -1,6 +1,8 @@
 """What a run leaves in its folder, by name.
 
 ======================  ===========================================================================
+``run.files``           the names of all of them, :mod:`shellcut.file_list`
+``run.lock``            while the run goes on, :mod:`shellcut.folder_lock`
 ``history.csv``         a row at equal intervals of time, :mod:`shellcut.history_row`
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.vtkhdf`
 ``NAME.pvd``            them too if asked for, with ``NAME_frames``, :mod:`shellcut.pvd`
@@ -15,6 +17,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+
+from .file_list import names_in
 
 HISTORY = "history.csv"
 CHECKPOINT = "checkpoint.h5"
@@ -46,10 +50,44 @@ def snapshot(folder: Path, number: int) -> Path:
 
 
 def snapshots(folder: Path, first: int = 0) -> list[Path]:
-    """Return the pictures of the film that are there, from a number on, in their order."""
+    """Return the pictures of the film that are there, from a number on, in their order.
+
+    They are those that the run has listed; where there is no list, all of such names.
+    """
     numbered = [
         (int(number), path)
         for path in folder.glob(f"{_SNAPSHOT}*.png")
         if (number := path.stem.removeprefix(_SNAPSHOT)).isdecimal()
     ]
-    return [path for number, path in sorted(numbered) if number >= first]
+    listed = names_in(folder)
+    return [
+        path
+        for number, path in sorted(numbered)
+        if number >= first and (path.name in listed or not listed)
+    ]
+
+
+def planned_names(
+    name: str, resistance: str, *, n_snapshot: int, n_frame: int, pvd: bool
+) -> tuple[list[str], list[str]]:
+    """Return the names of the files that a run always writes, and of those it may come to write.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    resistance : str
+        Name of its curve.
+    n_snapshot, n_frame : int
+        How many pictures and frames are wanted; there may be one more of each, at the end.
+    pvd : bool
+        Whether frames are written as PVD + VTU too.
+    """
+    here = Path()
+    always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]
+    always += [str(result_file(here, name)), str(resistance_picture(here, resistance))]
+    later = [str(snapshot(here, k)) for k in range(n_snapshot + 2)]
+    if pvd:
+        always.append(str(frame_list(here, name)))
+        later += [f"{name}_frames/frame_{k:04d}.vtu" for k in range(n_frame + 2)]
+    return always, later

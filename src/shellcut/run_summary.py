@@ -11,7 +11,7 @@ from ._jit import Floats
 from .energy_balance import largest_shares, trusted_rows
 from .resistance import Resistance
 from .simulation import Simulation
-from .trapezoid import integral
+from .steady_window import steady_figures
 
 
 def run_summary(
@@ -19,12 +19,11 @@ def run_summary(
     resistance: Resistance,
     history: Mapping[str, Floats],
     *,
-    until: float,
     stepping: float,
     drawing: float,
     unfelt: float,
-) -> dict[str, float]:
-    """Return the figures by name; counts are whole numbers.
+) -> dict[str, float | str]:
+    """Return the figures by name; counts are whole numbers, reasons are texts.
 
     A figure that is not finite, of a film that blew up, is left out: JSON has no word for it.
 
@@ -36,8 +35,6 @@ def run_summary(
         Of its motion.
     history : mapping of ndarray, shape (n_row,)
         Its history.
-    until : float
-        When it was to end [s].
     stepping, drawing : float
         Wall time without and for the pictures [s].
     unfelt : float
@@ -45,7 +42,6 @@ def run_summary(
     """
     s, r = sim.state, resistance
     book = sim.close_ledger()
-    x = history[r.coordinate_name]
     figures = {
         "n_quad": sim.mesh.n_quad,
         "n_step": s.step,
@@ -61,51 +57,40 @@ def run_summary(
         "cohesive_dissipated_Nmm": book.cohesive_dissipated,
         "cohesive_stored_Nmm": book.cohesive_stored,
         "contact_Nmm": book.contact_work,
+        "contact_absorbed_Nmm": book.contact_absorbed,
         "damping_Nmm": book.damping,
-        **largest_shares(history, trusted_rows(x, r.coordinate_unit, r.coordinate(until))),
+        **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
         "n_cable_jointed": sim.n_joint_made,
         "n_cable_broken": sim.n_cable_broken,
         "crack_length_mm": s.crack_length,
         "n_recovery_borrowed": sim.criterion.n_borrowed if sim.criterion else 0,
+        "deepest_penetration_mm": sim.deepest_penetration,
+        "tool_half_thickness_mm": sim.contact.law.tool_half_thickness if sim.contact else 0.0,
         "unfelt_penetration_mm": unfelt,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
         "added_inertia_factor": sim.shell.added_inertia_factor,
-        **_plateau(history, r),
+        **_peaks(history, r),
     }
-    return {
+    finite: dict[str, float | str] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()
         if isfinite(value)
     }
+    coordinate = r.coordinate_name, r.coordinate_unit
+    finite |= steady_figures(history, coordinate, r.columns[0])
+    return finite | {"resistance": r.meaning}
 
 
-def _plateau(history: Mapping[str, Floats], r: Resistance) -> dict[str, float]:
-    """Return mean, peak and slopes of the resistance: over 30 to 70 degrees, or the last 60 %."""
-    x = history[r.coordinate_name]
-    if not len(x):
+def _peaks(history: Mapping[str, Floats], r: Resistance) -> dict[str, float]:
+    """Return the value of the largest magnitude, with its sign, and where it was met."""
+    name, unit = r.columns[0]
+    values = history[name]
+    finite = np.flatnonzero(np.isfinite(values))
+    if not finite.size:
         return {}
-    first, unit = r.columns[0]
-    turns = r.coordinate_unit == "deg"
-    low, high = (30.0, 70.0) if turns else (0.4 * x[-1], x[-1])
-    window = (x >= low) & (x <= high)
-    if window.sum() < 3 or x[window][-1] <= x[window][0]:
-        return {}
-    way = x[window] / r.coordinate_scale
-
-    def mean(name: str) -> float:
-        return integral(way, history[name][window]) / float(way[-1] - way[0])
-
-    def slope(name: str) -> float:
-        return float(np.polyfit(way, history[name][window], 1)[0])
-
-    per = "dtheta_Nmm" if turns else "ds_N"
-    figures = {
-        f"{first}_plateau_{unit.replace('*', '')}": mean(first),
-        f"{first}_peak_{unit.replace('*', '')}": float(history[first].max()),
-        f"dWcoh_{per}": slope("cohesive_work"),
-        f"dW_{per}": slope("tool_work"),
+    k = int(finite[np.argmax(np.abs(values[finite]))])
+    return {
+        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
+        f"{name}_peak_at_{r.coordinate_unit}": float(history[r.coordinate_name][k]),
     }
-    if "axial_force" in history:
-        figures["axial_force_plateau_N"] = mean("axial_force")
-    return figures

@@ -29,7 +29,7 @@ from .quad_forces import (
 from .quad_frequency import QuadFrequencies
 from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
 from .state import State
-from .tangent import N_FREEDOM, quad_tangents
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
 from .thickness_points import (
     N_FLAT_FRAME,
     N_FULL_FRAME,
@@ -278,6 +278,33 @@ class MITC4Shell:
         """
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
+    def linear_stress(
+        self, state: State, displacement: Floats, rotation: Floats, quads: Ints, place: str
+    ) -> Floats:
+        """Return the Cauchy stress at the centre of some quads after a small motion [MPa].
+
+        Parameters
+        ----------
+        state : State
+            Positions before it.
+        displacement, rotation : ndarray, shape (n_node, 3)
+            The motion of the nodes [mm], and the spin vectors of the directors [rad].
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        place : {"mid", "top", "bottom"}
+            Height at which it is taken.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            Components in space.
+        """
+        node, n = state.node, state.n_node
+        turn = np.cross(rotation, node.t[:n])
+        return self._centre_stress.linear(
+            node.x, node.t, displacement, turn, state.quads, quads, place
+        )
+
     def face_stresses(self, state: State) -> FaceStresses:
         """Return stresses of the membrane and at both faces, and the thickness, of all quads."""
         return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
@@ -298,6 +325,29 @@ class MITC4Shell:
         """
         node = state.node
         return self._tangents(node.x, node.t, quads, bent)
+
+    def tangent_product(
+        self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return the tangent stiffness of the film times a motion, through the strains.
+
+        Of positions [mm] and directors, shape (n_node, 3), the latter normal to these; ``bent`` as
+        of :meth:`tangents`. Returned are nodal forces [N] and director forces [N·mm] of that shape.
+        """
+        rows = np.zeros((state.n_node, 6))
+        node, slot = state.node, self.blocks.slot
+        add_tangent_products(
+            slot=slot,
+            x=node.x,
+            t=node.t,
+            corner=self.blocks.corner,
+            tables=self.tables,
+            bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            dx=np.asfortranarray(displacement),
+            dt=np.asfortranarray(turn),
+            rows=rows,
+        )
+        return rows[:, :3], rows[:, 3:]
 
     def _tangents(self, x: Floats, t: Floats, quads: Ints, bent: Floats | None = None) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))

@@ -11,33 +11,34 @@ import numpy as np
 from ._jit import Floats, bound_once
 from .cable import CableForces, CableSet
 from .cohesive_law import CohesiveLaw
-from .contact import Contact, ContactForces, PenaltyContact
+from .contact import ContactForces, PenaltyContact
 from .criterion import Fracture, SplitCriterion
 from .energy import Ledger, tool_work
 from .fan import boundary_edges, crack_tips, is_tip, open_edges
 from .hooks import Hook, StopRun
+from .instability import (
+    CHECK_EVERY,
+    BalanceGuard,
+    balance_lost,
+    blown_up,
+    most_strain_energy,
+)
 from .integrator import CentralDifference
 from .load import Load, LoadSet
 from .material import ShellMaterial
 from .mesh import Mesh
 from .motion import Motion
+from .penalty import Contact
 from .relaxation import find_rest
 from .shell import MITC4Shell, Precision
 from .start_check import check_tool_outside
 from .state import initial_state
 from .support import Support, SupportSet
+from .symmetry_plane import put_directors_into_planes
 from .threads import Workers
 from .time_step import StableStep, Stepping
 from .tool import Tool
 from .topology import split_node
-
-_EXPLODED = 1e6
-"""Strain energy over that of a film strained by one everywhere, at which the solution is given up:
-far beyond any film, yet within numbers, so that the last frame can be written."""
-
-
-class UnstableStep(RuntimeError):
-    """The solution has blown up; the message names the first bad quad and the likely cause."""
 
 
 class Simulation:
@@ -125,7 +126,6 @@ class Simulation:
         if problems:
             raise ValueError("; ".join(problems))
 
-        self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         self.law = law
         self.inputs = {
             "mesh": mesh,
@@ -145,19 +145,22 @@ class Simulation:
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
+        mesh = put_directors_into_planes(mesh, supports)
+        self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
         workers = Workers(mesh.n_quad, threads)
         self.shell = MITC4Shell(
             mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
         )
         stretching = sum(layer.material.young * layer.thickness for layer in material.layers)
-        self._most_strain = _EXPLODED * stretching * float(mesh.quad_areas().sum())
+        areas = mesh.quad_areas()
+        self._most_strain = most_strain_energy(stretching, float(areas.sum()))
+        tearing = law.fracture_energy * material.thickness if law else 0.0
+        self._balance = BalanceGuard(stretching, float(np.median(areas)), tearing)
         self.supports = SupportSet(mesh, supports)
         self.loads = LoadSet(mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
-        self.contact = (
-            PenaltyContact(tool, contact or Contact(), material.thickness) if tool else None
-        )
+        self.contact = PenaltyContact(tool, contact or Contact(), material) if tool else None
 
         self.state = initial_state(mesh)
         self.shell.initialise(self.state)
@@ -193,9 +196,11 @@ class Simulation:
         self.ledger = Ledger()
         self.rotation, self.translation = np.eye(3), np.zeros(3)
         n_body = tool.n_body if tool else 1
-        self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0, 0.0)
+        self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
         self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
         self.n_joint_made = self.n_cable_broken = 0
+        self.deepest_penetration = 0.0
+        """Largest depth of a node in the tool so far [mm]."""
         self._mass_damping = 0.0
         self._dt = 0.0
         self._between_steps = True
@@ -221,7 +226,13 @@ class Simulation:
     # ---------------------------------------------------------------- the order of a step
 
     def step(self) -> None:
-        """Take the state from t_n to t_{n+1}."""
+        """Take the state from t_n to t_{n+1}.
+
+        Raises
+        ------
+        UnstableStep
+            If the solution blows up, or (BalanceLost) the energy balance is lost.
+        """
         s = self.state
         self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
@@ -234,6 +245,10 @@ class Simulation:
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
+        if s.step == 1:
+            self._balance.begin(self.ledger)
+        elif s.step % CHECK_EVERY == 0 and self._balance.lost(self.ledger):
+            raise balance_lost(self, self._balance.missing(self.ledger))
         self._dt = dt_next
         self._between_steps = True
 
@@ -243,7 +258,10 @@ class Simulation:
         book.strain, damping = self.shell.add_forces(s)
         book.damping_stiffness += damping
         if self.contact is not None:
-            self.contact_forces = self.contact.add_forces(s, self.rotation, self.translation)
+            found = self.contact.add_forces(s, self.rotation, self.translation)
+            self.contact_forces = found
+            self.deepest_penetration = max(self.deepest_penetration, found.deepest)
+            book.contact_absorbed += found.absorbed
         if s.n_cable:
             self.cable_forces = self.cables.add_forces(s, self.rotation, self.translation)
             self.n_joint_made += self.cable_forces.n_joint_made
@@ -253,7 +271,7 @@ class Simulation:
         if self.motion is not None:
             self._work_of_tool()
         if not book.strain <= self._most_strain:
-            self._blown_up()
+            raise blown_up(self)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
@@ -269,7 +287,9 @@ class Simulation:
     def _start(self) -> None:
         """Take the first, half kick from t_0."""
         self._forces()
-        self._dt = self.time_step.next(self.state)
+        with np.errstate(all="ignore"):  # of nonsense numbers, which the next line refuses
+            self._dt = self.time_step.next(self.state)
+        self.time_step.check(self._dt)
         self._kick(0.0, self._dt)
         self.ledger.initial = self.ledger.kinetic + self.ledger.strain
 
@@ -279,7 +299,7 @@ class Simulation:
         self,
         displacement: Floats | None = None,
         *,
-        tolerance: float = 1e-4,
+        tolerance: float = 1e-5,
         most_steps: int = 200_000,
     ) -> int:
         """Bring the film to rest before the run: a pretension, a state under dead loads.
@@ -302,7 +322,8 @@ class Simulation:
         Raises
         ------
         NotAtRest
-            If rest is not reached.
+            If rest is not reached; the film stands still where it had come to, or, where it flew
+            apart, as it was.
         """
         if self.state.step:
             raise ValueError(f"relax before the run, not after {self.state.step} steps of it")
@@ -310,6 +331,7 @@ class Simulation:
         n.velocity_half[: n.count] = 0.0
         n.spin_half[: n.count] = 0.0
         n.support_rate[: n.count] = 0.0
+        before = n.x[: n.count].copy(), n.t[: n.count].copy()
         if displacement is not None:
             moved = np.asarray(displacement, float)
             if moved.shape != (n.count, 3) or not np.isfinite(moved).all():
@@ -318,18 +340,21 @@ class Simulation:
                     f"got {moved.shape}"
                 )
             n.x[: n.count] += moved
-        steps = find_rest(
-            self.state,
-            self.shell,
-            self.loads,
-            self.time_step,
-            tolerance=tolerance,
-            most_steps=most_steps,
-        )
-        self.ledger = Ledger()
-        self.time_step.forget()
-        self._start()
-        return steps
+        try:
+            return find_rest(
+                self.state,
+                self.shell,
+                self.loads,
+                self.time_step,
+                tolerance=tolerance,
+                most_steps=most_steps,
+                most_strain=self._most_strain,
+                before=before,
+            )
+        finally:  # also where rest was not reached: a run may begin from there
+            self.ledger = Ledger()
+            self.time_step.forget()
+            self._start()
 
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.
@@ -384,8 +409,10 @@ class Simulation:
             "wrench": self._wrench,
             "n_joint_made": self.n_joint_made,
             "n_cable_broken": self.n_cable_broken,
+            "deepest_penetration": self.deepest_penetration,
             "mass_damping": self._mass_damping,
             "dt": self._dt,
+            "balance": self._balance.saved(),
         }
         if self.contact is not None:
             saved["contact"] = self.contact.saved()
@@ -409,7 +436,9 @@ class Simulation:
         self._wrench = saved["wrench"].copy()
         self.n_joint_made = saved["n_joint_made"]
         self.n_cable_broken = saved["n_cable_broken"]
+        self.deepest_penetration = saved["deepest_penetration"]
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
+        self._balance.restore(saved["balance"])
         self.rotation = saved["rotation"].copy()
         self.translation = saved["translation"].copy()
         if self.contact is not None:
@@ -467,17 +496,6 @@ class Simulation:
         )
         self.ledger.contact_work -= self.contact_forces.node_work + by_contact
         self.ledger.tool_work -= by_all
-
-    def _blown_up(self) -> None:
-        s = self.state
-        quad = self.shell.most_strained_quad(s)
-        centre = s.node.X[s.quads[quad]].mean(axis=0)
-        raise UnstableStep(
-            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
-            f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm is no longer "
-            f"finite or explodes; the safe step was {self.time_step.bound(s):.4g} s: lower "
-            "Stepping.safety, or leave Stepping.fixed unset"
-        )
 
 
 def _rows(numbers: Floats) -> Floats:

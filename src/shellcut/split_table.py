@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .whole_file import written_whole
+
 if TYPE_CHECKING:
     from .state import SplitRecord
 
@@ -27,7 +29,7 @@ _COLUMNS: dict[str, tuple[str, type]] = {
 
 def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
     """Write a row a split, in order."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with written_whole(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow([f"{name} [{unit}]" for name, (unit, _) in _COLUMNS.items()])
         for s in splits:

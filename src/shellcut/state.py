@@ -31,6 +31,9 @@ _RESERVE = 256
 
 STRAIGHT, JOINTED, BROKEN = 0, 1, 2
 
+NOT_MET = -1
+"""Cutting-edge segment of a cable that none has met."""
+
 
 @dataclass
 class _Table:
@@ -141,6 +144,8 @@ class NodeTable(_Table):
     """Penetration at the last search [mm], 0 outside, shape (n,)."""
     contact_offset: Floats
     """Part of the penetration that is being absorbed [mm], shape (n,)."""
+    contact_work: Floats
+    """Work put into the contact of the node since it came in [N·mm], shape (n,)."""
     contact_force: Floats
     """Contact force on the node [N], shape (n, 3)."""
 
@@ -185,7 +190,7 @@ class CableTable(_Table):
     traction: Floats
     """Cable stress [MPa], shape (n,)."""
     edge: Ints
-    """Cutting-edge segment of the joint, shape (n,)."""
+    """Cutting-edge segment of the joint, ``NOT_MET`` before there is one, shape (n,)."""
     joint_body: Floats
     """Joint in the body frame of the tool [mm], shape (n, 3)."""
     joint: Floats
@@ -337,6 +342,7 @@ def initial_state(mesh: Mesh) -> State:
         contact_side=np.zeros(cap, np.int8),
         contact_depth=rows(),
         contact_offset=rows(),
+        contact_work=rows(),
         contact_force=rows(3),
     )
     cable = CableTable(

@@ -3,6 +3,25 @@
 A support holds components of the velocity, and of the spin of the director, of some nodes; a
 *clamped* node holds position and director both ([Frangi2010] 5). What holds them, the reaction, is
 mass x acceleration minus the nodal force, written by the kick.
+
+A director has two turns, a spin three components, so holding spins about axes means, with T the
+director of the reference:
+
+=====================  ==========================  ==========================================
+held axes              the director                where T lies within 30° of
+=====================  ==========================  ==========================================
+three                  keeps its direction
+two, f is left         turns about f, on a cone    f: keeps its direction, a turn about f
+                       if it is not normal to f    would hardly move it
+one, h                 stays in the plane of h     h: is free, a spin about itself moves
+                       and T                       it nowhere
+=====================  ==========================  ==========================================
+
+Both the explicit driver (:mod:`shellcut.integrator`) and statics (:mod:`shellcut.freedoms`) hold
+just that. A director that leans by a little, as the mean normal at an edge does, is thus
+held like one that does not, whatever the lean; between the axis and the plane normal to it 30° is
+where the one is taken for the other, because the mean normals of a mesh lean by so much at most
+(half the largest fold between two quads, ``max_fold_deg``).
 """
 
 from __future__ import annotations
@@ -17,6 +36,9 @@ from .mesh import Mesh
 from .state import State
 
 _AXES = "xyz"
+
+# A director within 30° of an axis counts as along it, see above.
+_ALONG = float(np.cos(np.radians(30.0)))
 _NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
 Rate = Callable[[float], float]
 NodeChoice = str | Sequence[int] | Ints
@@ -46,7 +68,8 @@ class Support:
     nodes : str or sequence of int
         Node set or ids.
     translation, rotation : str
-        Held axes, a subset of "xyz", of the position and of the director's spin.
+        Held axes, a subset of "xyz", of the position and of the director's spin. With two axes
+        of spin held the director turns about the third only, whatever its direction.
     velocity, spin : mapping from axis to function of time, optional
         Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
         about held axes; at rest otherwise. A director only turns about axes normal to it.
@@ -107,8 +130,24 @@ class Support:
 
     @classmethod
     def symmetry(cls, nodes: NodeChoice, normal: str) -> Support:
-        """Hold nodes in the symmetry plane with the given normal axis, "x", "y" or "z"."""
+        """Hold nodes in the symmetry plane with the given normal axis, "x", "y" or "z".
+
+        Their reference directors are put into the plane, see :mod:`shellcut.symmetry_plane`.
+        """
+        if normal not in tuple(_AXES):
+            raise ValueError(f"normal must be one of x, y and z, got {normal!r}")
         return cls(nodes, translation=normal, rotation=_AXES.replace(normal, ""))
+
+    @property
+    def mirror(self) -> int | None:
+        """Axis normal to the symmetry plane that this support stands for, 0-2; else None.
+
+        What :meth:`symmetry` holds, neither more nor less, and holds at rest.
+        """
+        if len(set(self.translation)) != 1 or self.velocity or self.spin:
+            return None
+        rest = set(_AXES) - set(self.translation)
+        return _AXES.index(self.translation[0]) if set(self.rotation) == rest else None
 
 
 class SupportSet:
@@ -121,6 +160,7 @@ class SupportSet:
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
+        self._directors = mesh.directors
         self._moving: list[tuple[Ints, int, Rate]] = []
         self.nodes = [choose_nodes(mesh, s.nodes) for s in supports]
         self._supports = tuple(supports)
@@ -149,8 +189,21 @@ class SupportSet:
         for support, ids in zip(self._supports, self.nodes, strict=True):
             for c in support.held():
                 state.node.support[ids, c] = True
+        self._settle_spins(state)
         state.node.supported[:] = state.node.support.any(axis=1)
         state.node.push[state.node.supported] = 0.0
+
+    def _settle_spins(self, state: State) -> None:
+        """Hold all spins, or none, where that is what the held ones mean to the director."""
+        held = state.node.support[: len(self._directors), 3:]
+        n_held = held.sum(axis=1)
+        along = np.abs(self._directors) > _ALONG
+        held[(n_held == 2) & (along & ~held).any(axis=1)] = True
+        idle = (n_held == 1) & (along & held).any(axis=1)
+        for ids, c, _ in self._moving:
+            if c >= 3:  # a prescribed spin is taken at its word
+                idle[ids] = False
+        held[idle] = False
 
     def prescribe(self, state: State, time_half: float) -> None:
         """Write the prescribed velocities at t_{n+1/2}."""

@@ -8,6 +8,11 @@ the resultants r. For any motion d, of any size,
 exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
 forces. With d of the size of the quad round-off is that of the forces.
 
+The product of the tangent with a motion goes through these strains, too, and that makes it better
+than the assembled stiffness where a film is thin. A stiffness of entries K (1 + eps) takes energy
+eps |K| for a motion that does not stretch the film, beside the bending energy, some (h/R)² |K|. In
+ds the round-off is one of strains, and their energy is of the order eps² |K|.
+
 Each node has five freedoms: its translation and the turn of its director t along two unit tangents
 b_1, b_2, t -> t cos + b sin. On that path the energy has the second derivative b·W_tt·b - t·W_t:
 the second term, the *director's curvature*, keeps the tangent symmetric away from equilibrium too.
@@ -17,9 +22,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._jit import Floats, Ints, SmallIds, inline, kernel
-from ._vec3 import load, norm, sub, tangent_basis
-from .mitc4 import N_STRAIN, Modes, modes, moved_modes, nodal_forces, pick16, products, quad_modes
+from ._jit import Floats, Ints, SmallIds, Vec3, inline, kernel
+from ._vec3 import dot, load, norm, sub, tangent_basis
+from .mitc4 import (
+    N_STRAIN,
+    Modes,
+    Sixteen,
+    modes,
+    moved_modes,
+    nodal_forces,
+    pick16,
+    products,
+    quad_modes,
+)
 from .quad_forces import (
     LinearTables,
     flat_strain,
@@ -117,6 +132,84 @@ def quad_tangents(
                     for c in range(3):
                         force = moved[a][3 + c] + turned[a][3 + c]
                         tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
+
+
+@kernel
+def add_tangent_products(
+    slot: Ints,
+    x: Floats,
+    t: Floats,
+    corner: SmallIds,
+    tables: LinearTables,
+    bent: Floats,
+    dx: Floats,
+    dt: Floats,
+    rows: Floats,
+) -> None:
+    """Add the stiffness of quads times a motion to rows : (n_node, 6), forces and director forces.
+
+    dx, dt : (n_node, 3), of nodes and directors, dt normal to t.  The other arguments as those of
+    :func:`quad_tangents`, in the same order.
+    """
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        flat = b < tables.n_flat
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        xd, td = quad_modes(dx, dt, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        store_strain(row, 0, 0, s)
+        for k in range(N_STRAIN):
+            row[0, k, 0] -= bent[i, k]
+        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+        at_rest = nodal_forces(xm, tm, r)
+        dr = stiffness_product(tables, flat, b, lane, _products_change(xm, tm, xd, td), work)
+        moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+        for a in range(4):
+            n = corner[b, a, lane]
+            pull = 0.0
+            for c in range(3):
+                pull -= at_rest[a][3 + c] * t[n, c]
+            for c in range(3):
+                rows[n, c] -= moved[a][c] + turned[a][c]
+                rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
+
+
+@inline
+def _both(a: Vec3, da: Vec3, b: Vec3, db: Vec3) -> float:
+    """Return the change of a · b."""
+    return dot(a, db) + dot(da, b)
+
+
+@inline
+def _products_change(x: Modes, t: Modes, dx: Modes, dt: Modes) -> Sixteen:
+    """Return the linear change of :func:`products`, each term to its own last digit."""
+    p, q, h, _ = x
+    tp, tq, th, tm = t
+    dp, dq, dh, _ = dx
+    dtp, dtq, dth, dtm = dt
+    ptq, qtp = _both(p, dp, tq, dtq), _both(q, dq, tp, dtp)
+    htp, htq, htm = _both(h, dh, tp, dtp), _both(h, dh, tq, dtq), _both(h, dh, tm, dtm)
+    return (
+        dot(p, dp),
+        dot(q, dq),
+        dot(h, dh),
+        _both(p, dp, q, dq),
+        _both(p, dp, h, dh),
+        _both(q, dq, h, dh),
+        _both(p, dp, tp, dtp),
+        _both(q, dq, tq, dtq),
+        _both(h, dh, th, dth),
+        ptq + qtp,
+        _both(p, dp, th, dth) + htp,
+        _both(q, dq, th, dth) + htq,
+        _both(p, dp, tm, dtm) + htq,
+        ptq + htm,
+        _both(q, dq, tm, dtm) + htp,
+        qtp + htm,
+    )
 
 
 @inline

@@ -9,6 +9,7 @@ them slows down by a hundred when other programs want the cores.
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -24,6 +25,10 @@ chunks, whichever thread computed them, so the number belongs to the result."""
 _PAYS_FROM = 50_000
 """Quads from which on a second thread pays: a step then takes over a millisecond."""
 _MOST = 8
+_LARGEST = 256
+"""Threads that may be asked for: more than a film keeps busy, and than any system starts gladly."""
+
+_log = logging.getLogger(__name__)
 
 
 def in_order(sums: Floats) -> list[float]:
@@ -49,17 +54,28 @@ class Workers:
     n_quad : int
         Size of the film.
     threads : int, optional
-        How many threads; by default one for a small film, else the cores there are, at most eight.
+        How many threads, at most 256; by default one for a small film, else the cores there are,
+        at most eight. More than there are cores are taken as told, which is said: they slow a run
+        down.
 
     Raises
     ------
     ValueError
-        If ``threads`` is not a positive whole number.
+        If ``threads`` is not a whole number from 1 to 256.
     """
 
     def __init__(self, n_quad: int, threads: int | None = None) -> None:
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
-            raise ValueError(f"threads must be a whole number from 1 on, or None, got {threads!r}")
+        if threads is not None and not (isinstance(threads, int) and 1 <= threads <= _LARGEST):
+            raise ValueError(
+                f"threads must be a whole number from 1 to {_LARGEST}, or None, got {threads!r}; "
+                f"more than the {available_cores()} cores there are here slow a run down"
+            )
+        if threads is not None and threads > available_cores():
+            _log.warning(
+                "%d threads share %d cores: the run is slower than with as many as there are",
+                threads,
+                available_cores(),
+            )
         if threads is None:
             threads = min(_MOST, available_cores()) if n_quad >= _PAYS_FROM else 1
         self.count = threads

@@ -30,7 +30,7 @@ import numpy as np
 
 from ._jit import Floats, Ints
 from .cable import CableSet
-from .contact import STEEPEST, PenaltyContact
+from .contact import PenaltyContact
 from .shell import MITC4Shell
 from .state import State
 
@@ -39,6 +39,10 @@ _TIGHT = 0.99
 
 # A longer step is taken only when the bound has grown by this factor: dt changes seldom.
 _HYSTERESIS = 1.08
+
+# Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
+# its relative error is 2 eps xi², 4e-8 at this.
+_MOST_DAMPING = 1e4
 
 # Quads evaluated at a time: after the worst few, few others are left to ask.
 _BATCH = 32
@@ -110,6 +114,45 @@ class StableStep:
                 self._dt = safe
         return self._dt
 
+    def check(self, dt: float) -> None:
+        """Refuse a step that is no time, and damping by which none can be told.
+
+        Raises
+        ------
+        ValueError
+            Saying what makes the step so short.
+        """
+        with np.errstate(all="ignore"):
+            ratio = 0.5 * self._shell.damping_beta * math.sqrt(self._stiffest())
+        if not ratio <= _MOST_DAMPING:
+            raise ValueError(
+                f"damping_beta must damp the stiffest quad {_MOST_DAMPING:,.0f} times critically "
+                f"at most, {self._shell.damping_beta:g} s does {ratio:.2g} times: is it in s?"
+            )
+        if not 0.0 < dt < math.inf:
+            raise ValueError(
+                f"the stable step must be a time above 0, got {dt:.4g} s: {self.reason()}"
+            )
+
+    def reason(self) -> str:
+        """Return what sets the step, in words with numbers: a model's nonsense shows in them."""
+        if self.stepping.fixed is not None:
+            return f"Stepping.fixed is {self.stepping.fixed:.4g} s"
+        squared = self._stiffest()
+        with np.errstate(all="ignore"):
+            undamped = 2.0 / np.sqrt(squared)
+            damped = self._steps(np.array([squared]), np.zeros(1))[0]
+        said = (
+            f"the stiffest quad alone asks for {undamped:.4g} s (edge length, thickness, modulus "
+            "and density set it)"
+        )
+        if self._shell.damping_beta > 0.0:
+            said += f", with damping_beta = {self._shell.damping_beta:.4g} s for {damped:.4g} s"
+        return said + "; is one of them in another unit?"
+
+    def _stiffest(self) -> float:
+        return float(self._shell.frequencies.squared.max())
+
     def forget(self) -> None:
         """Look afresh at the next call: the state has been moved from outside."""
         self._next = 0
@@ -180,9 +223,9 @@ class StableStep:
         nodes, stiffness = self._cables.stiffness(state)
         if self._contact is not None:
             near = self._contact.near_nodes(state)
-            penalty = STEEPEST * self._contact.parameters.penalty
             nodes = np.concatenate([nodes, near])
-            stiffness = np.concatenate([stiffness, penalty * n.contact_area[near]])
+            penalty = self._contact.law.steepest(n.contact_area[near])
+            stiffness = np.concatenate([stiffness, penalty])
         node, row = np.unique(nodes, return_inverse=True)
         omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
         # Every quad at such a node, with the stiffest of its nodes.

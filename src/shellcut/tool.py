@@ -28,6 +28,9 @@ from ._jit import Floats, Ints, SmallInts
 from .formats.stl import write_stl
 from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
+FARTHEST_SHIFT = 1e6
+"""Sizes of the tool by which it may be moved: coordinates then keep nine digits of its shape."""
+
 
 class ToolError(ValueError):
     """A surface or a set of parameters that cannot be a tool; the message lists every reason."""
@@ -316,15 +319,37 @@ class Tool:
         parts = six_volumes(self.vertices, self.triangles)
         return np.bincount(self.triangle_body, weights=parts) / 6.0
 
+    def half_thickness(self) -> float:
+        """Return V / A of the thinnest body, volume over surface: half of a plate's thickness [mm].
+
+        Of a body that is no plate it is less than half its least width: 1/3 of a ball's radius.
+        """
+        a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
+        area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        return float((self.volume() / np.bincount(self.triangle_body, weights=area)).min())
+
     def bounding_box(self) -> tuple[Floats, Floats]:
         """Return the least and greatest coordinates in the body frame, shape (3,) each, [mm]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     def translated(self, shift: Sequence[float] | Floats) -> Tool:
-        """Return the tool moved in its body frame by ``shift``, shape (3,), [mm]."""
+        """Return the tool moved in its body frame by ``shift``, shape (3,), [mm].
+
+        Raises
+        ------
+        ValueError
+            If it is no shift, or one so far that the round-off of its coordinates shows in the
+            tool's shape.
+        """
         move = np.asarray(shift, dtype=np.float64)
         if move.shape != (3,) or not np.isfinite(move).all():
             raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+        size = float(np.ptp(self.vertices, axis=0).max())
+        if np.abs(move).max() > FARTHEST_SHIFT * size:
+            raise ValueError(
+                f"shift must be within {FARTHEST_SHIFT:g} times the tool's size of {size:.4g} mm, "
+                f"got {tuple(move.tolist())} mm"
+            )
         return replace(self, vertices=self.vertices + move)
 
     def point(self, edge: int, s: float) -> Floats:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import ceil, log2, sqrt
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -94,6 +95,30 @@ class ClosestTriangleGrid:
         )
 
     @classmethod
+    def of(cls, tool: Tool | None) -> ClosestTriangleGrid:
+        """Return the grid of a tool as :meth:`build` makes it by default, made only once a tool.
+
+        That of no tool has no cell: nothing is near it.
+        """
+        if tool is None:
+            return cls(
+                lower=(0.0, 0.0, 0.0),
+                cell_size=1.0,
+                shape=(0, 0, 0),
+                cell_start=np.zeros(1, np.int64),
+                cell_triangles=np.zeros(0, np.int64),
+                cell_distance=np.zeros(0),
+                corners=np.zeros((0, 3, 3)),
+                flank=np.zeros(0, np.int8),
+                pseudo_normals=np.zeros((0, 7, 3)),
+                reach=0.0,
+            )
+        grid = _BUILT.get(tool)
+        if grid is None:
+            grid = _BUILT[tool] = cls.build(tool)
+        return grid
+
+    @classmethod
     def build(
         cls,
         tool: Tool,
@@ -125,7 +150,7 @@ class ClosestTriangleGrid:
         if max_cells < 1:
             raise ValueError(f"max_cells must be at least 1, got {max_cells}")
         if cell_size is None:
-            size = _mean_thickness(tool) / CELLS_PER_THICKNESS
+            size = 2.0 * tool.half_thickness() / CELLS_PER_THICKNESS
         elif np.isfinite(cell_size) and cell_size > 0.0:
             size = float(cell_size)
         else:
@@ -209,6 +234,10 @@ class ClosestTriangleGrid:
         closest = np.zeros_like(x)
         query_points(x, side, *self.arrays, found, inside, triangle, closest)
         return found, inside, triangle, closest
+
+
+_BUILT: WeakKeyDictionary[Tool, ClosestTriangleGrid] = WeakKeyDictionary()
+"""Grids at default settings of the tools that there are: a tool of many triangles takes seconds."""
 
 
 @kernel
@@ -336,14 +365,6 @@ def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -
 
 def _cells(extent: Floats, size: float) -> Cells3:
     return ceil(extent[0] / size), ceil(extent[1] / size), ceil(extent[2] / size)
-
-
-def _mean_thickness(tool: Tool) -> float:
-    # 2 V / A of the thinnest body: the thickness of a plate
-    a, b, c = (tool.vertices[tool.triangles[:, k]] for k in range(3))
-    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    body_area = np.bincount(tool.triangle_body, weights=area)
-    return float((2.0 * tool.volume() / body_area).min())
 
 
 def _pseudo_normals(tool: Tool) -> Floats:

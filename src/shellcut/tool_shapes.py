@@ -45,6 +45,9 @@ FLANK_MARGIN = 5.0
 LONGEST_TRIANGLE = 0.4
 """Longest cutting segment of a tooth [mm]: keeps the lists of the contact grid short."""
 
+MOST_TRIANGLES = 1_000_000
+"""Of the largest ring that is made; the default one has 4,112."""
+
 
 def tooth_ring(
     *,
@@ -166,6 +169,17 @@ def tooth_ring(
             what="tooth ring",
         )
     parameters["n_arc"] = float(n_arc)
+    # two sides of strips between d-lines of n_arc pieces at most
+    n_triangle = 4.0 * n_teeth * n_arc * ((length + forward) / wanted + 3.0)
+    if not n_triangle <= MOST_TRIANGLES:
+        raise ToolError(
+            [
+                f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} "
+                f"triangles, {MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, "
+                "enlarge the radius"
+            ],
+            what="tooth ring",
+        )
 
     straight, triangles, edges = _tooth(
         eta=eta,

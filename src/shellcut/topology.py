@@ -15,7 +15,7 @@ from .cohesive_law import CohesiveLaw
 from .criterion import Split
 from .parting import owns_flank
 from .shell import MITC4Shell
-from .state import SplitRecord, State
+from .state import NOT_MET, SplitRecord, State
 
 
 def split_node(
@@ -43,6 +43,7 @@ def split_node(
         # Forces of the last evaluation, shared like the mass, enter the next work increment only.
         share = n.mass[half] / before
         n.contact_force[half] *= share
+        n.contact_work[half] *= share
         n.load_force[half] *= share
         n.contact_side[half] = 0
         n.halved[half] = True
@@ -89,6 +90,7 @@ def _join(
     k = state.cable.append_blank()
     c = state.cable
     c.ends[k] = split.node, twin
+    c.edge[k] = NOT_MET
     for i, (far, half) in enumerate(split.half_edges):
         c.half_edge[k, i] = half
         c.half_edge_far[k, i] = far

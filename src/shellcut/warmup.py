@@ -9,16 +9,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import product
 
+import numpy as np
+
 from .criterion import Fracture
 from .imprinting import PathCurve, imprint
 from .meshing import rectangle
 from .models.guillotine import guillotine
+from .view._raster import Canvas
 
 
 def warmup(
     criteria: Sequence[str] = ("force", "stress"), precisions: Sequence[str] = ("double",)
 ) -> None:
     """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
+
+    Pictures of the film are compiled for too.
 
     Parameters
     ----------
@@ -44,3 +49,4 @@ def warmup(
         )
         case.simulation.run(case.duration)
     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))
+    Canvas((1, 1)).draw(np.zeros((0, 3, 3)), np.ones(3))

@@ -48,7 +48,8 @@ def test_guillotine(tmp_path):
 def test_own_tooth(tmp_path):
     told = run_example("own_tooth.py", tmp_path)
     means = dict(re.findall(r"(four|six) teeth: (\d+) N\*mm", told))
-    # Theory 1.668, measured 1.686: means over 20° on the quick mesh, with the teeth's rubbing.
+    # Theory 1.668, measured 1.627: over the steady windows of the quick mesh, that of the six teeth
+    # two spacings of its nodes long.
     theory = steady_work_per_radian(n_teeth=6, edge_inclination_deg=40.0) / steady_work_per_radian()
     assert float(means["six"]) / float(means["four"]) == pytest.approx(theory, rel=0.05)
     assert (tmp_path / "torque.png").stat().st_size > 10_000
@@ -63,7 +64,7 @@ def test_cut_quality(tmp_path):
 
 def test_compare_with_measured(tmp_path):
     told = run_example("compare_with_measured.py", tmp_path)
-    assert "peak torque        147.1 N*mm" in told  # 14.71 N*cm of the table
+    assert re.search(r"peak torque +147\.1 N\*mm", told)  # 14.71 N*cm of the table
     found = figures(tmp_path / "comparison.json")["figures"]
     # The table was made up to lie near the run; far off, columns or units are wrong.
     assert abs(found["peak_error"]["value"]) < 0.1

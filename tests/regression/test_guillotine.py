@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runs import broken_ratio, mean_force, run
-from shellcut import guillotine
+from shellcut import CohesiveLaw, guillotine
 
 GH = 43.5 * 0.074
 START = 10.0  # the plateau is reached after about 8 mm of cut
@@ -59,3 +59,20 @@ def test_classical_cables_only_feel_the_blades_width(tmp_path):
     assert force == pytest.approx(expected, rel=0.05)
     assert summary["n_cable_broken"] == 0
     assert summary["n_cable_jointed"] == 0
+
+
+@pytest.mark.slow
+def test_a_process_zone_shorter_than_two_edges_costs_work(tmp_path):
+    # Over half the way of a 0.8 mm strip: 1.005, 1.05 and 1.15 (docs/limits.md).
+    ratios = []
+    for rungs in (5.0, 2.0, 0.5):
+        part = rungs * 0.8 / 4.0
+        law = CohesiveLaw(opening_a=0.5 * part, opening_p=3.0 * part, opening_u=4.0 * part)
+        case = guillotine(0.8, length=20.0, notch=1.6, travel=14.4, law=law)
+        assert (len(case.check.findings) > 0) == (rungs < 2.0)
+        _, history = run(case, tmp_path / str(rungs))
+        late = history["path"] > 8.0
+        work, cables = (np.ptp(history[name][late]) for name in ("tool_work", "cohesive_work"))
+        ratios.append(work / cables)
+    assert ratios[0] < 1.02
+    assert 1.02 < ratios[1] < 1.08 < ratios[2]

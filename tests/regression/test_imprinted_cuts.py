@@ -6,12 +6,22 @@ import pytest
 from films import unstructured_disc, unstructured_strip
 from gmsh_films import DISCS, gmsh_disc
 from runs import mean_force, run
-from shellcut import Mesh, PathCurve, guillotine, imprint, opening_test
+from shellcut import (
+    Mesh,
+    PathCurve,
+    StraightMotion,
+    Support,
+    guillotine,
+    imprint,
+    opening_test,
+)
 from shellcut.meshing import rectangle
+from shellcut.models.free_cut import free_cut
 from shellcut.models.opening import steady_work_per_radian
+from shellcut.tool_shapes import tooth_ring
 
 GH = 43.5 * 0.074
-TORQUE_M1 = 143.8
+TORQUE_M1 = 143.5
 CIRCLE = PathCurve.circle((0.0, 0.0, 0.0), 9.4)
 
 
@@ -130,3 +140,53 @@ def test_guillotine_between_two_lines(tmp_path):
 @pytest.mark.slow
 def test_guillotine_on_an_unstructured_strip(tmp_path):
     check_guillotine(unstructured_strip(), tmp_path)
+
+
+def off_path(case):
+    """Distance of each split from the blade's path in the reference mesh [mm]."""
+    places = np.array([split.reference for split in case.simulation.state.split_log])
+    off = [np.linalg.norm(c.point(c.nearest(places)) - places, axis=1) for c in case.imprint.curves]
+    return places, np.min(off, axis=0)
+
+
+def test_a_short_opening_stays_on_its_path():
+    """The crack runs backwards from where the blade has come in, too: 2 of 26 splits left a path
+    that began there."""
+    case = opening_test(unstructured_disc(spacing=1.4), angle_deg=12.0, duration=7.6e-4)
+    case.simulation.run(case.duration)
+    _, off = off_path(case)
+    assert len(off) > 15
+    assert off.max() < 1e-8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("relief_deg", "length", "down"),
+    # The second presses its whole length on the film, which tears 4.6 mm behind the start.
+    [(30.0, 1.5, 0.25), (0.0, 4.0, 0.5)],
+)
+def test_a_slanted_cut_that_begins_inside_the_film(relief_deg, length, down):
+    """A straight tooth comes down into a film whose mesh lines run at 20 degrees to its way."""
+    far, way, speed = 1e5, 8.0, 6000.0
+    tooth = tooth_ring(
+        n_teeth=1, radius=far, relief_deg=relief_deg, length=length, height=2.0 * length + 2.0
+    ).translated((-far, -0.5 * way, 0.0))
+    flat = rectangle(14.0, 24.0, n_x=35, n_y=60)
+    x, y, _ = (flat.nodes - [7.0, 0.0, 0.0]).T
+    c, s = np.cos(np.radians(20.0)), np.sin(np.radians(20.0))
+    nodes = np.stack([c * x - s * y, s * x + c * y, 0.0 * x], axis=1)
+    mesh = Mesh.from_arrays(nodes, flat.quads, node_sets={"rim": flat.boundary_nodes()})
+    case = free_cut(
+        mesh,
+        tool=tooth,
+        motion=StraightMotion((0.0, 1.0, -down), speed=speed, ramp=1e-4),
+        duration=way * np.hypot(1.0, down) / speed + 5e-5,
+        supports=[Support.clamped("rim")],
+    )
+    case.simulation.run(case.duration)
+    places, off = off_path(case)
+    assert len(off) > 30
+    assert off.max() < 1e-6
+    start = case.imprint.curves[0].point(case.imprint.curves[0].leads[0])[0]
+    # It runs 0.4 and 4.6 mm back, on the path.
+    assert places[:, 1].min() < start[1] - 0.3

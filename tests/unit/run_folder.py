@@ -7,13 +7,18 @@ from shellcut.history import HistoryWriter
 from shellcut.vtkhdf import VtkHdfWriter
 
 
-def write_run(folder, name, angle, torque):
-    """Write one frame and a row of history an angle [deg] and torque [N*mm]; return the folder."""
+def write_run(folder, name, angle, torque, **lengths):
+    """Write one frame and a row of history an angle [deg] and torque [N*mm]; return the folder.
+
+    lengths : further columns [mm].
+    """
     folder.mkdir()
     with VtkHdfWriter(folder / f"{name}.vtkhdf") as writer:
         writer.append(opening_frame(0.0, n_side=4))
     columns = [("time", "s"), ("angle", "deg"), ("torque", "N*mm")]
+    columns += [(name, "mm") for name in lengths]
     with HistoryWriter(folder / "history.csv", columns) as history:
-        for time, a, t in zip(1e-5 * np.arange(len(angle)), angle, torque, strict=True):
-            history.append({"time": time, "angle": a, "torque": t})
+        rows = zip(1e-5 * np.arange(len(angle)), angle, torque, *lengths.values(), strict=True)
+        for row in rows:
+            history.append(dict(zip((column for column, _ in columns), row, strict=True)))
     return folder

@@ -20,7 +20,7 @@ def test_the_line_of_account_closes(sim):
     book, s = sim.ledger, sim.state
     # Bring entries to where each of them shows in four figures.
     book.cohesive_start_work = 3.0 * book.cohesive_work
-    line = account_line(sim, Resistance(sim.motion), 0.5)
+    line = account_line(sim, Resistance(sim.motion, 8e-5), 0.5)
     numbers = {name: float(x) for name, x in re.findall(r"(\w+) ([-+]?[\d.]+(?:e[-+]\d+)?)", line)}
     assert line.startswith("50 %: path ")
     assert numbers["path"] == pytest.approx(sim.motion.coordinate(s.time), rel=1e-3)
@@ -36,8 +36,9 @@ def test_the_line_of_account_closes(sim):
 
 
 def test_a_start_says_film_tool_and_steps(sim):
-    film, tool, step = start_lines(sim, Resistance(sim.motion), 8e-5)
+    film, tool, shown, step = start_lines(sim, Resistance(sim.motion, 8e-5), 8e-5)
     assert film.startswith(f"film   {sim.mesh.n_quad} quads, {sim.mesh.n_node} nodes, ")
     assert "1 body" in tool
+    assert shown == "shown  force along (1, 0, 0), over the path"
     assert f"about {round(8e-5 / sim.dt, -2):,.0f} steps to path" in step
     assert "0.08 ms" in step

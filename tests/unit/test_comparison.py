@@ -1,6 +1,7 @@
 """Figures of a comparison against closed forms, and the command around them."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -9,12 +10,19 @@ import shellcut
 from run_folder import write_run
 from shellcut.command_line import main
 from shellcut.measured_curve import MeasuredCurve
+from steady_cut import edge, edge_columns
 
 ANGLE = np.linspace(0.0, 90.0, 1801)
 # Broken lines through a smooth curve of one wave: their error is (step)²/8 of the curvature, for
 # the measured 181 points (0.5 deg, 3.5e-2 rad of the wave) 1.5e-4 of the amplitude.
 WAVE = 4.0
 DISCRETISATION = 2e-4
+
+
+# Of a history with no more than a torque.
+NO_MEAN = (
+    "no steady window, hence no mean: the history does not say what each cutting edge has cut",
+)
 
 
 def sine(angle, shift=0.0):
@@ -36,7 +44,7 @@ def test_a_curve_beside_itself_differs_by_nothing(run):
     assert found.peak_error == pytest.approx(0.0, abs=DISCRETISATION)
     assert found.correlation == pytest.approx(1.0, rel=1e-12)
     assert found.range == (0.0, 90.0)
-    assert found.notes == ()
+    assert found.notes == NO_MEAN
 
 
 def test_a_scaled_curve(run):
@@ -58,6 +66,33 @@ def test_the_work_is_the_integral(run):
     assert found.work_error == pytest.approx(1.0, rel=DISCRETISATION)
     assert found.notes == (
         "the ranges overlap in part: measured 0 to 45 deg, simulated 0 to 90 deg",
+        *NO_MEAN,
+    )
+
+
+def test_the_mean_is_of_the_steady_window_of_the_run(tmp_path):
+    cut = edge_columns([edge(ANGLE)])
+    run = write_run(tmp_path / "out", "steady", ANGLE, 100.0 + ANGLE, **cut)
+    found = shellcut.compare(run, measured(80.0 + 0.8 * ANGLE[::10]))
+    low, high = found.steady_range
+    window = shellcut.read(run).steady_window
+    assert (low, high) == (window.low, window.high)
+    # Of a straight line: its value in the middle.
+    assert found.mean_simulated == pytest.approx(100.0 + 0.5 * (low + high), rel=1e-12)
+    assert found.mean_error == pytest.approx(0.25, rel=1e-12)
+    assert found.notes == ()
+    assert re.search(rf"mean over {low:.3g}-{high:.3g} deg +1\d\d\S* N\*mm +1\d\d", str(found))
+    content = json.loads(found.to_json(tmp_path / "c.json").read_text())
+    assert content["steady_range"] == [low, high]
+    assert content["figures"]["mean_simulated"] == {"value": found.mean_simulated, "unit": "N*mm"}
+    # Of what was measured of it only; nothing where nothing of it was.
+    part = ANGLE[(ANGLE >= 40.0)]
+    assert shellcut.compare(run, measured(part, part)).steady_range == (40.0, high)
+    early = ANGLE[ANGLE <= 20.0]
+    (note,) = [n for n in shellcut.compare(run, measured(early, early)).notes if "no mean" in n]
+    assert (
+        note
+        == f"no mean: the steady window, {low:.3g} to {high:.3g} deg, lies outside the common range"
     )
 
 

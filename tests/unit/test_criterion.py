@@ -6,7 +6,7 @@ import pytest
 from naive import cases
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.criterion import Fracture, SplitCriterion
-from shellcut.fan import crack_tips, open_edges
+from shellcut.fan import boundary_edges, crack_tips, open_edges
 from shellcut.load import LoadSet, Pressure
 from shellcut.meshing import rectangle
 from shellcut.tool_shapes import straight_blade
@@ -15,6 +15,7 @@ from shellcut.topology import split_node
 H = 0.074
 STRENGTH = 18.0
 BLADE = straight_blade()
+STEP = 0.05
 ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
 
 
@@ -265,6 +266,79 @@ def test_flanks_behind_the_edge_are_not_cut_again():
     _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE)
     # The edge is right over the flank nodes of the notch, and ahead of it nothing is passed.
     assert due(criterion, state, pose=at(2.05, 0.0)) == []
+
+
+def slide(shell, state, criterion, start, angle_deg, way):
+    """Move the blade over a sheet at rest, splitting what it cuts; return where it was each time.
+
+    Each row: the origin of the node, and how far the edge was past it [mm].
+    """
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    past = []
+    for path in np.arange(0.0, way, STEP):
+        edge = np.asarray(start) + path * rotation[:, 0]
+        for split in due(criterion, state, pose=(rotation, edge)):
+            assert split.blade
+            depth = (edge - state.node.x[split.node]) @ rotation[:, 0]
+            past.append((int(state.node.origin[split.node]), float(depth)))
+            split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+    return past
+
+
+@pytest.mark.parametrize("crossing_deg", [90.0, 60.0, 45.0, 120.0])
+@pytest.mark.parametrize("made", ["beforehand", "in the run"])
+def test_the_far_flank_of_an_earlier_cut_is_cut_when_the_edge_reaches_it(made, crossing_deg):
+    # Rows along x, columns at an angle to them; the first cut is the middle column, the second the
+    # row y = 0 that crosses it.
+    flat = rectangle(6.0, 4.0, n_x=6, n_y=4)
+    nodes = flat.nodes.copy()
+    nodes[:, 0] += nodes[:, 1] / np.tan(np.radians(crossing_deg))
+    mesh = cases.moved_mesh(flat, nodes)
+    column = np.flatnonzero(flat.nodes[:, 0] == 3.0)
+    film = mesh.cut(column) if made == "beforehand" else mesh
+    shell, state = cases.set_up(film)
+    rim = np.unique(boundary_edges(state))
+    criterion = SplitCriterion(
+        Fracture(),
+        STRENGTH,
+        shell,
+        LoadSet(film, ()),
+        straight_blade(length=1.0),
+        frozenset(open_edges(state)),
+        rim,
+    )
+    bottom = mesh.nodes[column[0]]
+    along = (mesh.nodes[column[-1]] - bottom) / np.linalg.norm(mesh.nodes[column[-1]] - bottom)
+    if made == "in the run":
+        first = slide(shell, state, criterion, bottom - 0.1 * along, crossing_deg, 9.0)
+        assert sorted(node for node, _ in first) == column.tolist()
+    second = slide(shell, state, criterion, (-0.1, 0.0, 0.0), 0.0, 8.0)
+    # Every node of the row is cut, and both halves of the one in the first cut.
+    row = np.flatnonzero(flat.nodes[:, 1] == 0.0)
+    crossed = np.intersect1d(row, column)
+    assert sorted(node for node, _ in second) == sorted([*row, *crossed])
+    # As soon as the edge has come to it: the near half is a tip, cut by then or when it is reached.
+    assert max(depth for _, depth in second) < STEP + 1e-9
+    # Nobody cut the flanks that the blade slid along.
+    assert state.n_node == film.n_node + (0 if made == "beforehand" else 5) + len(second)
+
+
+def test_the_rim_beside_a_path_is_not_notched():
+    # The blade runs along the sheet 0.4 edge lengths off its lower rim.
+    mesh = sheet()
+    shell, state = cases.set_up(mesh)
+    criterion = SplitCriterion(
+        Fracture(),
+        STRENGTH,
+        shell,
+        LoadSet(mesh, ()),
+        straight_blade(length=1.0),
+        frozenset(),
+        np.unique(boundary_edges(state)),
+    )
+    past = slide(shell, state, criterion, (0.5, -1.6, 0.0), 0.0, 5.0)
+    assert past == []
 
 
 def test_supported_nodes_are_not_cut():

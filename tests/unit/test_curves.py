@@ -41,6 +41,7 @@ def test_torque_with_everything(tmp_path, figures):
         teeth=np.outer(TORQUE, [0.25, 0.25, 0.25, 0.25]),
         second=(ANGLE[:30], 0.24 * TORQUE[:30]),
         levels={"theory": 135.2},
+        plateau=(27.44, 63.09, 143.6),
         dpi=50,
     )
     assert path.stat().st_size > 1000
@@ -54,7 +55,10 @@ def test_torque_with_everything(tmp_path, figures):
         "from contact",
         "from cables at the edge",
         "theory: 135.2 N·mm",
+        "mean over 27.4-63.1°: 143.6 N·mm",
     ]
+    mean = next(line for line in axes.lines if line.get_label().startswith("mean"))
+    assert mean.get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
     total = next(line for line in axes.lines if line.get_label() == "total")
     np.testing.assert_array_equal(total.get_ydata(), TORQUE)
 

@@ -2,13 +2,20 @@
 
 import ast
 import importlib
+import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from shellcut.model_file.layout import LISTS, SECTIONS
+
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 KEY = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)\]")
@@ -36,8 +43,28 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     before, _, reference = page.PAGE.read_text(encoding="utf-8").partition(page.BEGIN)
     # else: python docs/command_line_page.py
     assert reference == page.reference()
+    assert page.CODES + page.codes() + "\n" in before
     commands = re.findall("### shellcut (\\w+)", reference)
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
+
+
+def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    module = importlib.import_module("model_keys_page")
+    page = module.PAGE.read_text(encoding="utf-8")
+    # else: python docs/model_keys_page.py
+    assert page == module.page()
+    # Every key of every model is on it, with its second name, and in its index.
+    index, rest = page.split("## Before the first section")
+    for layout in (SECTIONS, LISTS):
+        for kinds in (kinds for of in layout.values() for kinds in of.values()):
+            for name, key in ((n, k) for kind in kinds for n, k in kind.keys().items()):
+                assert f"| `{name}` | [" in index
+                assert f"| `{name}`" in rest
+                assert not key.also or f"| `{key.also}` | [" in index
+    # Its links lead to its headings.
+    headings = {h.strip("[]").lower().replace(" ", "-") for h in re.findall("## (.*)", page)}
+    assert set(re.findall(r"\(#([\w-]+)\)", index)) == headings - {"a-to-z"}
 
 
 def test_every_stored_picture_is_shown():
@@ -90,3 +117,45 @@ def test_ci_takes_the_test_command_from_the_readme():
     assert len(commands) == 2
     assert commands[0].endswith("shellcut run opening --set mesh=quick -o out")
     assert re.fullmatch(r"python3 -m venv \.venv-test.*pytest", commands[1])
+
+
+SITE_PAGE = """<!doctype html><body><article><section id="model-keys"><h1>Model keys</h1>
+<section id="a-to-z"><h2>A to Z</h2><table><tbody><tr><td>pitch</td><td>motion</td></tr>
+<tr><td>young</td><td>material</td></tr></tbody></table></section>
+<section id="motion"><h2>[motion]</h2><p>kind = "screw"</p><table><tbody>
+<tr><td>pitch</td><td>mm</td><td>advance a turn</td></tr>
+<tr><td>duration</td><td>s</td><td>of the run</td></tr></tbody></table>
+<p>kind = "straight"</p><table><tbody><tr><td>speed</td><td>mm/s</td><td>after the ramp</td></tr>
+</tbody></table></section><section id="material"><h2>[material]</h2><table><tbody>
+<tr><td>young</td><td>MPa</td><td>Young's modulus</td></tr></tbody></table></section>
+</section></article></body><script>SCRIPT</script><script>
+const shown = () => [...document.querySelectorAll("tbody tr")].filter((row) => row.offsetHeight)
+  .map((row) => row.cells[0].textContent);
+const found = {};
+addEventListener("DOMContentLoaded", () => {
+  const field = document.querySelector("input");
+  for (const words of ["", "MPa", "screw", "motion MM", "nothing"]) {
+    field.value = words;
+    field.dispatchEvent(new Event("input"));
+    const titles = [...document.querySelectorAll("h2, p")].filter((one) => one.offsetHeight);
+    found[words] = [shown(), titles.map((one) => one.textContent),
+      document.querySelector("output").textContent.trim()];
+  }
+  document.body.textContent = "FOUND" + JSON.stringify(found) + "END";
+});
+</script>"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (apt-get install chromium)")
+def test_the_page_of_the_keys_is_searched_in_the_site(tmp_path):
+    script = (ROOT / "docs" / "_static" / "keys.js").read_text(encoding="utf-8")
+    (tmp_path / "keys.html").write_text(SITE_PAGE.replace("SCRIPT", script), encoding="utf-8")
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    command += [f"--user-data-dir={tmp_path / 'profile'}", (tmp_path / "keys.html").as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    found = json.loads(re.search("FOUND(.*)END", done.stdout)[1])
+    assert found[""][0] == ["pitch", "young", "pitch", "duration", "speed", "young"]
+    assert found["MPa"] == [["young"], ["[material]"], "1 found"]
+    assert found["screw"] == [["pitch", "duration"], ["[motion]", 'kind = "screw"'], "2 found"]
+    assert found["motion MM"][0] == ["pitch", "speed"]
+    assert found["nothing"] == [[], [], "0 found"]

@@ -30,13 +30,30 @@ def test_the_work_and_where_it_went():
     }
 
 
-@pytest.mark.parametrize(
-    ("unit", "end", "start"),
-    [("deg", 95.0, 10.0), ("deg", 40.0, 10.0), ("mm", 30.0, 3.0)],
-)
-def test_rows_are_trusted_once_work_has_been_done(unit, end, start):
-    x = np.array([0.0, np.nextafter(start, 0.0), start, end])
-    assert trusted_rows(x, unit, end).tolist() == [False, False, True, True]
+@pytest.mark.parametrize("work", [200.0, 2e-6, -3.0])
+def test_rows_are_trusted_once_work_has_been_done_in_runs_long_and_short(work):
+    share = np.array([0.0, 0.0999, 0.1001, 1.0])
+    assert trusted_rows({"tool_work": work * share}).tolist() == [False, False, True, True]
+
+
+def test_no_row_is_trusted_without_work_and_none_of_a_blow_up():
+    assert not trusted_rows({"tool_work": np.zeros(3)}).any()
+    assert not trusted_rows({"tool_work": np.zeros(0)}).any()
+    blown = np.array([0.0, 1.0, 2.0, np.inf, np.nan])
+    assert trusted_rows({"tool_work": blown}).tolist() == [False, True, True, False, False]
+
+
+@pytest.mark.parametrize("given", [-5.0, 5.0])
+def test_absorbed_jumps_are_a_share_of_their_own_unless_negligible(given):
+    cut = HISTORY | {"contact_absorbed": np.array([0.0, given])}
+    shares = energy_shares(cut)
+    assert shares["absorbed jumps"][1] == given
+    assert shares["contact"][1] == total("contact_work") - given
+    together = sum(share[1] for share in shares.values())
+    assert together == sum(share[1] for share in energy_shares(HISTORY).values())
+    little = HISTORY | {"contact_absorbed": np.array([0.0, 1e-3 * given])}
+    assert "absorbed jumps" not in energy_shares(little)
+    assert energy_shares(little)["contact"][1] == total("contact_work")
 
 
 def test_the_largest_shares_are_of_trusted_rows_and_without_sign():

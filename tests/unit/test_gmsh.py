@@ -42,6 +42,7 @@ def test_what_is_turned_or_repeated_is_said(caplog):
         read_film(DATA / "gmsh_2.2.msh")
     told = [record.getMessage().split(": ", 1)[1] for record in caplog.records]
     assert told == [
+        "groups without a name, though others have one, are called curve_4",
         "4 cells stand once for each of their groups, kept once",
         'no unit given: taken as mm, the film is 5 mm across; unit="..." says otherwise',
         "4 of 10 quads are turned over to agree with their neighbours",

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from shellcut.hdf_columns import Columns
+from shellcut.hdf_columns import Columns, fletcher32
 
 RNG = np.random.default_rng(7)
 BLOCKS = {
@@ -85,3 +85,15 @@ def test_columns_of_an_older_file_go_on_after_a_cut(tmp_path):
         columns.write("x/packed", 8192, np.full(5, 9, np.float32))
         assert file["alias"][4096:4106].tolist() == [1.0] * 10
         assert file["alias"][8192:].tolist() == [9.0] * 5
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 360, 721, 722, 4096, 50_001])
+@pytest.mark.parametrize("kind", ["zeros", "ones", "noise"])
+def test_the_checksum_is_that_of_hdf5(tmp_path, n, kind):
+    rows = {"zeros": np.zeros(n), "ones": np.full(n, 255), "noise": RNG.integers(0, 256, n)}[kind]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        data = file.create_dataset("x", data=rows.astype(np.uint8), chunks=(n,), fletcher32=True)
+        file.flush()
+        _, chunk = data.id.read_direct_chunk((0,))
+    assert chunk[:-4] == rows.astype(np.uint8).tobytes()
+    assert fletcher32(chunk[:-4]) == chunk[-4:]

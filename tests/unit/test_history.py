@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from shellcut.history import HistoryWriter, read_history
+from small_disk import REFUSAL, files_of_at_most
 
 COLUMNS = (("time", "s"), ("angle", "deg"), ("torque", "N*mm"))
 
@@ -121,3 +122,17 @@ def test_a_killed_run_leaves_whole_lines(tmp_path):
     assert done.returncode == -signal.SIGKILL
     values, _ = read_history(path)
     np.testing.assert_array_equal(values["time"], np.arange(1000) / 7)
+
+
+def test_a_row_that_does_not_fit_is_told_of(tmp_path):
+    path = tmp_path / "h.csv"
+    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")]) as writer:
+        writer.append({"time": 0.0, "torque": 1.0})
+        # The system takes the first bytes of the row, and says so without an error.
+        whole = path.stat().st_size
+        with files_of_at_most(whole + 5), pytest.raises(OSError, match=REFUSAL):
+            writer.append({"time": 0.125, "torque": 2.0})
+        assert path.stat().st_size == whole + 5
+    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], mode="a") as writer:
+        writer.append({"time": 0.25, "torque": 3.0})
+    assert read_history(path)[0]["time"].tolist() == [0.0, 0.25]

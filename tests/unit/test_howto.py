@@ -17,6 +17,14 @@ HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
 DATA = Path(__file__).parent / "data"
 
 
+@pytest.fixture(autouse=True)
+def _without_doubts(caplog):
+    """What the pages run is in order."""
+    yield
+    doubts = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
+    assert [text for text in doubts if text.startswith("distrust")] == []
+
+
 def blocks(page, language):
     return re.findall(rf"```{language}\n(.*?)```", (HOWTO / page).read_text(), re.S)
 
@@ -45,6 +53,13 @@ def test_own_tool(tmp_path, monkeypatch, capsys, caplog):
     assert names["cap"].n_chain == 3
     assert names["motion"].times[-1] == 1e-3
     assert capsys.readouterr().out.count("15 segments, 5.773 mm, open") == 4
+
+
+def test_trust(capsys):
+    (code,) = blocks("trust.md", "python")
+    exec(compile(code, "trust.md", "exec"), {})
+    (said,) = capsys.readouterr().out.splitlines()
+    assert "stays=True" in said
 
 
 def test_first_cut(tmp_path, monkeypatch, capsys):
@@ -99,10 +114,12 @@ def test_pictures(tmp_path, monkeypatch):
     monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
     case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")
     (code,) = blocks("pictures.md", "python")
     exec(compile(code, "pictures.md", "exec"), {})
     for name in ("crack.png", "strip.png", "scene.png", "cut.gif", "report.html"):
         assert Path(name).stat().st_size > 1000
+    assert "<h2>Measured curve</h2>" in Path("out/report.html").read_text(encoding="utf-8")
 
 
 def test_resume(tmp_path, monkeypatch):

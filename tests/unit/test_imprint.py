@@ -4,8 +4,17 @@ import numpy as np
 import pytest
 
 from films import unstructured_disc, unstructured_strip
-from shellcut import ImprintError, Mesh, PathCurve, guillotine, imprint, opening_test
+from shellcut import (
+    ImprintError,
+    Mesh,
+    PathCurve,
+    StraightMotion,
+    guillotine,
+    imprint,
+    opening_test,
+)
 from shellcut.meshing import annulus, cylinder, opening_disc, rectangle
+from shellcut.models.free_cut import free_cut
 from shellcut.tool_shapes import tooth_ring
 
 CIRCLE = PathCurve.circle((0.0, 0.0, 0.0), 9.4)
@@ -252,6 +261,21 @@ def test_the_guillotine_leaves_a_strip_that_has_the_line():
     x = mesh.nodes[case.imprint.chains[0], 0]
     np.testing.assert_allclose(x, np.linspace(0.0, 7.5, 16), atol=1e-12)
     assert case.simulation.mesh.n_node == mesh.n_node + 4  # the notch of 2 mm
+
+
+def test_a_notch_begins_where_the_blade_comes_in():
+    # The path is led on behind that place; the notch is none of the lead.
+    blade = tooth_ring(n_teeth=1, radius=1e5).translated((4.2 - 1e5, 0.0, 0.0))
+    mesh = rectangle(8.0, 16.0, n_x=16, n_y=32)
+    motion = StraightMotion((0.0, 1.0, -0.25), speed=6000.0)
+    case = free_cut(mesh, tool=blade, motion=motion, duration=1e-3, notch=1.2)
+    result, new = case.imprint, case.simulation.mesh
+    twins = np.flatnonzero(new.origin != np.arange(new.n_node))
+    start = result.curves[0].point(result.curves[0].leads[0])[0]
+    assert start[1] == pytest.approx(0.08, abs=1e-3)  # 0.02 mm down at a slope of 0.25
+    y = new.nodes[np.unique(new.origin[twins]), 1]
+    assert result.mesh.nodes[result.chains[0], 1].min() < start[1] - 2.5
+    assert start[1] - 0.5 < y.min() <= y.max() < start[1] + 1.2
 
 
 def test_a_refusal_says_how_to_do_without():

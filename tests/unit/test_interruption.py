@@ -53,6 +53,16 @@ def test_the_second_signal_goes_through(received, first, second):
         assert interruption.requested
 
 
+def test_which_signal_ends_the_process():
+    with Interruption() as interruption:
+        assert not interruption.ends_process
+        signal.raise_signal(signal.SIGTERM)
+        assert interruption.ends_process  # unless the program handles it
+    with Interruption() as interruption:
+        signal.raise_signal(signal.SIGINT)
+        assert not interruption.ends_process  # it becomes KeyboardInterrupt
+
+
 def test_without_a_signal_nothing_is_delivered(received):
     before = handlers()
     with Interruption() as interruption:

@@ -156,8 +156,30 @@ def test_mean_directors_of_a_cylinder_are_radial_inside():
     assert mean[inner] == pytest.approx(exact.directors[inner], abs=1e-14)
 
 
+def leaning(degrees):
+    return [np.sin(np.radians(degrees)), 0.0, np.cos(np.radians(degrees))]
+
+
+LEANING = np.tile(leaning(6.0), (6, 1))
+# One of four: 50 / 4 degrees would be too much for its quads as well.
+ONE_LEANING = np.where(np.arange(6)[:, None] == 4, leaning(50.0), [0.0, 0.0, 1.0])
+
+
+def test_directors_may_lean_where_the_film_is_curved():
+    # Exact normals of an arc in quads of 40°, and the mean normals, 20° off at the rim.
+    angle = np.radians([0.0, 40.0, 80.0])
+    arc = np.stack([np.sin(angle), np.zeros(3), np.cos(angle)], axis=1)
+    nodes = 10.0 * np.concatenate([arc, arc]) + np.repeat([[0, -3, 0], [0, 3, 0]], 3, axis=0)
+    exact = Mesh.from_arrays(nodes, QUADS, directors=np.concatenate([arc, arc]))
+    mean = Mesh.from_arrays(nodes, QUADS)
+    again = Mesh.from_arrays(nodes, QUADS, directors=mean.directors)
+    assert (again.directors == mean.directors).all()
+    lean = np.degrees(np.arccos(np.einsum("ni,ni->n", exact.directors, mean.directors)))
+    np.testing.assert_allclose(lean, [20.0, 0.0, 20.0] * 2, atol=1e-5)
+
+
 def test_given_directors_are_scaled_to_one():
-    T = np.tile([0.1, 0.0, 1.0], (6, 1)) / np.sqrt(1.01) * (1.0 + 3e-7)
+    T = np.tile([0.05, 0.0, 1.0], (6, 1)) / np.sqrt(1.0025) * (1.0 + 3e-7)
     mesh = Mesh.from_arrays(NODES, QUADS, directors=T)
     assert np.linalg.norm(mesh.directors, axis=1) == pytest.approx(np.ones(6), rel=1e-15)
 
@@ -167,6 +189,8 @@ def test_given_directors_are_scaled_to_one():
     [
         (np.tile([0.0, 0.0, 2.0], (6, 1)), ["unit length", "node 0 at (0, 0, 0)", "2", "norm"]),
         (np.tile([0.0, 0.0, -1.0], (6, 1)), ["side of the normals", "node 0", "reverse"]),
+        (LEANING, ["stand on the film", "within 5 degrees", "quad 0 at", "lean by 6, 6 degrees"]),
+        (ONE_LEANING, ["within 45 degrees", "node 4 at (1, 1, 0)", "lean by 50 degrees"]),
         (np.zeros((5, 3)), ["shape (6, 3)", "(5, 3)", "leave them out"]),
         (np.full((6, 3), np.nan), ["finite", "nan"]),
         ("up", ["finite numbers"]),
@@ -229,7 +253,7 @@ ARROW = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.5, 1.0]]
         ([[0, 0], [1, 0], [1, 0], [0, 1]], [[0, 1, 2, 3]], ["degenerate", "merge nodes"]),
         (BOW_TIE, [[0, 1, 2, 3]], ["degenerate or a bow-tie", "quad 0", "in order"]),
         (ARROW, [[0, 1, 2, 3]], ["convex", "quad 0", "inverted or folded onto itself", "move"]),
-        (FOLD, QUADS, ["60 degrees", "90.0 between quad 0", "smooth shells only", "max_fold_deg"]),
+        (FOLD, QUADS, ["60 degrees", "90.0 between quad 0", "smooth shells only", "round a fold"]),
     ],
 )
 def test_a_wrong_mesh_is_refused(nodes, quads, words):

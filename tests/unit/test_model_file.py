@@ -15,7 +15,6 @@ from shellcut import ModelFileError, guillotine, opening_test, read_model
 from shellcut.model_file import shipped_models
 from shellcut.model_file.cutter import Teeth
 from shellcut.model_file.layout import LISTS, SECTIONS
-from shellcut.model_file.reference import reference
 from shellcut.model_file.run_settings import Head
 from shellcut.model_file.source import parse
 from shellcut.model_file.writer import is_as_written, model_text
@@ -432,10 +431,3 @@ def test_the_model_on_the_page_reads(write):
     model = read_model(write(re.search(r"```toml\n(.*?)```", page, re.S)[1]))
     assert model.sections["membrane"].clamp == ("rim",)
     assert model.sections["motion"].duration == 6e-3
-
-
-def test_the_page_of_the_keys_is_up_to_date():
-    page = (ROOT / "docs" / "howto" / "model-file.md").read_text()
-    assert page.endswith(reference()), (
-        "put the return value of shellcut.model_file.reference.reference() at its end"
-    )

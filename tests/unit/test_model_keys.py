@@ -288,7 +288,8 @@ def test_divisions_instead_of_a_size(built):
 
 
 # What else a constructor takes comes from other sections, or is no value.
-ELSEWHERE = {"self", "folder", "progress", "log", "resume", "factor", "layers"}
+ELSEWHERE = {"self", "folder", "factor", "layers"}
+ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
 NOT_IN_FILES = {"velocity": "an array, a row a node"}
 
 

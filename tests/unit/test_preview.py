@@ -1,5 +1,6 @@
 """The look before the run: a picture with both poses, and nothing in the model changes."""
 
+import importlib
 import re
 
 import numpy as np
@@ -7,9 +8,13 @@ import pytest
 
 from naive import cases
 from shellcut.models import opening_test
-from shellcut.preview import preview
+from shellcut.preview import ModelParts, preview, preview_parts
+from shellcut.quality import mesh_quality
 from shellcut.simulation import Simulation
 from shellcut.support import Support
+from shellcut.time_step import Stepping
+from shellcut.tool import Tool
+from shellcut.tool_shapes import tooth_ring
 
 
 def test_a_picture_of_both_poses_and_a_report(tmp_path):
@@ -30,7 +35,34 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     squared = sim.shell.frequencies.squared
     assert squared[int(worst[0][0])] == squared.max()
     assert [share for _, share in worst] == sorted(share for _, share in worst)
-    assert f"shortens the step to {worst[0][1]} of the median quad's" in report
+
+
+@pytest.mark.parametrize("fixed", [None, 1e-8])
+def test_every_step_says_what_it_is_of(tmp_path, fixed):
+    stepping = Stepping(safety=0.8, fixed=fixed)
+    sim = opening_test("quick", stepping=stepping).simulation
+    report = preview(sim, tmp_path / "model.svg")
+    said = re.search(
+        r"step   (\S+) s is stable for the median quad by itself,\n"
+        r" +(\S+) s for the worst quad by itself.*\n"
+        r" +(\S+) s for the film with what contact and cables hold at the start;\n"
+        r" +(\S+) s is (.*)\n",
+        report,
+    )
+    median, worst, film, run = map(float, said.groups()[:4])
+    quality = mesh_quality(sim.mesh, sim.material)
+    assert (median, worst) == pytest.approx((np.median(quality.step), quality.step.min()), rel=1e-3)
+    # The teeth stand just above the film: contact halves what its quads would allow.
+    assert film < 0.7 * worst
+    assert film == pytest.approx(sim.time_step.bound(sim.state), rel=1e-3)
+    assert run == pytest.approx(sim.dt, rel=1e-3)
+    if fixed is None:
+        assert run == pytest.approx(0.8 * film, rel=2e-3)  # four figures of each
+        assert said[5] == "the first of the run: time.safety, 0.8, of that"
+    else:
+        assert run == fixed
+        assert "since time.fixed is given: " in said[5]
+        assert said[5].endswith(f"without it {0.8 * sim.time_step.bound(sim.state):.4g} s")
 
 
 def test_a_film_without_a_tool_is_drawn_once(tmp_path):
@@ -48,3 +80,69 @@ def test_impossible_times_are_refused(tmp_path, time):
     with pytest.raises(ValueError, match="time must be finite and not negative"):
         preview(sim, tmp_path / "never.png", time=time)
     assert not (tmp_path / "never.png").exists()
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """What is given to the picture."""
+    views = []
+    module = importlib.import_module("shellcut.preview")  # the package has a function of the name
+    monkeypatch.setattr(module, "draw_model", lambda view, *_, **__: views.append(view))
+    return views
+
+
+def two_rings():
+    """Teeth that cut, and others that are beside the film."""
+    ring = tooth_ring(n_teeth=1, height=2.0)
+    return Tool.from_triangles(
+        np.concatenate([ring.vertices, ring.vertices * [2.0, 2.0, 1.0]]),
+        np.concatenate([ring.triangles, ring.triangles + ring.n_vertex]),
+        edges=np.concatenate([ring.edges, ring.edges + ring.n_vertex]),
+        flank_angle_deg=ring.flank_angle_deg,
+    )
+
+
+@pytest.mark.parametrize(("angle", "label"), [(30.0, "in the film to the end"), (80.0, "leave")])
+def test_cutting_edges_are_drawn_by_what_becomes_of_them(drawn, angle, label):
+    # Teeth 2 mm high are through the film after 60.6 degrees of a pitch of 12 mm.
+    case = opening_test("quick", tool=two_rings(), angle_deg=angle)
+    report = preview(case.simulation, "never.png", time=case.duration)
+    (view,) = drawn
+    meeting, never = view.edges
+    assert label in meeting.label
+    assert "never meet the film" in never.label
+    tool = case.simulation.tool
+    assert meeting.segments.tolist() == tool.edges[tool.edge_chain == 0].tolist()
+    assert never.segments.tolist() == tool.edges[tool.edge_chain == 1].tolist()
+    assert len({meeting.color, never.color}) == 2
+    radius = np.linalg.norm(view.way, axis=1)
+    assert np.abs(radius - 9.4).max() < 1e-3  # chords of the edge
+    assert "never: 1" in report
+    assert "note: 1 of 2 cutting edges never meet the film: cutting edge 1" in report
+
+
+def test_the_colours_of_the_edges_are_in_the_picture(tmp_path):
+    case = opening_test("quick", tool=two_rings(), angle_deg=30.0)
+    preview(case.simulation, tmp_path / "model.svg", time=case.duration)
+    text = (tmp_path / "model.svg").read_text()
+    for colour in ("#c1121f", "#0077b6"):
+        assert colour in text
+
+
+def test_of_a_model_that_is_refused_what_there_is_is_drawn(drawn):
+    ring, mesh = tooth_ring(), opening_test("quick").simulation.mesh
+    assert preview_parts(ModelParts(tool=ring), "never.png").splitlines() == [
+        "tool   4 bodies, 4112 triangles, 4 cutting edges"
+    ]
+    assert preview_parts(ModelParts(mesh=mesh), "never.png").startswith("film   649 nodes")
+    tool_only, film_only = drawn
+    assert len(tool_only.nodes) == 0
+    assert len(tool_only.tool) == 1
+    assert len(film_only.tool) == 0
+    with pytest.raises(ValueError, match="neither film nor tool"):
+        preview_parts(ModelParts(), "never.png")
+
+
+def test_a_tool_without_a_film_is_drawn(tmp_path):
+    preview_parts(ModelParts(tool=tooth_ring()), tmp_path / "tool.png")
+    assert (tmp_path / "tool.png").stat().st_size > 10_000

@@ -8,7 +8,7 @@ import pytest
 from shellcut import progress
 from shellcut.progress import Progress
 
-UNITS = {"torque": "N*mm", "imbalance": "%"}
+UNITS = {"angle": "deg", "torque": "N*mm", "imbalance": "%"}
 
 
 class Terminal(io.StringIO):
@@ -25,10 +25,10 @@ class Clock:
 
 
 def run(stream, clock, *, n=41, each=1.0):
-    with Progress(95.0, "opening", "deg", figure_units=UNITS, stream=stream, clock=clock) as shown:
+    with Progress("opening", figure_units=UNITS, stream=stream, clock=clock) as shown:
         shown.note("compiling (first run only)")
         for k in range(n):
-            shown.update(k, step=1000 * k, torque=143.6, imbalance=-0.04)
+            shown.update(k / 95.0, step=1000 * k, angle=k, torque=143.6, imbalance=-0.04)
             clock.now += each
 
 
@@ -39,10 +39,10 @@ def test_lines_elsewhere_than_on_a_terminal_come_every_ten_seconds():
     assert lines[0] == "opening: compiling (first run only)"
     assert lines[1] == "opening: 0 %: angle 0 deg, torque 143.6 N*mm, imbalance -0.04 %"
     assert lines[2] == (
-        "opening: 11 %: angle 10.0 deg, torque 143.6 N*mm, imbalance -0.04 %, "
+        "opening: 10 %: angle 10.0 deg, torque 143.6 N*mm, imbalance -0.04 %, "
         "1,000 steps/s, 1 min 25 s left"
     )
-    assert len(lines) == 1 + 5 + 1  # the note, at 0, 10, 20, 30, 40 s, and at the end
+    assert len(lines) == 1 + 5  # the note, at 0, 10, 20, 30 and 40 s, which is the last
 
 
 def test_a_terminal_gets_a_bar_with_every_figure(monkeypatch):
@@ -64,7 +64,7 @@ def test_a_terminal_gets_a_bar_with_every_figure(monkeypatch):
 
 def test_a_zero_has_no_minus():
     stream = io.StringIO()
-    with Progress(95.0, "opening", "deg", figure_units=UNITS, stream=stream) as shown:
+    with Progress("opening", figure_units=UNITS, stream=stream) as shown:
         shown.update(0.0, step=0, torque=-0.0)
     assert "torque 0 N*mm" in stream.getvalue()
 
@@ -74,14 +74,14 @@ def test_a_dumb_terminal_gets_lines(monkeypatch):
     stream = Terminal()
     run(stream, Clock())
     assert "\x1b" not in stream.getvalue()
-    assert "opening: 11 %: angle 10.0 deg" in stream.getvalue()
+    assert "opening: 10 %: angle 10.0 deg" in stream.getvalue()
 
 
 @pytest.mark.parametrize("terminal", [False, True])
 def test_a_closed_stream_does_not_stop_the_run(terminal, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     stream = Terminal() if terminal else io.StringIO()
-    shown = Progress(1.0, "opening", "deg", stream=stream)
+    shown = Progress("opening", stream=stream)
     stream.close()
     shown.note("still here")
     for k in range(3):
@@ -90,21 +90,21 @@ def test_a_closed_stream_does_not_stop_the_run(terminal, monkeypatch):
 
 
 def test_an_odd_run_does_not_stop_it(monkeypatch):
-    for total, position in ((0.0, 0.0), (1.0, float("nan")), (1.0, 2.0)):
-        with Progress(total, "opening", "deg", stream=io.StringIO()) as shown:
-            shown.update(position, step=1, torque=float("inf"))
+    for share in (0.0, float("nan"), float("inf"), -1.0, 2.0):
+        with Progress("opening", stream=io.StringIO()) as shown:
+            shown.update(share, step=1, torque=float("inf"))
     monkeypatch.setattr("sys.stderr", None)
-    with Progress(1.0, "opening", "deg") as shown:
+    with Progress("opening") as shown:
         shown.update(0.5, step=1)
 
 
 def test_an_update_that_is_not_due_costs_nothing():
-    with Progress(95.0, "opening", "deg", stream=io.StringIO()) as shown:
+    with Progress("opening", stream=io.StringIO()) as shown:
         shown.update(0.0, step=0)
         n = 2000
         begin = time.perf_counter()
         for k in range(n):
-            shown.update(k, step=k, torque=143.6, imbalance=-0.04)
+            shown.update(k / n, step=k, torque=143.6, imbalance=-0.04)
         each = (time.perf_counter() - begin) / n
     assert each < 50e-6  # measured 0.4e-6 s
 

@@ -1,29 +1,35 @@
 """What a run leaves in its folder, whatever happens to it."""
 
+import itertools
 import json
 import time
 from functools import partial
 
-import h5py
 import numpy as np
 import pytest
 
 import shellcut.frame_output
+import shellcut.progress
 import shellcut.recorder
 from notched_strip import cutting
+from open_files import is_open
 from opening_frame import opening_frame
+from shellcut.checks import RefusedModel
 from shellcut.frame_output import FrameOutput
 from shellcut.history import read_history
 from shellcut.hooks import StopWhen
+from shellcut.instability import UnstableStep
+from shellcut.material import ShellMaterial
 from shellcut.models import Case
 from shellcut.motion import StraightMotion
 from shellcut.recorder import Recorder
 from shellcut.results import read
 from shellcut.run_folder import snapshot, snapshots
 from shellcut.run_summary import run_summary
-from shellcut.simulation import UnstableStep
 from shellcut.table_motion import TableMotion
 from shellcut.time_step import Stepping
+from shellcut.verdict import Line
+from steady_cut import edge, edge_columns
 
 RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
 END = 4e-6
@@ -75,13 +81,12 @@ def test_the_summary_says_what_the_history_shows(whole):
     assert summary["n_step"] == sim.state.step
     assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
     assert summary["path_end_mm"] == sim.motion.coordinate(sim.state.time)
-    assert summary["force_peak_N"] == h["force"].max()
-    late = h["path"] >= 0.4 * h["path"][-1]
-    x, force, work = h["path"][late], h["force"][late], h["tool_work"][late]
-    mean = np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)) / np.ptp(x)
-    assert summary["force_plateau_N"] == pytest.approx(mean, rel=1e-12)
-    slope = np.sum((x - x.mean()) * work) / np.sum((x - x.mean()) ** 2)
-    assert summary["dW_ds_N"] == pytest.approx(slope, rel=1e-9)
+    assert summary["force_peak_N"] == h["force"][np.abs(h["force"]).argmax()]
+    assert summary["force_peak_at_mm"] == h["path"][np.abs(h["force"]).argmax()]
+    assert summary["resistance"] == "force along (1, 0, 0)"
+    # Its cables break before the next is met: there is no process zone, and nothing is steady.
+    assert "to go to the next cut or the film's edge" in summary["no_window"]
+    assert not {"force_plateau_N", "dW_ds_N", "window_from_mm"} & summary.keys()
     assert summary["n_cable_created"] == sim.state.n_cable == h["cables_created"][-1]
 
 
@@ -163,35 +168,62 @@ def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
     assert not {"imbalance_rel", "kinetic_rel"} & summary.keys()
 
 
+def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, caplog):
+    sim = cutting()
+    recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
+    before = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
+    assert any("the process zone must be longer" in text for text in before)
+    assert recorder.verdict == ()
+    sim.run(END, [recorder])
+    lines = strict_json(tmp_path / "summary.json")["verdict"]
+    assert [Line(**line) for line in lines] == list(recorder.verdict)
+    after = [r.getMessage() for r in caplog.records if r.name == "shellcut.verdict"]
+    assert after[: len(before)] == [
+        f"distrust: Before the run: {text.removeprefix('distrust: ')}"
+        for text in before
+        if text.startswith("distrust: ")
+    ]
+
+
+def test_what_a_check_refuses_is_not_begun(tmp_path):
+    sim = cutting(material=ShellMaterial.homogeneous(thickness=74.0))
+    with pytest.raises(RefusedModel, match="a shell must be thin"):
+        Recorder(sim, tmp_path / "none", until=END, name="cut", **RECORDS)
+    assert not (tmp_path / "none").exists()
+
+
 def test_figures_that_are_not_finite_are_left_out(tmp_path):
     sim = cutting()
     recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
     sim.run(END, [recorder, StopWhen(lambda: sim.state.step >= 3)])
     history, _ = read_history(tmp_path / "history.csv")
     sim.ledger.tool_work, sim.ledger.damping_mass = np.inf, np.nan
-    figures = run_summary(
-        sim, recorder.resistance, history, until=END, stepping=1.0, drawing=0.0, unfelt=0.0
-    )
+    figures = run_summary(sim, recorder.resistance, history, stepping=1.0, drawing=0.0, unfelt=0.0)
     assert not {"tool_work_Nmm", "damping_Nmm"} & figures.keys()
     assert figures["n_step"] == 3
 
 
-def test_a_table_that_turns_has_a_plateau_without_an_axial_force():
-    # Only a screw knows an axis; what a table turns is met by three forces and moments.
+def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     motion = TableMotion(
         [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
     )
     sim = cutting(motion=motion)
-    r = shellcut.recorder.Resistance(motion)
+    r = shellcut.recorder.Resistance(motion, 1.0)
     assert r.coordinate_unit == "deg"
-    angle = np.linspace(0.0, 80.0, 9)
+    angle = np.linspace(0.0, 80.0, 1601)
     energies = ("tool_work", "cohesive_work", "imbalance", "kinetic_translation")
-    history = dict.fromkeys((*energies, "kinetic_rotation", r.columns[0][0]), angle)
-    history[r.coordinate_name] = angle
-    figures = run_summary(sim, r, history, until=1.0, stepping=1.0, drawing=0.0, unfelt=0.0)
-    # The mean of the identity over 30 to 70 degrees; its slope over the angle in radians.
-    assert figures["force_x_plateau_N"] == pytest.approx(50.0, rel=1e-12)
+    columns = (*energies, "kinetic_rotation", "time", "angle", "torque", "axial_force")
+    history = dict.fromkeys(columns, angle) | edge_columns([edge(angle)] * 4)
+    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=0.0)
+    # The mean of the identity; its growth a radian.
+    low, high = figures["window_from_deg"], figures["window_to_deg"]
+    assert 25.0 < low < high < 75.0
+    assert figures["torque_plateau_Nmm"] == pytest.approx(0.5 * (low + high), rel=1e-12)
     assert figures["dW_dtheta_Nmm"] == pytest.approx(np.degrees(1.0), rel=1e-9)
+    assert (figures["torque_peak_Nmm"], figures["torque_peak_at_deg"]) == (80.0, 80.0)
+    history["torque"] = 0.96 - 5.0 * np.sin(np.radians(angle))
+    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=0.0)
+    assert figures["torque_peak_Nmm"] == history["torque"][-1] < -3.9
 
 
 def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monkeypatch):
@@ -204,8 +236,7 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
     with pytest.raises(OSError, match="no space left"):
         Case("cut", sim, END).run(tmp_path, **RECORDS)
     assert sim.state.time < END
-    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):  # closed
-        pass
+    assert not is_open(tmp_path / "cut.vtkhdf")
 
 
 def test_a_frame_handed_over_is_in_the_file_when_it_has_settled(tmp_path):
@@ -228,8 +259,7 @@ def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
         Recorder(
             cutting(), tmp_path, until=2 * END, name="cut", pvd=True, resume=True, progress=False
         )
-    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):
-        pass
+    assert not is_open(tmp_path / "cut.vtkhdf")
 
 
 def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
@@ -240,8 +270,7 @@ def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
     with pytest.raises(RuntimeError, match="no log"):
         Case("cut", sim, END).run(tmp_path, log=fail, **RECORDS | {"progress": True})
     assert (tmp_path / "checkpoint.h5").exists()
-    with h5py.File(tmp_path / "cut.vtkhdf", "r+"):  # closed
-        pass
+    assert not is_open(tmp_path / "cut.vtkhdf")
 
 
 def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
@@ -252,6 +281,26 @@ def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
         "snapshot_11.png",
         "snapshot_100.png",
     ]
+
+
+def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys):
+    # The blade starts slowly: a third of the time is a tenth of the way.
+    monkeypatch.setattr(shellcut.progress, "LINE_INTERVAL", 0.0)
+    sim = cutting(motion=StraightMotion((1, 0, 0), 2e4, ramp=10 * END))
+    said = []
+    Case("cut", sim, 10 * END).run(tmp_path, log=said.append, **RECORDS | {"progress": True})
+    pairs = [
+        [int(text.split(" %: path ")[0]) for text in (account, line)]
+        for account, line in itertools.pairwise(said)
+        if "| E:" in account
+    ]
+    assert len(pairs) >= 5
+    assert all(account == line for account, line in pairs)
+    shares = [int(text.split(" %: ")[0]) for text in said]
+    assert shares == sorted(shares)
+    assert shares[-2:] == [100, 100]
+    assert shares.count(100) == 2  # one account, one line
+    assert capsys.readouterr().err.count("100 %") == 2
 
 
 def test_a_recorder_needs_a_tool(tmp_path):

@@ -8,8 +8,21 @@ import sys
 import numpy as np
 import pytest
 
+import shellcut
 from opening_frame import opening_frame
-from shellcut.view import _panel, draw_movie, draw_scene, renderer, scene, why_not_pyvista
+from run_folder import write_run
+from shellcut import progress
+from shellcut.command_line import main
+from shellcut.view import (
+    _panel,
+    draw_movie,
+    draw_scene,
+    movie,
+    panels,
+    renderer,
+    scene,
+    why_not_pyvista,
+)
 
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
 SIZE = (480, 320)
@@ -99,6 +112,63 @@ def test_an_mp4_has_all_frames(tmp_path, by):
     shown = np.frombuffer(read.stdout, np.uint8).reshape(-1, 320, 480, 3).astype(float)
     assert len(shown) == 3
     assert min(np.abs(a - b).mean() for a, b in itertools.pairwise(shown)) > 0.5
+
+
+def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, by, monkeypatch):
+    # The first has neither flanks nor cables: parts of the scene come while the movie runs.
+    frames = [opening_frame(0.0, n_side=10), FRAMES[1]]
+    made, kept = [], []
+    if by == "pyvista":
+        pyvista = pytest.importorskip("pyvista")
+        plotter = pyvista.Plotter
+        monkeypatch.setattr(pyvista, "Plotter", lambda **how: made.append(1) or plotter(**how))
+    else:
+        count = panels.whole_camera
+        monkeypatch.setattr(panels, "whole_camera", lambda *of: made.append(1) or count(*of))
+
+    def keep(path, images, *_):
+        kept.extend(images)
+        path.touch()
+
+    monkeypatch.setitem(movie._WRITERS, ".gif", keep)
+    draw_movie(tmp_path / "cut.gif", frames, size=SIZE, stress_limits=(0.0, 15.0))
+    assert len(kept) == len(frames)
+    # What lasts is made once for all of them, which is most of the time that a picture takes.
+    assert len(made) == 1
+    for k, (frame, image) in enumerate(zip(frames, kept, strict=True)):
+        path = tmp_path / f"{k}.png"
+        others = [*frames[:k], *frames[k + 1 :]]
+        draw_scene(path, frame, size=SIZE, together_with=others, stress_limits=(0.0, 15.0))
+        np.testing.assert_array_equal(image, np.rint(255.0 * pixels(path)))
+
+
+def test_a_movie_says_how_far_it_is(tmp_path, by, capsys, monkeypatch):
+    monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
+    draw_movie(tmp_path / "cut.gif", FRAMES, size=(240, 160))
+    said = capsys.readouterr().err.splitlines()
+    assert [line.split(" %: ")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
+    assert "frames/s" in said[-1]
+    assert said[-1].endswith("0 s left")
+    draw_movie(tmp_path / "cut.gif", FRAMES[:1], size=(240, 160), progress=False)
+    assert capsys.readouterr().err == ""
+
+
+def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv(renderer.CHOICE, "matplotlib")
+    folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
+    path = tmp_path / "cut.gif"
+    assert main(["movie", str(folder), "-o", str(path), "--limits", "0", "20"]) == 0
+    with pillow.open(path) as drawn:
+        assert drawn.n_frames == shellcut.read(folder).n_frame
+    out, err = capsys.readouterr()
+    assert out.startswith(f"{path} (")
+    assert "100 %" in err
+    assert main(["movie", str(folder), "-o", "cut.avi", "--stress", "tresca"]) == 2
+    err = capsys.readouterr().err
+    assert ".mp4 or .gif" in err
+    assert "got 'tresca'" in err
+    assert main(["movie", str(tmp_path / "none")]) == 2
+    assert "none" in capsys.readouterr().err
 
 
 def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):

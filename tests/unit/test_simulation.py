@@ -5,11 +5,12 @@ import pytest
 
 from shellcut.cohesive_law import CohesiveLaw
 from shellcut.hooks import Sampler, StopRun
+from shellcut.instability import UnstableStep
 from shellcut.load import Pressure
 from shellcut.material import ShellMaterial
 from shellcut.meshing import rectangle
 from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation, UnstableStep
+from shellcut.simulation import Simulation
 from shellcut.support import Support
 from shellcut.time_step import Stepping
 from shellcut.tool_shapes import straight_blade

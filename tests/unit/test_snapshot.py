@@ -9,7 +9,8 @@ import pytest
 
 from opening_frame import RADIUS, opening_frame
 from shellcut.frame import JOINTED, STRAIGHT, Frame
-from shellcut.view import _panel, draw_snapshot, snapshot
+from shellcut.view import _panel, draw_snapshot
+from shellcut.view._close_camera import close_camera, tooth_edge
 from shellcut.view._figure import with_unit
 from shellcut.view._raster import Camera, Canvas, shade, view_axes
 
@@ -130,10 +131,10 @@ def test_numbers_in_the_title_have_units():
 @pytest.mark.parametrize("tooth", [0, 1, 2, 3])
 def test_the_close_camera_goes_with_the_tooth(tooth):
     frame = opening_frame(30.0, n_side=20)
-    edge = snapshot._tooth_edge(frame, tooth)
+    edge = tooth_edge(frame, tooth)
     np.testing.assert_array_equal(edge, frame.edge_points[12 * tooth : 12 * (tooth + 1)])
     toward = np.array([0.0, 0.0, 1.0])
-    camera = snapshot._close_camera(frame, tooth, (0.0, 0.0), toward, None, (300, 400))
+    camera = close_camera(frame, tooth, (0.0, 0.0), toward, None, (300, 400))
     middle = edge.mean(axis=(0, 1))
     # at elevation 0 and bearing 0 one looks back along the circle, with the membrane level
     theta = np.arctan2(middle[1], middle[0])

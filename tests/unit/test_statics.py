@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut import EdgeTraction, Mesh, ShellMaterial, Support, statics
+from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Support, load_path
 from shellcut.load import NodalMoment
-from shellcut.meshing import rectangle
+from shellcut.meshing import cylinder, rectangle
 from shellcut.statics import NoConvergence, Statics
 
 LENGTH, WIDTH, THICKNESS, YOUNG, DENSITY = 10.0, 1.0, 0.1, 1.2e6, 1e-9
@@ -65,6 +65,77 @@ def test_linear_solution_leaves_the_state_alone():
     assert strip.factor == 0.0
 
 
+def test_what_holds_the_film_and_what_it_stores():
+    strip = cantilever(8, SHEAR)
+    answer = strip.linear()
+    left = strip.mesh.node_set("left")
+    # The supports bear the load, 4 N, and its moment about the root, to round-off.
+    np.testing.assert_allclose(answer.reaction.sum(axis=0), [0, 0, -4.0], atol=1e-7)
+    arm = np.cross(strip.mesh.nodes[left], answer.reaction[left]).sum(axis=0)
+    root = answer.reaction_moment[left].sum(axis=0) + arm
+    np.testing.assert_allclose(root, [0, 4.0 * LENGTH, 0], atol=1e-6)
+    free = np.setdiff1d(np.arange(strip.mesh.n_node), left)
+    assert not answer.reaction[free].any()
+    assert not answer.reaction_moment[free].any()
+    assert answer.energy == pytest.approx(0.5 * 4.0 * answer.displacement[tip(strip), 2], rel=1e-9)
+    assert answer.residual < 1e-9
+    assert answer.error < 1e-9
+    assert 1e4 < answer.condition < 1e12
+    # As a sequence it is displacement and rotation.
+    displacement, rotation = answer
+    assert answer[0] is displacement
+    assert answer[1] is rotation
+
+
+def test_stresses_of_a_linear_solution():
+    strip = cantilever(3, MOMENT, EdgeTraction("right", (5.0, 0.0, 0.0)), poisson=0.3, n_y=2)
+    answer = strip.linear()
+    bent = 1.5 * 6.0 / (WIDTH * THICKNESS**2)  # 0.5 N·mm on each of three nodes
+    pulled = 5.0 / THICKNESS
+    for place, expected in (("top", pulled - bent), ("mid", pulled), ("bottom", pulled + bent)):
+        stress = answer.stress([4], place=place)[0]
+        # At the clamped end the lateral contraction is held: half way along it has nearly faded.
+        assert stress[0, 0] == pytest.approx(expected, rel=0.02)
+        assert abs(stress[2]).max() < 1e-9 * bent
+    with pytest.raises(ValueError, match="place must be one of"):
+        answer.stress(place="nominal")
+
+
+def test_stresses_about_a_stretched_state_are_the_difference_quotient():
+    strip = cantilever(4, EdgeTraction("right", (2e3, 0.0, 0.0)), poisson=0.3, n_y=2)
+    strip.load_steps([1.0])
+    before = strip.stress(place="top")
+    answer = strip.linear()
+    change, n, node = answer.stress(place="top") - before, strip.mesh.n_node, strip.state.node
+    start, moved = (node.x.copy(), node.t.copy()), []
+    for sign in (1.0, -1.0):
+        strip.move(1e-4 * sign * answer.displacement, 1e-4 * sign * answer.rotation)
+        moved.append(strip.stress(place="top"))
+        node.x[:], node.t[:] = start
+    quotient = (moved[0] - moved[1]) / 2e-4
+    # Error of a central difference, and round-off over the step.
+    np.testing.assert_allclose(change, quotient, atol=1e-6 * abs(quotient).max())
+    assert abs(answer.displacement[:n]).max() > 1e-3
+
+
+def test_an_equilibrium_knows_its_reactions_energy_and_residual():
+    strip = cantilever(8, SHEAR)
+    path = strip.load_steps(np.linspace(0.05, 1.0, 20))
+    end, left = path[-1], strip.mesh.node_set("left")
+    np.testing.assert_allclose(end.reaction.sum(axis=0), [0, 0, -4.0], atol=1e-6)
+    here = strip.mesh.nodes + end.displacement
+    load = np.cross(here[strip.mesh.node_set("right")], [0, 0, 2.0]).sum(axis=0)
+    arm = np.cross(here[left], end.reaction[left]).sum(axis=0)
+    held = end.reaction_moment[left].sum(axis=0) + arm
+    np.testing.assert_allclose(held, -load, atol=1e-5)
+    assert end.residual <= 1e-8
+    # Work of the dead load along the path, by the trapezoidal rule.
+    way = np.array([0.0, *(e.displacement[tip(strip), 2] for e in path)])
+    force = np.array([0.0, *(4.0 * e.factor for e in path)])
+    work = 0.5 * (force[1:] + force[:-1]) @ np.diff(way)
+    assert end.energy == pytest.approx(work, rel=2e-3)
+
+
 # --- load steps ----------------------------------------------------------------------------------
 
 
@@ -97,7 +168,7 @@ def test_unloading_comes_back():
 
 def test_steps_are_halved(monkeypatch):
     expected = cantilever(8, SHEAR).load_steps([1.0])[0]
-    monkeypatch.setattr(statics, "_MOST_ITERATIONS", 4)
+    monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 4)
     (halved,) = cantilever(8, SHEAR).load_steps([1.0])
     assert halved.n_iteration > expected.n_iteration
     np.testing.assert_allclose(halved.displacement, expected.displacement, atol=1e-6)
@@ -106,7 +177,7 @@ def test_steps_are_halved(monkeypatch):
 def test_no_convergence_names_the_last_equilibrium_and_puts_it_back(monkeypatch):
     strip = cantilever(8, SHEAR)
     (before,) = strip.load_steps([0.25])
-    monkeypatch.setattr(statics, "_MOST_ITERATIONS", 1)
+    monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 1)
     with pytest.raises(
         NoConvergence,
         match=r"no equilibrium at load factor 0\.25.* after 1 iterations, residual .* N; the last "
@@ -123,8 +194,17 @@ def test_a_rigid_motion_is_refused():
     material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=THICKNESS)
     mesh = rectangle(LENGTH, WIDTH, n_x=4, n_y=1)
     free = Statics(mesh, material, supports=[Support("left", "xy", "")], loads=[SHEAR])
-    with pytest.raises(NoConvergence, match="a rigid motion is not supported"):
+    motions = r"\(translation along z, rotation about x, rotation about y\)"
+    named = f"a rigid motion is not supported {motions}"
+    with pytest.raises(NoConvergence, match=named):
         free.linear()
+    # Two parts, one of which is held: what the other can do is said of it.
+    two = np.concatenate([mesh.nodes, mesh.nodes + np.array([0.0, 2.0, 0.0])])
+    parts = Mesh.from_arrays(two, np.concatenate([mesh.quads, mesh.quads + mesh.n_node]))
+    left = np.flatnonzero(two[:, 0] == 0.0)
+    supports = [Support.clamped(left[:2]), Support(left[2:], "xyz", "")]
+    with pytest.raises(NoConvergence, match=r"\(rotation about a line along y of part 2 of 2\)"):
+        Statics(parts, material, supports=supports, loads=[Gravity((0, 0, -9810.0))]).linear()
 
 
 # --- arc length ----------------------------------------------------------------------------------
@@ -175,6 +255,69 @@ def test_arc_length_goes_on_from_load_steps():
     assert len(strip.arc_length(0.1, until=lambda _: False, most_steps=2)) == 2
 
 
+def shallow_roof():
+    """A hinged roof that snaps back: a quarter, h = 6.35 (verification case B09 with half of h)."""
+    arc = cylinder(2540.0, 508.0, n_around=8, n_along=8, arc_deg=np.degrees(0.2))
+    keep = arc.nodes_where(lambda x, y, _: (x > -1e-6) & (y > -1e-6))
+    new = np.full(arc.n_node, -1)
+    new[keep] = np.arange(keep.size)
+    quads = new[arc.quads]
+    nodes = arc.nodes[keep]
+    mesh = Mesh.from_arrays(
+        nodes,
+        quads[(quads >= 0).all(axis=1)],
+        directors=arc.directors[keep],
+        node_sets={
+            "middle": np.flatnonzero(abs(nodes[:, 0]) < 1e-6),
+            "centre": np.flatnonzero(abs(nodes[:, 1]) < 1e-6),
+            "hinge": np.flatnonzero(nodes[:, 0] > nodes[:, 0].max() - 1e-6),
+        },
+    )
+    top = int(np.intersect1d(mesh.node_set("middle"), mesh.node_set("centre"))[0])
+    roof = Statics(
+        mesh,
+        ShellMaterial.homogeneous(young=3102.75, thickness=6.35),
+        supports=[
+            Support.symmetry("middle", "x"),
+            Support.symmetry("centre", "y"),
+            Support("hinge", "xyz", "xz"),
+        ],
+        loads=[NodalForce([top], (0.0, 0.0, -750.0))],
+    )
+    return roof, top
+
+
+@pytest.mark.parametrize("first", [0.05, 0.4])
+def test_a_snap_is_not_passed_in_one_leap(first):
+    # The load falls to -0.1245 of the full one while the centre goes back by 2 mm.
+    roof, top = shallow_roof()
+    path = roof.arc_length(first, until=lambda e: e.factor > 0.6)
+    factor = np.array([e.factor for e in path])
+    down = -np.array([e.displacement[top, 2] for e in path])
+    assert factor.min() == pytest.approx(-0.1245, abs=2e-3)
+    back = (np.diff(down) < 0.0).sum()
+    assert back >= 2
+    increments = np.diff([e.displacement for e in path], axis=0).reshape(len(path) - 1, -1)
+    size = np.linalg.norm(increments, axis=1)
+    turn = (increments[1:] * increments[:-1]).sum(axis=1) / (size[1:] * size[:-1])
+    assert turn.min() > np.cos(np.radians(30.0))
+
+
+def test_arc_length_is_bounded():
+    paths = [
+        cantilever(8, SHEAR).arc_length(0.01, until=lambda e: e.factor > 0.2, longest=longest)
+        for longest in (1.0, 8.0)
+    ]
+    for path, longest in zip(paths, (1.0, 8.0), strict=True):
+        points = np.array([0.0 * path[0].displacement, *(e.displacement for e in path)])
+        size = np.linalg.norm(np.diff(points, axis=0).reshape(len(path), -1), axis=1)
+        # Along the way; across it a step may be a little longer.
+        assert size.max() < 1.1 * longest * size[0]
+    assert len(paths[0]) > 2 * len(paths[1])
+    with pytest.raises(ValueError, match=r"first must be .* 0, got 0; longest must be"):
+        cantilever(8, SHEAR).arc_length(0, until=lambda e: True, longest=0.5)
+
+
 # --- vibrations ----------------------------------------------------------------------------------
 
 
@@ -198,12 +341,43 @@ def test_tension_raises_the_frequency():
 
 def test_largest_frequency_is_that_of_the_dense_matrices():
     strip = cantilever(6, n_y=2, poisson=0.3)
-    K, mass = strip._vibration(true_inertia=False)
+    K = strip._freedoms.restrict(strip._freedoms.stiffness(strip.shell))
+    mass = strip._mass(true_inertia=False)
     dense = K.toarray() / np.sqrt(np.outer(mass, mass))
     largest = np.sqrt(np.linalg.eigvalsh(dense)[-1])
     assert strip.largest_frequency() == pytest.approx(largest, rel=1e-9)
     lowest = np.sqrt(np.linalg.eigvalsh(dense)[:3]) / (2.0 * np.pi)
     np.testing.assert_allclose(strip.modes(3, true_inertia=False).frequency, lowest, rtol=1e-6)
+
+
+def test_all_modes_there_are_and_no_more():
+    strip = cantilever(2)
+    n = strip._freedoms.free.size
+    assert n == 20
+    all_ = strip.modes(n).frequency
+    np.testing.assert_allclose(strip.modes(n - 3).frequency, all_[:-3], rtol=1e-8)
+    for wrong in (n + 1, 0, 2.0):
+        with pytest.raises(ValueError, match=f"n must be a whole number from 1 to 20.*got {wrong}"):
+            strip.modes(wrong)
+
+
+def test_modes_of_a_free_film():
+    material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-4)
+    frequency = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), material).modes(9).frequency
+    thick = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=1e-2)
+    expected = Statics(rectangle(4.0, 3.0, n_x=6, n_y=5), thick).modes(9).frequency
+    # Six rigid motions; bending in proportion to the thickness, but for shear.
+    assert frequency[5] < 1e-4 * frequency[6]
+    np.testing.assert_allclose(100.0 * frequency[6:], expected[6:], rtol=1e-3)
+
+
+def test_what_statics_cannot_do_is_refused():
+    mesh, film = rectangle(2.0, 1.0, n_x=2, n_y=1), ShellMaterial.homogeneous()
+    moving = Support("right", velocity={"x": lambda time: 1.0}, spin={"y": lambda time: 1.0})
+    with pytest.raises(ValueError, match=r"velocity of the support of 'right' .*; spin of .*move"):
+        Statics(mesh, film, supports=[Support.clamped("left"), moving])
+    with pytest.raises(ValueError, match="nothing is left to move"):
+        Statics(mesh, film, supports=[Support.clamped(range(6))]).linear()
 
 
 def test_a_moved_rim_stretches_the_film():

@@ -29,8 +29,17 @@ def test_kinds_of_support():
 
 
 def test_supports_of_one_node_add_up():
-    both = masks(Support([0], "x", ""), Support([0], "y", "z"))
-    assert both == {0: [1, 1, 0, 0, 0, 1]}
+    both = masks(Support([0], "x", ""), Support([0], "y", "x"))
+    assert both == {0: [1, 1, 0, 1, 0, 0]}
+
+
+def test_spins_are_held_as_the_director_takes_them():
+    # Of a plane film a spin about z moves no director; with x and y held z alone would be left.
+    assert masks(Support([0], "", "z")) == {}
+    assert masks(Support([0], "", "xy")) == {0: [0, 0, 0, 1, 1, 1]}
+    assert masks(Support([0], "", "xz")) == {0: [0, 0, 0, 1, 0, 1]}
+    # A prescribed spin is taken at its word.
+    assert masks(Support([0], "", "z", spin={"z": np.cos})) == {0: [0, 0, 0, 0, 0, 1]}
 
 
 def test_prescribed_velocity_is_written_at_the_half_step():
@@ -61,6 +70,7 @@ def test_nodes_by_name_or_ids():
     [
         (lambda: Support([0], "xw"), "translation must be made of the letters x, y, z, got 'xw'"),
         (lambda: Support([0], rotation="q"), "rotation must be made of"),
+        (lambda: Support.symmetry([0], "xy"), "normal must be one of x, y and z, got 'xy'"),
         (
             lambda: Support([0], "xy", velocity={"z": np.cos}),
             r"prescribed along \['z'\].*'xy' does not hold",

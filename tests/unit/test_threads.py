@@ -35,5 +35,18 @@ def test_totals_are_over_all_parts_in_their_order():
 
 def test_a_small_film_has_one_thread_and_nonsense_is_refused():
     assert Workers(49_999).count == 1
-    with pytest.raises(ValueError, match="whole number from 1 on"):
-        Workers(10, 0)
+    for nonsense in (0, 100_000, 2.0):
+        with pytest.raises(
+            ValueError, match=f"whole number from 1 to 256, or None, got {nonsense}"
+        ):
+            Workers(10, nonsense)
+
+
+def test_more_threads_than_cores_are_said(monkeypatch, caplog):
+    monkeypatch.setattr("shellcut.threads.available_cores", lambda: 2)
+    Workers(10, 2)
+    assert not caplog.messages
+    assert Workers(10, 3).count == 3
+    assert caplog.messages == [
+        "3 threads share 2 cores: the run is slower than with as many as there are"
+    ]

@@ -6,7 +6,9 @@ import pytest
 from naive import cases
 from shellcut.cable import CableSet
 from shellcut.cohesive_law import CohesiveLaw
-from shellcut.contact import STEEPEST, Contact, PenaltyContact
+from shellcut.contact import PenaltyContact
+from shellcut.material import ShellMaterial
+from shellcut.penalty import STEEPEST, Contact
 from shellcut.time_step import StableStep, Stepping
 from shellcut.tool_shapes import straight_blade
 from test_shell import stiffness
@@ -87,7 +89,7 @@ def test_contact_stiffness_of_near_nodes_counts():
     mesh = cases.skewed_flat()
     shell, state = cases.set_up(mesh)
     tool = straight_blade()
-    contact = PenaltyContact(tool, Contact(penalty=1e6), 0.074)
+    contact = PenaltyContact(tool, Contact(penalty=1e6), ShellMaterial.homogeneous())
     free = stepper(shell, safety=1.0).next(state)
     with_tool = stepper(shell, contact, tool, safety=1.0)
     assert with_tool.next(state) == free  # nothing is near yet

@@ -182,3 +182,16 @@ def test_refusals():
         grid.query([0.0, 1.0])
     with pytest.raises(ValueError, match=r"side must be -1, 0 or \+1, got 2"):
         grid.query([0.0, 0.0, 0.0], side=2)
+
+
+def test_one_grid_a_tool_and_none_of_no_tool():
+    blade = straight_blade()
+    assert ClosestTriangleGrid.of(blade) is ClosestTriangleGrid.of(blade)
+    other = straight_blade()
+    assert ClosestTriangleGrid.of(other) is not ClosestTriangleGrid.of(blade)
+    np.testing.assert_array_equal(
+        ClosestTriangleGrid.of(other).corners, ClosestTriangleGrid.of(blade).corners
+    )
+    found, inside, _, _ = ClosestTriangleGrid.of(None).query([[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0]])
+    assert not found.any()
+    assert not inside.any()

@@ -35,9 +35,10 @@ def test_rows_are_read_and_written_in_place():
     assert np.isnan(rows[[0, 2]]).all()
 
 
-def test_rotation_of_the_director_is_cayleys():
+@pytest.mark.parametrize("along", [0.0, 0.7])
+def test_rotation_of_the_director_is_cayleys(along):
     t = A / np.linalg.norm(A)
-    spin = np.cross(t, B)
+    spin = np.cross(t, B) + along * t
     skew = 0.5 * np.array([[0, -spin[2], spin[1]], [spin[2], 0, -spin[0]], [-spin[1], spin[0], 0]])
     cayley = np.linalg.solve(np.eye(3) - skew, np.eye(3) + skew)
     # Round-off of a 3 x 3 solution.

@@ -17,7 +17,8 @@ from opening_frame import opening_frame
 from shellcut.frame import Frame
 from shellcut.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
 from shellcut.hdf_columns import Columns
-from shellcut.vtkhdf import VtkHdfReader, VtkHdfWriter
+from shellcut.vtkhdf import VtkHdfWriter
+from shellcut.vtkhdf_reader import VtkHdfReader
 
 ROUNDING = 2.0 ** -(KEPT_BITS + 1)  # half of the last bit that is kept
 

@@ -102,7 +102,7 @@ MESH_CASES: dict[str, Case] = {
     ),
     "folded sheet": (
         lambda: Mesh.from_arrays(FOLDED, QUADS),
-        ("differ by 60 degrees at most", "71.6", "quad 1 at", "quad 2 at", "max_fold_deg"),
+        ("differ by 60 degrees at most", "71.6", "quad 1 at", "quad 2 at", "round a fold"),
     ),
     "id twice in a set": (
         lambda: Mesh.from_arrays(X, QUADS, node_sets={"grip": [3, 3]}),
@@ -210,7 +210,7 @@ MODEL_CASES: dict[str, Case] = {
 
 PARAMETER_CASES: dict[str, Case] = {
     "young": (lambda: ShellMaterial.homogeneous(young=-1.0), ("young", "MPa", "got -1.0")),
-    "poisson": (lambda: ShellMaterial.homogeneous(poisson=0.5), ("poisson", "-1 and 0.5", "0.5")),
+    "poisson": (lambda: ShellMaterial.homogeneous(poisson=0.51), ("poisson", "above 0.5", "0.51")),
     "density": (lambda: ShellMaterial.homogeneous(density=0.0), ("density", "t/mm³", "1e-9")),
     "density in g/cm³": (
         lambda: ShellMaterial.homogeneous(density=0.92),

@@ -70,9 +70,10 @@ def _check_path(sim: Simulation, notched: bool) -> None:
     assert np.allclose(np.diff(reached), SIZE)
     assert reached[0] == pytest.approx(first, abs=1e-9)
     # A tip stands before the edge, at most as far as the film is strained over sigma_F there (two
-    # nodes ahead), and the edge has not left a whole node behind.
+    # nodes ahead; three from a free edge 0.3 mm beside, regression), and the edge has not left a
+    # whole node behind.
     edge = PATH - 0.05
-    assert edge - SIZE < reached[-1] < edge + 2.5 * SIZE
+    assert edge - SIZE < reached[-1] < edge + 3.5 * SIZE
     assert len(sim.tips) == 1
 
 

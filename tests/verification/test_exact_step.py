@@ -10,10 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from shellcut.instability import UnstableStep
 from shellcut.material import ShellMaterial
 from shellcut.mesh import Mesh
 from shellcut.meshing import cylinder, rectangle
-from shellcut.simulation import Simulation, UnstableStep
+from shellcut.simulation import Simulation
 from shellcut.time_step import Stepping
 
 DIFFERENCE = 1e-5  # mm and rad: the forces are cubic, the error 1e-10, round-off 1e-11 relative

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from shellcut.comparison import compare
+from shellcut.comparison import Comparison, compare
 
 from .exit_code import BAD_INPUT, DONE, refuse
 
@@ -26,6 +26,16 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("out", metavar="OUT", help="folder of the run")
     parser.add_argument("measured", metavar="FILE", help="table of text with the measured curve")
+    add_columns_to(parser)
+    parser.add_argument("--json", metavar="FILE", type=Path, help="instead of OUT/comparison.json")
+    parser.add_argument(
+        "--picture", metavar="FILE", type=Path, help="instead of OUT/comparison.png"
+    )
+    parser.set_defaults(run=run)
+
+
+def add_columns_to(parser: argparse.ArgumentParser) -> None:
+    """Add what tells which columns are meant, and how they are compared."""
     for option, what in (("--x", "coordinate"), ("--y", "quantity")):
         parser.add_argument(
             option,
@@ -38,26 +48,32 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--window", type=float, help="average the simulated curve over this width, in the unit of x"
     )
-    parser.add_argument("--json", metavar="FILE", type=Path, help="instead of OUT/comparison.json")
-    parser.add_argument(
-        "--picture", metavar="FILE", type=Path, help="instead of OUT/comparison.png"
+
+
+def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
+    """Compare a run with the measured curve that the arguments tell of.
+
+    Raises
+    ------
+    ValueError, OSError
+        As :func:`shellcut.compare`.
+    """
+    (x, x_column), (y, y_column) = _parted(arguments.x), _parted(arguments.y)
+    return compare(
+        out,
+        arguments.measured,
+        x=x,
+        y=y,
+        columns=(x_column, y_column),
+        units=arguments.units,
+        window=arguments.window,
     )
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, print a table, write the figures and the picture."""
-    (x, x_column), (y, y_column) = _parted(arguments.x), _parted(arguments.y)
     try:
-        comparison = compare(
-            arguments.out,
-            arguments.measured,
-            x=x,
-            y=y,
-            columns=(x_column, y_column),
-            units=arguments.units,
-            window=arguments.window,
-        )
+        comparison = compared(arguments, arguments.out)
     except (ValueError, OSError) as problem:
         return refuse(problem)
     print(comparison)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 
-from . import compare, doctor, preview, report, resume, run, warmup
+from . import compare, doctor, keys, movie, preview, report, resume, run, warmup
+from .exit_code import INTERRUPTED, in_lines, refuse
 
-_COMMANDS = (run, resume, preview, compare, report, doctor, warmup)
+_COMMANDS = (run, resume, preview, keys, compare, report, movie, doctor, warmup)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -16,19 +19,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done, 2 bad input (argparse leaves with it by itself), 3 stopped by a guard,
-        130 interrupted.
+        Exit code, one of :data:`shellcut.command_line.exit_code.MEANINGS`; argparse leaves by
+        itself, with that of bad input.
     """
     arguments = parser_of_all().parse_args(argv)
-    code: int = arguments.run(arguments)
+    try:
+        code: int = arguments.run(arguments)
+    except MemoryError as problem:
+        return refuse(f"this machine's memory is too small for it: {problem}; mesh coarser")
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
     return code
 
 
 def parser_of_all() -> argparse.ArgumentParser:
     """Return the parser with all subcommands."""
     parser = argparse.ArgumentParser(
-        prog="shellcut", description="Explicit dynamics of thin shells cut by a sharp rigid blade."
+        prog="shellcut",
+        description="Explicit dynamics of thin shells cut by a sharp rigid blade.",
+        epilog=in_lines(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action="version", version=f"%(prog)s {version('shellcut')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
         command.add_to(commands)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from .exit_code import DONE, refuse
+from .exit_code import BAD_INPUT, DONE, refuse
 from .run import add_settings_to, settings_of
+
+if TYPE_CHECKING:
+    from shellcut.model_file import Model
 
 
 def add_to(commands: Any) -> None:
@@ -15,7 +19,8 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser(
         "preview",
         help="draw a model before its run",
-        description="Draw film, held nodes, tool and cutting edges of a model; run nothing.",
+        description="Draw film, held nodes, tool and cutting edges of a model, check it, run "
+        "nothing. Of a model that is refused what there is of it is drawn.",
     )
     parser.add_argument("model", metavar="MODEL", help="a file in TOML, or a name")
     parser.add_argument(
@@ -27,15 +32,33 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model, draw it, print what it has."""
-    from shellcut.model_file import read_model
+    from shellcut.model_file import ModelFileError, read_model
     from shellcut.preview import preview
 
+    model = None
     try:
-        case = read_model(arguments.model, settings_of(arguments)).build()
-        report = preview(case.simulation, arguments.out, time=case.duration)
+        model = read_model(arguments.model, settings_of(arguments))
+        case = model.build()
+    except ModelFileError as problem:
+        return _draw_refused(model or problem.partial, arguments.out, problem)
+    try:
+        report = preview(case.simulation, arguments.out, time=case.duration, check=case.check)
     except (ValueError, ImportError, OSError) as problem:
         return refuse(problem)
     if case.imprint is not None:
         report += f"\n{case.imprint.report()}"
     print(f"{report}\nwrote {arguments.out}")
-    return DONE
+    return BAD_INPUT if case.check.of("refuse") else DONE
+
+
+def _draw_refused(model: Model | None, path: Path, problem: ValueError) -> int:
+    """Draw what there is of a model, say what is wrong with it; return the code for that."""
+    from shellcut.preview import preview_parts
+
+    parts = None if model is None else model.parts()
+    if parts is not None and not (parts.mesh is None and parts.tool is None):
+        try:
+            print(f"{preview_parts(parts, path)}\nwrote {path}: what there is of the model")
+        except (ValueError, ImportError, OSError) as other:
+            print(f"it cannot be drawn: {other}", file=sys.stderr)
+    return refuse(problem)

@@ -8,6 +8,7 @@ from typing import Any
 
 from shellcut.report import report
 
+from .compare import add_columns_to, compared
 from .exit_code import DONE, refuse
 
 
@@ -23,14 +24,22 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="file to write [OUT/report.html]"
     )
+    parser.add_argument(
+        "--measured",
+        metavar="FILE",
+        help="table of text with a measured curve, shown and compared; what follows is as for "
+        "shellcut compare",
+    )
+    add_columns_to(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the report and say where it is; 2 if the folder is of no run."""
     try:
-        path = report(arguments.folder, arguments.output)
-    except OSError as error:
+        found = compared(arguments, arguments.folder) if arguments.measured else None
+        path = report(arguments.folder, arguments.output, measured=found)
+    except (ValueError, OSError) as error:
         return refuse(error)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
     return DONE

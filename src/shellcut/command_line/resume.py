@@ -24,6 +24,7 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model that the folder tells, and go on from its checkpoint."""
+    from shellcut.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.model_file.writer import is_as_written
 
@@ -32,8 +33,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not used.is_file():
         return refuse(f"{folder} holds no {USED}: it is no folder of shellcut run")
     try:
+        refuse_if_in_use(folder)
         model = read_model(used)
-    except ModelFileError as problem:
+    except (ModelFileError, OSError) as problem:
         return refuse(problem)
     wrong = []
     if not is_as_written(used.read_text(encoding="utf-8")):

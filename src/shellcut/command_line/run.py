@@ -6,15 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .carry_out import LOG, USED, carry_out
+from .carry_out import carry_out
 from .exit_code import DONE, refuse
 from .run_log import RunLog
-
-_RESULTS = (
-    *(USED, LOG, "history.csv", "summary.json", "splits.csv", "checkpoint.h5"),
-    *("*.vtkhdf", "*.pvd", "snapshot_*.png", "torque.png", "force*.png", "energy.png"),
-)
-"""What a run leaves, as patterns; with --overwrite all of it goes."""
 
 
 def add_to(commands: Any) -> None:
@@ -37,7 +31,12 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--overwrite",
         action="store_true",
-        help="replace the run in the folder",
+        help="replace the run in the folder: what it wrote is removed, nothing else",
+    )
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="run what a check refuses, where that can make sense",
     )
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
@@ -83,6 +82,8 @@ def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, check, run."""
+    from shellcut.file_list import files_there
+    from shellcut.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model, shipped_models
 
     if arguments.list:
@@ -109,13 +110,17 @@ def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
     if folder.exists() and not folder.is_dir():
         return refuse(f"{folder} is a file: -o must name a folder")
-    earlier = [path for pattern in _RESULTS for path in sorted(folder.glob(pattern))]
+    try:
+        refuse_if_in_use(folder)
+    except OSError as problem:
+        return refuse(problem)
+    earlier = files_there(folder)
     if earlier and not arguments.overwrite:
         return refuse(
-            f"{folder} holds a run ({earlier[0].name}): --overwrite replaces it, "
+            f"{folder} holds a run ({earlier[0]}): --overwrite replaces it, "
             f"shellcut resume {folder} goes on with it"
         )
-    return carry_out(model, folder, RunLog(), replaces=earlier)
+    return carry_out(model, folder, RunLog(), overwrite=arguments.overwrite, force=arguments.force)
 
 
 def _write_model(name: str, path: Path) -> int:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
+
+from shellcut.verdict import LOGGER as VERDICT
 
 
 class RunLog:
@@ -15,12 +17,8 @@ class RunLog:
 
     def __init__(self) -> None:
         self._kept: list[str] = []
+        self._verdict: list[str] = []
         self._file: TextIO | None = None
-
-    @property
-    def is_open(self) -> bool:
-        """Whether there is a file."""
-        return self._file is not None
 
     def open(self, path: Path) -> None:
         """Append to a file from now on, with what was said before."""
@@ -29,8 +27,9 @@ class RunLog:
             self.keep(line)
 
     def say(self, text: str, *, stream: TextIO | None = None) -> None:
-        """Print and keep, on standard output by default."""
-        print(text, file=stream or sys.stdout, flush=True)
+        """Print and keep, on standard output by default; nobody needs to listen there."""
+        with suppress(OSError):  # a closed pipe, or a full disk behind it
+            print(text, file=stream or sys.stdout, flush=True)
         self.keep(text)
 
     def keep(self, text: str) -> None:
@@ -38,16 +37,30 @@ class RunLog:
         if self._file is None:
             self._kept.append(text)
             return
-        try:
+        with suppress(OSError):  # a full disk: the log is not worth a run
             self._file.write(text + "\n")
             self._file.flush()
-        except OSError:  # a full disk: the log is not worth a run
-            pass
+
+    def keep_for_last(self, line: str) -> None:
+        """Keep a line of the verdict, which is said after everything else."""
+        self._verdict.append(line)
+
+    def say_verdict(self) -> None:
+        """Say the verdict, once."""
+        lines, self._verdict = self._verdict, []
+        if lines:
+            self.say("\n".join(["what may be trusted:", *lines]))
+
+    @property
+    def has_verdict(self) -> bool:
+        """Whether there is a verdict to say."""
+        return bool(self._verdict)
 
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
-            self._file.close()
+            with suppress(OSError):  # what it could not write before
+                self._file.close()
 
     @contextmanager
     def library_said(self) -> Iterator[None]:
@@ -62,8 +75,15 @@ class RunLog:
 
 class _Said(logging.Handler):
     def __init__(self, log: RunLog) -> None:
-        super().__init__(logging.WARNING)
+        super().__init__(logging.INFO)
         self._log = log
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._log.say(record.getMessage(), stream=sys.stderr)
+        if record.name == VERDICT.name:
+            self._log.keep_for_last(record.getMessage())
+        elif record.levelno >= logging.WARNING:
+            self._log.say(record.getMessage(), stream=sys.stderr)
+
+    def flush(self) -> None:
+        # The process may end here.
+        self._log.say_verdict()

@@ -3,27 +3,25 @@
 Read are *NODE, *ELEMENT, *NSET, *ELSET (with GENERATE, sets of sets, sets named on *NODE and
 *ELEMENT), *PART, *INSTANCE with translation and rotation, *ASSEMBLY and *INCLUDE. Keywords that
 make nodes or elements by rule are refused: without them the mesh would be smaller. Everything else
-(materials, steps, output) is passed over.
-
-Part sets of an instance keep their name if only one instance brings it and the assembly does not;
-otherwise they are called ``instance.set``.
+(materials, steps, output) is passed over. How instances and sets make one mesh is the matter of
+:mod:`shellcut.formats.abaqus_model`.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from dataclasses import dataclass, field
+from difflib import get_close_matches
 from math import radians
 from pathlib import Path
 
 import numpy as np
 import scipy
 
-from shellcut._jit import Floats, Ints
-
+from . import numerals
 from .abaqus_deck import DataLine, Keyword, read_deck
-from .errors import FileError, named
-from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
+from .abaqus_model import KINDS, Entry, Instance, Model, Scope, Transform
+from .errors import named
+from .file_mesh import FileMesh
+from .losses import blank_note, ragged_note, repeat_note
 
 _READ = frozenset(
     [
@@ -58,73 +56,18 @@ _MAKES_MESH = frozenset(
     ]
 )
 
-# Three- and four-node sheets of any formulation, and the trusses that mesh programs write for
-# curves; the film replaces the formulation.
-_KINDS: dict[str, tuple[str, int]] = {
-    **dict.fromkeys(
-        [
-            "S4",
-            "S4R",
-            "S4RS",
-            "S4RSW",
-            "S4R5",
-            "S4T",
-            "S4RT",
-            "M3D4",
-            "M3D4R",
-            "CPS4",
-            "CPS4R",
-            "CPS4I",
-            "CPE4",
-            "CPE4R",
-            "CPE4I",
-            "SFM3D4",
-            "SFM3D4R",
-        ],
-        (QUAD, 4),
-    ),
-    **dict.fromkeys(
-        ["S3", "S3R", "S3RS", "S3T", "S3RT", "STRI3", "M3D3", "CPS3", "CPE3", "SFM3D3"],
-        (TRIANGLE, 3),
-    ),
-    **dict.fromkeys(["T3D2", "T2D2"], (LINE, 2)),
+# What may stand on the keywords that are read.
+_PARAMETERS = {
+    "NODE": ("INPUT", "NSET", "SYSTEM"),
+    "ELEMENT": ("ELSET", "FILE", "INPUT", "OFFSET", "SOLIDELEMENTNUMBERING", "TYPE"),
+    "NSET": ("NSET", "ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "ELSET": ("ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "PART": ("NAME",),
+    "INSTANCE": ("NAME", "PART", "LIBRARY", "INSTANCE"),
+    "ASSEMBLY": ("NAME",),
+    "INCLUDE": ("INPUT", "PASSWORD"),
 }
-
-_Transform = tuple[Floats, Floats]  # rotation (3, 3), translation (3,): x = R X + t
-
-
-@dataclass
-class _Scope:
-    """The nodes, elements and sets of a part, of an instance's own or of the assembly."""
-
-    name: str
-    nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
-    elements: dict[int, tuple[str, list[int]]] = field(default_factory=dict)
-    sets: dict[tuple[str, str], list[_Entry]] = field(default_factory=dict)
-    """By kind ("node" or "element") and upper-case name."""
-    spelling: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Of the sets to be handed on."""
-
-
-@dataclass
-class _Entry:
-    """One entry of a set: ids, or the name of another set, perhaps of one instance."""
-
-    line: DataLine
-    ids: range | None = None
-    other: str = ""
-    kind: str = ""
-    instance: str = ""
-    text: str = ""
-    """As written, where a dot was taken to part instance and name."""
-
-
-@dataclass
-class _Instance:
-    name: str
-    part: str
-    transform: _Transform
-    own: _Scope
+_CLOSE = 0.7  # likeness at which an unknown parameter is taken for a misspelt one
 
 
 def read_abaqus(path: str | Path) -> FileMesh:
@@ -136,7 +79,7 @@ def read_abaqus(path: str | Path) -> FileMesh:
         Naming file and line of what is wrong, missing or made by a keyword that is not read.
     """
     reader = _Reader(Path(path))
-    for keyword in read_deck(reader.path, _READ):
+    for keyword in read_deck(reader.path, _READ, reader.notes):
         reader.take(keyword)
     return reader.mesh()
 
@@ -144,17 +87,19 @@ def read_abaqus(path: str | Path) -> FileMesh:
 class _Reader:
     def __init__(self, path: Path):
         self.path = path
-        self.top = _Scope("")  # the assembly, or the whole of a file without parts
-        self.parts: dict[str, _Scope] = {}
-        self.instances: dict[str, _Instance] = {}
-        self.part: _Scope | None = None
-        self.instance: _Instance | None = None
+        self.top = Scope("")  # the assembly, or the whole of a file without parts
+        self.parts: dict[str, Scope] = {}
+        self.instances: dict[str, Instance] = {}
+        self.part: Scope | None = None
+        self.instance: Instance | None = None
         self.open: list[Keyword] = []  # PART, ASSEMBLY and INSTANCE not yet ended
+        self.notes: list[str] = []
 
     # --- keywords ---------------------------------------------------------------------------------
 
     def take(self, keyword: Keyword) -> None:
         name = keyword.name
+        self._check_parameters(keyword)
         if name in _MAKES_MESH:
             raise keyword.error(
                 "makes or moves nodes and elements by rule, which is not read; write the mesh out "
@@ -175,8 +120,21 @@ class _Reader:
         elif name in ("NSET", "ELSET"):
             self._set(keyword)
 
+    def _check_parameters(self, keyword: Keyword) -> None:
+        known = _PARAMETERS.get(keyword.name, ())
+        for parameter in keyword.parameters if known else ():
+            if parameter in known:
+                continue
+            if near := get_close_matches(parameter, known, 1, _CLOSE):
+                raise keyword.error(
+                    f"parameters must be spelt out, got {parameter!r}; did you mean {near[0]}?"
+                )
+            self.notes.append(
+                f"line {keyword.line}: the parameter {parameter!r} of *{keyword.name} is not read"
+            )
+
     @property
-    def scope(self) -> _Scope:
+    def scope(self) -> Scope:
         if self.instance is not None:
             return self.instance.own
         return self.part if self.part is not None else self.top
@@ -193,12 +151,12 @@ class _Reader:
         if name.upper() in known:
             raise keyword.error(f"the name must be new, got {name!r} again")
         if keyword.name == "PART":
-            self.part = self.parts[name.upper()] = _Scope(name)
+            self.part = self.parts[name.upper()] = Scope(name)
             return
         part = keyword.parameters.get("PART", "")
         if part and part.upper() not in self.parts:
             raise keyword.error(f"the part must be one of {self._part_names()}, got {part!r}")
-        self.instance = _Instance(name, part.upper(), _transform(keyword), _Scope(name))
+        self.instance = Instance(name, part.upper(), _transform(keyword), Scope(name))
         self.instances[name.upper()] = self.instance
 
     def _part_names(self) -> str:
@@ -207,7 +165,7 @@ class _Reader:
     def _nodes(self, keyword: Keyword) -> None:
         if keyword.parameters.get("SYSTEM", "R").upper() != "R":
             raise keyword.error("coordinates must be Cartesian (SYSTEM=R); write them out so")
-        nodes, ids = self.scope.nodes, []
+        nodes, ids, given = self.scope.nodes, [], []
         for line in keyword.data:
             label = line.integer(0)
             if label in nodes:
@@ -216,11 +174,13 @@ class _Reader:
                 raise line.error("a node has an id, coordinates and at most a normal")
             nodes[label] = (line.number(1), line.number(2), line.number(3))
             ids.append((line, label))
+            given.append(sum(map(bool, line.entries[1:4])))
+        self.notes += blank_note("nodes", given, [label for _, label in ids])
         self._named_on(keyword, "NSET", "node", ids)
 
     def _elements(self, keyword: Keyword) -> None:
         kind = keyword.required("TYPE").upper()
-        n_node = _KINDS[kind][1] if kind in _KINDS else 0
+        n_node = KINDS[kind][1] if kind in KINDS else 0
         elements, ids = self.scope.elements, []
         lines = iter(keyword.data)
         for line in lines:
@@ -254,9 +214,9 @@ class _Reader:
         # *NODE, NSET=rim and *ELEMENT, ELSET=film name what stands below them
         if parameter in keyword.parameters:
             entries = self._set_entries(kind, keyword.required(parameter))
-            entries += [_Entry(line, range(label, label + 1)) for line, label in ids]
+            entries += [Entry(line, range(label, label + 1)) for line, label in ids]
 
-    def _set_entries(self, kind: str, name: str, *, shown: bool = True) -> list[_Entry]:
+    def _set_entries(self, kind: str, name: str, *, shown: bool = True) -> list[Entry]:
         # sets grow where their name comes again
         scope = self.scope
         if shown:
@@ -272,8 +232,16 @@ class _Reader:
         if "ELSET" in keyword.parameters and kind == "node":
             where = DataLine(keyword.path, keyword.line, [], False)
             entries.append(
-                _Entry(where, other=keyword.required("ELSET"), kind="element", instance=instance)
+                Entry(where, other=keyword.required("ELSET"), kind="element", instance=instance)
             )
+        rows = [(line.line, len(line.entries)) for line in keyword.data if any(line.entries)]
+        name = f"{kind} set {keyword.required(keyword.name)!r}"
+        if not rows and "ELSET" not in keyword.parameters.keys() - {keyword.name}:
+            self.notes.append(f"{name} in line {keyword.line} is empty")
+        elif "GENERATE" not in keyword.parameters:
+            self.notes += ragged_note(name, rows)
+            ids = [t for line in keyword.data for t in line.entries if t.isdigit()]
+            self.notes += repeat_note(name, map(numerals.whole, ids))
         for line in keyword.data:
             if "GENERATE" in keyword.parameters:
                 first, last = line.integer(0), line.integer(1)
@@ -283,7 +251,7 @@ class _Reader:
                         "GENERATE must go from a first id up to a last one by a step that divides "
                         f"the way, got {first}, {last}, {step}"
                     )
-                entries.append(_Entry(line, range(first, last + 1, step), instance=instance))
+                entries.append(Entry(line, range(first, last + 1, step), instance=instance))
                 continue
             entries += [_entry(line, text, kind, instance) for text in line.entries if text]
 
@@ -296,8 +264,8 @@ class _Reader:
             # a part file alone: each part once, where it is
             for key, part in self.parts.items():
                 still = np.eye(3), np.zeros(3)
-                self.instances[key] = _Instance(part.name, key, still, _Scope(part.name))
-        model = _Model(self.path)
+                self.instances[key] = Instance(part.name, key, still, Scope(part.name))
+        model = Model(self.path, self.notes)
         model.add("", self.top, None)
         for key, instance in self.instances.items():
             if instance.part:
@@ -306,143 +274,17 @@ class _Reader:
         return model.mesh({key: instance.name for key, instance in self.instances.items()})
 
 
-class _Model:
-    # all scopes put in place; nodes and elements numbered in order of their appearance
-    def __init__(self, path: Path):
-        self.path = path
-        self.positions: list[Floats] = []
-        self.node_labels: list[str] = []
-        self.rows: dict[str, dict[tuple[str, int], int]] = {"node": {}, "element": {}}
-        self.elements: list[tuple[str, str, list[int]]] = []  # label, type, node rows
-        self.scopes: dict[str, list[_Scope]] = defaultdict(list)
-
-    def add(self, key: str, scope: _Scope, transform: _Transform | None) -> None:
-        self.scopes[key].append(scope)
-        prefix = f"{scope.name}." if scope.name else ""
-        positions = np.array(list(scope.nodes.values()), dtype=np.float64).reshape(-1, 3)
-        if transform is not None:
-            positions = positions @ transform[0].T + transform[1]
-        self.positions.append(positions)
-        for label in scope.nodes:
-            if (key, label) in self.rows["node"]:
-                raise FileError(self.path, f"node {prefix}{label} must be defined once")
-            self.rows["node"][key, label] = len(self.node_labels)
-            self.node_labels.append(f"{prefix}{label}")
-        for label, (kind, nodes) in scope.elements.items():
-            if (key, label) in self.rows["element"]:
-                raise FileError(self.path, f"element {prefix}{label} must be defined once")
-            lost = [n for n in nodes if (key, n) not in self.rows["node"]]
-            if lost:
-                raise FileError(
-                    self.path,
-                    f"element {prefix}{label} must have nodes that are defined, got {named(lost)}; "
-                    "is the file cut short?",
-                )
-            self.rows["element"][key, label] = len(self.elements)
-            members = [self.rows["node"][key, n] for n in nodes]
-            self.elements.append((f"{prefix}{label}", kind, members))
-
-    def mesh(self, instance_names: dict[str, str]) -> FileMesh:
-        by_kind: dict[str, list[int]] = defaultdict(list)
-        for i, (_, kind, _) in enumerate(self.elements):
-            by_kind[kind].append(i)
-        blocks, new_number, n_cell = [], np.zeros(len(self.elements), np.int64), 0
-        for kind, members in by_kind.items():
-            new_number[members] = n_cell + np.arange(len(members))
-            n_cell += len(members)
-            labels = [self.elements[i][0] for i in members]
-            if kind in _KINDS:
-                nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
-                blocks.append(CellBlock(_KINDS[kind][0], labels, nodes))
-            else:
-                blocks.append(CellBlock(kind, labels, np.empty((len(members), 0), np.int64)))
-        groups = {
-            kind: {
-                name: self._members(kind, key, upper, ())
-                for name, key, upper in self._group_names(kind, instance_names)
-            }
-            for kind in ("node", "element")
-        }
-        positions = np.concatenate([np.empty((0, 3)), *self.positions])
-        return FileMesh(
-            self.path,
-            positions,
-            self.node_labels,
-            blocks,
-            groups["node"],
-            {name: np.sort(new_number[rows]) for name, rows in groups["element"].items()},
-        )
-
-    def _group_names(self, kind: str, instance_names: dict[str, str]) -> list[tuple[str, str, str]]:
-        # (name, scope, upper-case name) of every set of a kind
-        found: dict[tuple[str, str], str] = {}  # (scope, upper) -> spelling
-        for key, scopes in self.scopes.items():
-            for scope in scopes:
-                for (of, upper), spelling in scope.spelling.items():
-                    if of == kind:
-                        found.setdefault((key, upper), spelling)
-        uppers = [upper for _, upper in found]
-
-        def name(key: str, upper: str, spelling: str) -> str:
-            shared = key and uppers.count(upper) > 1
-            return f"{instance_names[key]}.{spelling}" if shared else spelling
-
-        return [(name(*at, spelling), *at) for at, spelling in found.items()]
-
-    def _members(self, kind: str, key: str, upper: str, above: tuple[str, ...]) -> Ints:
-        if upper in above:
-            raise FileError(self.path, f"set {upper} must not contain itself")
-        rows: list[int] = []
-        for scope in self.scopes[key]:
-            for entry in scope.sets.get((kind, upper), []):
-                at = entry.instance.upper() or key
-                if at not in self.scopes and entry.text:  # the dot belongs to the name
-                    entry = _Entry(entry.line, other=entry.text, kind=kind)
-                    at = key
-                if at not in self.scopes:
-                    raise entry.line.error(f"there must be an instance {entry.instance!r}")
-                if entry.ids is not None:
-                    rows += self._ids(kind, at, entry)
-                    continue
-                rows += self._other(kind, key, at, entry, (*above, upper))
-        return np.unique(np.array(rows, dtype=np.int64))
-
-    def _ids(self, kind: str, at: str, entry: _Entry) -> list[int]:
-        assert entry.ids is not None
-        table = self.rows[kind]
-        found = [table[at, i] for i in entry.ids if (at, i) in table]
-        if len(found) < len(entry.ids) and len(entry.ids) == 1:
-            raise entry.line.error(f"{kind} {entry.ids[0]} must be defined; is the file cut short?")
-        if not found:
-            raise entry.line.error(f"no {kind} is defined from {entry.ids[0]} to {entry.ids[-1]}")
-        return found  # a generated range may run over gaps in the ids
-
-    def _other(
-        self, kind: str, key: str, at: str, entry: _Entry, above: tuple[str, ...]
-    ) -> list[int]:
-        # the members of another set, of the instance or of the scope itself
-        of = entry.kind or kind
-        upper = entry.other.upper()
-        for where in dict.fromkeys((at, key)):
-            if any((of, upper) in scope.sets for scope in self.scopes[where]):
-                rows = self._members(of, where, upper, above if of == kind else ())
-                if of == kind:
-                    return [int(i) for i in rows]
-                return sorted({n for i in rows for n in self.elements[i][2]})
-        raise entry.line.error(f"there must be {of} set {entry.other!r}, it is not defined")
-
-
-def _entry(line: DataLine, text: str, kind: str, instance: str) -> _Entry:
+def _entry(line: DataLine, text: str, kind: str, instance: str) -> Entry:
     # 12, name, instance.12 or instance.name
     head, dot, tail = text.rpartition(".")
     whole, name = (text, tail) if dot and head else ("", text)
     instance = head if whole else instance
     if name.isdigit():
-        return _Entry(line, range(int(name), int(name) + 1), instance=instance, text=whole)
-    return _Entry(line, other=name, kind=kind, instance=instance, text=whole)
+        return Entry(line, range(int(name), int(name) + 1), instance=instance, text=whole)
+    return Entry(line, other=name, kind=kind, instance=instance, text=whole)
 
 
-def _transform(keyword: Keyword) -> _Transform:
+def _transform(keyword: Keyword) -> Transform:
     rotation, shift = np.eye(3), np.zeros(3)
     if len(keyword.data) > 2:
         raise keyword.error("an instance has a line of translation and one of rotation at most")

@@ -13,9 +13,12 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
+from . import numerals
 from .errors import FileError, read_lines
+from .losses import comment_note, end_note, is_numbers
 
 _DEEPEST = 20  # includes within includes; more is a circle
+_DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # without a blank behind the stars
 _CLOSE = 0.8  # likeness at which an unknown keyword is taken for a misspelt one
 
 
@@ -37,7 +40,7 @@ class DataLine:
     def integer(self, k: int) -> int:
         """Return entry ``k`` as a whole number."""
         try:
-            return int(self.entries[k])
+            return numerals.whole(self.entries[k])
         except (ValueError, IndexError):
             raise self.error(f"entry {k + 1} must be a whole number, got {self._got(k)}") from None
 
@@ -45,7 +48,7 @@ class DataLine:
         """Return entry ``k`` as a number, 0 where it is empty or missing."""
         text = self.entries[k] if k < len(self.entries) else ""
         try:
-            return float(text.upper().replace("D", "E")) if text else 0.0
+            return numerals.number(text.upper().replace("D", "E")) if text else 0.0
         except ValueError:
             raise self.error(f"entry {k + 1} must be a number, got {text!r}") from None
 
@@ -77,7 +80,7 @@ class Keyword:
         return value
 
 
-def read_deck(path: Path, known: frozenset[str]) -> Iterator[Keyword]:
+def read_deck(path: Path, known: frozenset[str], notes: list[str]) -> Iterator[Keyword]:
     """Return the keywords of a file and of those that it includes, in order.
 
     Parameters
@@ -87,6 +90,8 @@ def read_deck(path: Path, known: frozenset[str]) -> Iterator[Keyword]:
     known : frozenset of str
         Keywords the caller acts upon. Others are passed on too, unless they look like one of these
         misspelt.
+    notes : list of str
+        Takes what may have been lost: data that are comments, a last line without an end.
 
     Raises
     ------
@@ -95,16 +100,16 @@ def read_deck(path: Path, known: frozenset[str]) -> Iterator[Keyword]:
     """
     if not any(line.lstrip().startswith("*") for line in read_lines(path)):
         raise FileError(path, "an Abaqus input file must hold *KEYWORD lines, got none")
-    yield from _keywords(path, path.parent, known, [])
+    yield from _keywords(path, path.parent, known, [], notes)
 
 
 def _keywords(
-    path: Path, folder: Path, known: frozenset[str], above: list[Path]
+    path: Path, folder: Path, known: frozenset[str], above: list[Path], notes: list[str]
 ) -> Iterator[Keyword]:
     if len(above) > _DEEPEST or path.resolve() in above:
         raise FileError(path, "a file must not include itself")
     current: Keyword | None = None
-    for keyword, data in _lines(path):
+    for keyword, data in _lines(path, notes):
         if keyword is None:
             if data is None or current is None:
                 if data is not None and any(data.entries):
@@ -117,15 +122,17 @@ def _keywords(
         current = None
         if keyword.name == "INCLUDE":
             included = _find(keyword, keyword.required("INPUT"), folder)
-            yield from _keywords(included, folder, known, [*above, path.resolve()])
+            yield from _keywords(included, folder, known, [*above, path.resolve()], notes)
             continue
         near = get_close_matches(keyword.name, known, n=1, cutoff=_CLOSE)
+        if "=" in keyword.name:
+            raise keyword.error("a comma must stand between a keyword and its parameters")
         if keyword.name not in known and near:
             raise keyword.error(f"keywords must be spelt out; did you mean *{near[0]}?")
         current = keyword
         if keyword.name in known and "INPUT" in keyword.parameters:
             source = _find(keyword, keyword.required("INPUT"), folder)
-            for inner, line in _lines(source):
+            for inner, line in _lines(source, notes):
                 if inner is not None:
                     raise inner.error("a file of data must hold no keywords")
                 if line is not None:
@@ -141,12 +148,15 @@ def _find(keyword: Keyword, name: str, folder: Path) -> Path:
     raise keyword.error(f"the file {name!r} must lie beside {keyword.path}, it is not there")
 
 
-def _lines(path: Path) -> Iterator[tuple[Keyword | None, DataLine | None]]:
+def _lines(path: Path, notes: list[str]) -> Iterator[tuple[Keyword | None, DataLine | None]]:
     # each line as one of the two; blank lines and comments are left out
+    off: list[int] = []  # comments that were data
     pending: tuple[int, str] | None = None
     for number, line in enumerate(read_lines(path), start=1):
         text = line.strip()
         if text.startswith("**") or not text:
+            if is_numbers(text[2:]) or text[2:].split(",")[0].rstrip().upper() in _DATA:
+                off.append(number)
             continue
         if pending is not None:
             number, text = pending[0], pending[1] + text
@@ -162,6 +172,7 @@ def _lines(path: Path) -> Iterator[tuple[Keyword | None, DataLine | None]]:
         raise FileError(
             path, "a keyword line that ends in a comma must go on: cut short?", line=pending[0]
         )
+    notes += comment_note(off) + end_note(path)
 
 
 def _keyword(path: Path, number: int, text: str) -> Keyword:

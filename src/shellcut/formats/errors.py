@@ -6,6 +6,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from shellcut.regular_file import read_regular
+
+LARGEST_FILE = 1_000_000_000
+"""Bytes of the largest mesh, surface or table that is read: some ten million quads as text."""
+
 _NAMED = 5  # offenders named in a message
 
 
@@ -30,10 +35,11 @@ def read_bytes(path: str | Path) -> bytes:
     Raises
     ------
     FileError
-        If there is no such file, it cannot be read, or it is empty.
+        If there is no such file, it cannot be read, it is empty, no regular file (a pipe, a
+        device), or larger than :data:`LARGEST_FILE`.
     """
     try:
-        content = Path(path).read_bytes()
+        content = read_regular(path, LARGEST_FILE)
     except OSError as reason:
         raise FileError(path, f"cannot be read: {reason.strerror or reason}") from None
     if not content:

@@ -14,7 +14,8 @@ import numpy as np
 
 from shellcut._jit import Floats, Ints
 
-from .errors import FileError, read_bytes
+from . import numerals
+from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
 
 # Gmsh's element types: name, number of nodes. Only the four kinds of a film have names of ours.
@@ -87,6 +88,7 @@ class _Reader:
         self.tokens: list[bytes] = []  # of the section, where it is text
         self.next_token = 0
         self.names: dict[tuple[int, int], str] = {}
+        self.unnamed: set[str] = set()  # groups without a name where others have one
         self.entities: dict[tuple[int, int], list[int]] = {}
         self.node_labels: list[Ints] = []
         self.positions: list[Floats] = []
@@ -261,7 +263,10 @@ class _Reader:
         return _TYPES[kind]
 
     def _name(self, dim: int, tag: int) -> str:
-        return self.names.get((dim, tag), f"{_ENTITY[dim]}_{tag}")
+        name = self.names.get((dim, tag))
+        if name is None and any(of == dim for of, _ in self.names):
+            self.unnamed.add(f"{_ENTITY[dim]}_{tag}")
+        return f"{_ENTITY[dim]}_{tag}" if name is None else name
 
     def _check_count(self, what: str, declared: int, read: int) -> None:
         if declared != read:
@@ -295,6 +300,11 @@ class _Reader:
                 blocks.append(CellBlock(cells.kind, cells.labels[keep], nodes[keep]))
                 n_cell += len(keep)
         mesh = FileMesh(self.path, positions, numbering.labels, blocks, cell_groups=union(groups))
+        if self.unnamed:
+            mesh.notes.append(
+                "groups without a name, though others have one, are called "
+                f"{named(sorted(self.unnamed))}"
+            )
         if n_again:
             mesh.notes.append(f"{n_again} cells stand once for each of their groups, kept once")
         return mesh
@@ -360,13 +370,13 @@ class _Reader:
 
     def _to_ints(self, tokens: list[bytes]) -> Ints:
         try:
-            return np.array([int(t) for t in tokens], dtype=np.int64)
+            return np.array([numerals.whole(t) for t in tokens], dtype=np.int64)
         except (ValueError, OverflowError):
             raise self._error(f"ids and counts must be whole numbers, got {_odd(tokens)}") from None
 
     def _to_floats(self, tokens: list[bytes]) -> Floats:
         try:
-            return np.array([float(t) for t in tokens], dtype=np.float64)
+            return np.array([numerals.number(t) for t in tokens], dtype=np.float64)
         except ValueError:
             raise self._error(f"coordinates must be numbers, got {_odd(tokens)}") from None
 

@@ -21,7 +21,9 @@ import numpy as np
 
 from shellcut._jit import Ints
 
+from .errors import named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
+from .losses import blank_note, gap_note, ragged_note, repeat_note
 from .lsdyna_deck import Block, Card, Layout, read_deck
 
 # Field widths of the cards of a node and of a shell, and of cards of eight fields.
@@ -49,8 +51,14 @@ _MOVES_MESH = frozenset(
         "PART_MOVE",
     ]
 )
-_SPELLED = ("NODE", "ELEMENT_SHELL", "SET_NODE_LIST", "SET_SHELL_LIST", "SET_PART_LIST", "PART")
+_SPELLED = (
+    *("NODE", "ELEMENT_SHELL", "PART"),
+    *(f"SET_{kind}_LIST{title}" for kind in ("NODE", "SHELL", "PART") for title in ("", "_TITLE")),
+)
 _CLOSE = 0.85  # likeness at which an unknown keyword is taken for a misspelt one
+_OTHER_SETS = ("BEAM", "SOLID", "TSHELL", "DISCRETE", "SEGMENT", "2D", "BOX", "MODE", "PERI")
+_CLOSE_SET = 0.6
+_HEAD = 5  # entries of the card of a set's id: the id and four attributes
 
 
 def read_lsdyna(path: str | Path) -> FileMesh:
@@ -62,7 +70,7 @@ def read_lsdyna(path: str | Path) -> FileMesh:
         Naming file and line of what is wrong, missing or made by a keyword that is not read.
     """
     reader = _Reader(Path(path))
-    blocks, ended = read_deck(reader.path)
+    blocks, ended = read_deck(reader.path, reader.notes)
     for block in blocks:
         reader.take(block)
     mesh = reader.mesh()
@@ -98,18 +106,29 @@ class _Reader:
             self.others[name] += [_first_number(card) for card in block.cards if card.text.strip()]
         elif name == "PART" or name.startswith("PART_"):
             self._parts(block)
-        elif first == "SET" and rest.split("_")[0] in self.sets:
-            self.sets[rest.split("_")[0]].append(block)
-        elif first != "SET" and (near := get_close_matches(name, _SPELLED, 1, _CLOSE)):
+        elif first == "SET":
+            self._set(block, rest.split("_")[0])
+        elif near := get_close_matches(name, _SPELLED, 1, _CLOSE):
             raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
 
+    def _set(self, block: Block, kind: str) -> None:
+        if kind in self.sets:
+            self.sets[kind].append(block)
+        elif kind not in _OTHER_SETS:
+            if near := get_close_matches(kind, self.sets, 1, _CLOSE_SET):
+                raise block.error(f"keywords must be spelt out; did you mean *SET_{near[0]}?")
+            self.notes.append(f"line {block.line}: *{block.name} is not read")
+
     def _nodes(self, block: Block) -> None:
+        given = []
         for card in block.cards:
             entries = card.fields(_NODE[block.layout])
             if not any(entries):
                 continue
             self.node_ids.append(_id(card, entries[0], "the node id"))
             self.positions.append([card.number(e, "a coordinate") for e in entries[1:4]])
+            given.append(sum(map(bool, entries[1:4])))
+        self.notes += blank_note("nodes", given, self.node_ids[-len(given) :])
 
     def _shells(self, block: Block) -> None:
         options = [option for option in block.name.split("_")[2:] if option]
@@ -165,6 +184,11 @@ class _Reader:
         def nodes_of(part: int) -> Ints:
             return np.unique(corners[parts == part])
 
+        self.notes += gap_note("node", self.node_ids)
+        self.notes += gap_note("shell", shells.labels.tolist())
+        if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
+            self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
+
         node_sets = _Sets(self.notes, "node", nodes, nodes_of).read(self.sets["NODE"])
         cell_sets = [
             (self.part_titles.get(part) or f"part_{part}", part, shells_of(part))
@@ -215,8 +239,14 @@ class _Sets:
             if not cards:
                 raise block.error("a set must have an id; is the file cut short?")
             head = cards.pop(0)
-            sid = _id(head, head.fields(_EIGHT[block.layout])[0], "the set id")
+            entries = head.fields(_EIGHT[block.layout])
+            sid = _id(head, entries[0], "the set id")
             name = title or f"{self.kind}_set_{sid}"
+            if all(entry.isdigit() for entry in entries[: _HEAD + 1]):
+                self.notes.append(
+                    f"{self.kind} set {name!r}: the card of its id, line {head.line}, looks like "
+                    "one of members: is a line lost?"
+                )
             how = "_".join(option for option in options if option != "COLLECT") or "LIST"
             if how == "ADD":
                 adding.append((name, sid, block, cards))
@@ -239,7 +269,11 @@ class _Sets:
 
     def _rows(self, block: Block, how: str, cards: list[Card]) -> Ints | None:
         if how == "LIST":
-            return self._find(block, self._integers(block, cards))
+            ids = self._integers(block, cards)
+            what = f"*{block.name} in line {block.line}"
+            counts = [(card.line, len(self._integers(block, [card]))) for card in cards]
+            self.notes += ragged_note(what, counts) + repeat_note(what, ids)
+            return self._find(block, ids)
         if how == "COLUMN":
             widths = _EIGHT[block.layout]
             return self._find(block, [_id(card, card.fields(widths)[0], "an id") for card in cards])

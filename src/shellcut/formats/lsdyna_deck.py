@@ -13,10 +13,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from . import numerals
 from .errors import FileError, read_lines
+from .losses import comment_note, is_numbers
 
 Layout = Literal["standard", "i10", "long"]
 _MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
+_DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
 _DEEPEST = 20  # includes within includes; more is a circle
 
 
@@ -54,14 +57,14 @@ class Card:
     def integer(self, entry: str, what: str) -> int:
         """Return an entry as a whole number, 0 where it is empty."""
         try:
-            return int(entry) if entry else 0
+            return numerals.whole(entry) if entry else 0
         except ValueError:
             raise self.error(f"{what} must be a whole number, got {entry!r}") from None
 
     def number(self, entry: str, what: str) -> float:
         """Return an entry as a number, 0 where it is empty."""
         try:
-            return float(entry.upper().replace("D", "E")) if entry else 0.0
+            return numerals.number(entry.upper().replace("D", "E")) if entry else 0.0
         except ValueError:
             raise self.error(f"{what} must be a number, got {entry!r}") from None
 
@@ -82,8 +85,14 @@ class Block:
         return FileError(self.path, f"*{self.name}: {problem}", line=self.line)
 
 
-def read_deck(path: Path) -> tuple[list[Block], bool]:
+def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
     """Return the keyword blocks of a file with those of its includes in their place.
+
+    Parameters
+    ----------
+    path : Path
+    notes : list of str
+        Takes what may have been lost: data that are comments.
 
     Returns
     -------
@@ -99,7 +108,7 @@ def read_deck(path: Path) -> tuple[list[Block], bool]:
     folders = [path.parent]
     blocks: list[Block] = []
     ended = False
-    for block in _blocks(path, folders, "standard", []):
+    for block in _blocks(path, folders, "standard", [], notes):
         ended |= block.name == "END" and block.path == path
         blocks.append(block)
     if not blocks:
@@ -107,29 +116,34 @@ def read_deck(path: Path) -> tuple[list[Block], bool]:
     return [block for block in blocks if block.name != "END"], ended
 
 
-def _blocks(path: Path, folders: list[Path], layout: Layout, above: list[Path]) -> Iterator[Block]:
+def _blocks(
+    path: Path, folders: list[Path], layout: Layout, above: list[Path], notes: list[str]
+) -> Iterator[Block]:
     if len(above) > _DEEPEST or path.resolve() in above:
         raise FileError(path, "a file must not include itself")
     here = [*above, path.resolve()]
-    for block in _plain_blocks(path, layout):
+    for block in _plain_blocks(path, layout, notes):
         if block.name == "KEYWORD" or block.name.startswith("KEYWORD "):
             layout = block.layout
         elif block.name == "INCLUDE_PATH" or block.name == "INCLUDE_PATH_RELATIVE":
             folders += [path.parent / name for name in _file_names(block)]
         elif block.name == "INCLUDE":
             for name in _file_names(block):
-                yield from _blocks(_find(block, name, folders), folders, layout, here)
+                yield from _blocks(_find(block, name, folders), folders, layout, here, notes)
         elif block.name.startswith("INCLUDE"):
             raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
         else:
             yield block
 
 
-def _plain_blocks(path: Path, layout: Layout) -> Iterator[Block]:
+def _plain_blocks(path: Path, layout: Layout, notes: list[str]) -> Iterator[Block]:
     current: Block | None = None
+    off: list[int] = []  # comments that were data
     for number, line in enumerate(read_lines(path), start=1):
         text = line.rstrip()
         if text.startswith("$") or (not text and current is None):
+            if is_numbers(text[1:]) or text[1:].startswith(_DATA):
+                off.append(number)
             continue
         if not text.startswith("*"):
             if current is None:
@@ -142,8 +156,8 @@ def _plain_blocks(path: Path, layout: Layout) -> Iterator[Block]:
         if current.name.startswith("KEYWORD"):
             layout = current.layout
         if current.name == "END":
-            yield current
-            return
+            break
+    notes += comment_note(off)
     if current is not None:
         yield current
 

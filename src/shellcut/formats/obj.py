@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from . import numerals
 from .errors import FileError, read_lines
+from .losses import end_note
 from .surface_file import SurfaceFile, surface_of_polygons
 
 # Statements that are no faces of a surface: texture, normals, groups, materials, points, lines.
@@ -28,6 +30,7 @@ def read_obj(path: str | Path) -> SurfaceFile:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
     pending = ""
+    n_number = 0  # of the first vertex
     for number, line in enumerate(read_lines(path), start=1):
         text = pending + line.split("#", 1)[0].rstrip()
         pending = ""
@@ -38,12 +41,8 @@ def read_obj(path: str | Path) -> SurfaceFile:
         if not words or words[0] in _PASSED_OVER:
             continue
         if words[0] == "v":
-            try:
-                vertices.append([float(w) for w in words[1:4]])
-            except ValueError:
-                vertices.append([])
-            if len(vertices[-1]) != 3:
-                raise FileError(path, f"v must have three numbers, got {text!r}", line=number)
+            n_number = n_number or len(words) - 1
+            vertices.append(_position(path, words, n_number, number))
         elif words[0] == "f":
             corners = [_vertex(path, word, len(vertices), number) for word in words[1:]]
             if len(corners) < 3:
@@ -53,13 +52,33 @@ def read_obj(path: str | Path) -> SurfaceFile:
             raise FileError(path, f"{words[0]!r} is not read; save plain faces", line=number)
     if pending:
         raise FileError(path, "the last line must not go on: the file is cut short")
-    return surface_of_polygons(path, vertices, faces)
+    surface = surface_of_polygons(path, vertices, faces)
+    surface.notes += end_note(path)
+    return surface
+
+
+def _position(path: Path, words: list[str], n_number: int, line: int) -> list[float]:
+    # x y z, perhaps with a weight, which must be 1, or with a colour of three or four numbers
+    try:
+        values = [numerals.number(word) for word in words[1:]]
+    except ValueError:
+        values = []
+    if len(values) not in (3, 4, 6, 7) or len(values) != n_number:
+        raise FileError(
+            path,
+            f"v must have three numbers (or a weight or a colour behind, in each v alike), got "
+            f"{' '.join(words)!r}",
+            line=line,
+        )
+    if len(values) == 4 and values[3] != 1.0:
+        raise FileError(path, f"the weight of a vertex must be 1, got {words[4]!r}", line=line)
+    return values[:3]
 
 
 def _vertex(path: Path, word: str, n_vertex: int, line: int) -> int:
     # v, v/vt, v//vn or v/vt/vn; negative numbers count back from the last vertex so far
     try:
-        number = int(word.split("/", 1)[0])
+        number = numerals.whole(word.split("/", 1)[0])
     except ValueError:
         number = 0
     if number == 0 or number < -n_vertex:

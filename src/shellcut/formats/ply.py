@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
 
+from . import numerals
 from .errors import FileError, read_bytes
 from .surface_file import SurfaceFile, surface_of_polygons
 
@@ -55,18 +57,32 @@ class _Reader:
         self.at = 0
         self.order = ""  # of bytes; empty for text
         self.tokens: list[bytes] = []
+        self.first_line = 0  # of the file, behind the header of a text
+        self.row_lines: list[int] = []  # of the file, in which each element stands
         self.elements: list[_Element] = []
 
     def surface(self) -> SurfaceFile:
         self._header()
+        ends: list[int] = []
         if not self.order:
-            self.tokens = self.content[self.at :].split()
+            lines = [line.split() for line in self.content[self.at :].splitlines()]
+            self.first_line = self.content[: self.at].count(b"\n") + 1
+            self.tokens = [token for line in lines for token in line]
             self.at = 0
+            ends = self._line_ends(lines)
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
+        n_row = 0
         for element in self.elements:
             for _ in range(element.count):
                 row = self._row(element)
+                if ends and self.at != ends[n_row]:
+                    raise self._error(
+                        f"each {element.name} must be a line of its own, {element.name} in line "
+                        f"{self.row_lines[n_row]} of the file has "
+                        f"{'more' if self.at < ends[n_row] else 'fewer'} values than it should"
+                    )
+                n_row += 1
                 if element.name == "vertex":
                     vertices.append([row[axis][0] for axis in "xyz"])
                 elif element.name == "face":
@@ -77,6 +93,14 @@ class _Reader:
         if self.at < (len(self.content) if self.order else len(self.tokens)):
             raise self._error("there must be no more than the header declares")
         return surface_of_polygons(self.path, vertices, faces)
+
+    def _line_ends(self, lines: list[list[bytes]]) -> list[int]:
+        """Return the number of values up to the end of each line; nothing if lines say nothing."""
+        held = [(number, line) for number, line in enumerate(lines, self.first_line) if line]
+        if len(held) != sum(element.count for element in self.elements):
+            return []
+        self.row_lines = [number for number, _ in held]
+        return list(accumulate(len(line) for _, line in held))
 
     def _header(self) -> None:
         end = self.content.find(b"end_header")
@@ -146,7 +170,8 @@ class _Reader:
         found = []
         for token in part_of_text:
             try:
-                found.append(float(token) if kind[0] == "f" else int(token))
+                read = numerals.number if kind[0] == "f" else numerals.whole
+                found.append(read(token))
             except ValueError:
                 raise self._error(f"values must be numbers, got {token[:20]!r}") from None
         return found

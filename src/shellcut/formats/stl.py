@@ -12,6 +12,7 @@ import numpy as np
 
 from shellcut._jit import Floats, Ints
 
+from . import numerals
 from .errors import FileError, read_bytes, read_lines
 from .surface_file import SurfaceFile
 
@@ -78,7 +79,7 @@ def _text_corners(path: Path) -> Floats:
             )
         if word == "vertex":
             try:
-                x, y, z = (float(w) for w in words[1:])
+                x, y, z = (numerals.number(w) for w in words[1:])
             except ValueError:
                 raise FileError(
                     path, f"a vertex must have three numbers, got {line.strip()!r}", line=number

@@ -7,6 +7,7 @@ nothing but 0 and 1, otherwise ``name_7`` and the like for each of its values.
 from __future__ import annotations
 
 import re
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ import numpy as np
 
 from shellcut._jit import Ints
 
-from .errors import FileError, read_bytes
+from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 
 _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
+_FEW = 3  # values beside the marks 0 and 1 that look like slips
 _MOST_VALUES = 64  # an array of more values is data, not a group
 _DECLARED = {
     ".vtu": (rb'NumberOfPoints="\s*(\d+)\s*"', rb'NumberOfCells="\s*(\d+)\s*"'),
@@ -43,7 +45,7 @@ def read_vtk(path: str | Path) -> FileMesh:
         n_cell = sum(len(block.data) for block in mesh.cells)
         points = np.asarray(mesh.points, dtype=np.float64)
     except (Exception, SystemExit) as reason:  # meshio raises what its parts raise, or exits
-        raise FileError(path, f"meshio cannot read it: {type(reason).__name__} {reason}") from None
+        raise FileError(path, f"meshio cannot read it: {_cause(reason)}") from None
     for what, pattern, read_count in zip(
         ("points", "cells"), _DECLARED[path.suffix.lower()], (len(points), n_cell), strict=True
     ):
@@ -67,23 +69,51 @@ def read_vtk(path: str | Path) -> FileMesh:
         labels = range(first, first + count)
         blocks.append(CellBlock(_KINDS.get(block.type, block.type), labels, nodes))
         first += count
+    notes: list[str] = []
+    of_cells = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
     return FileMesh(
         path,
         points,
         range(len(points)),
         blocks,
-        _groups(mesh.point_data),
-        _groups({name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}),
+        _groups(mesh.point_data, notes),
+        _groups(of_cells, notes),
+        notes,
     )
 
 
-def _groups(data: dict[str, Any]) -> dict[str, Ints]:
+def _cause(reason: BaseException) -> str:
+    """Return in words why meshio gave up; many of its errors have no text."""
+    told = reason
+    while told is not None and not str(told):
+        told = told.__cause__ or told.__context__  # type: ignore[assignment]
+    if isinstance(told, KeyError):
+        return f"there must be {told.args[0]!r}, it is not there"
+    if told is not None:
+        return f"{type(told).__name__}: {told}"
+    place = "reading"
+    for frame, _ in traceback.walk_tb(reason.__traceback__):
+        if "meshio" in frame.f_code.co_filename:
+            place = frame.f_code.co_name.strip("_").replace("_", " ")
+    return (
+        f"it stops at {place!r}: what the file declares and what it holds there do not go "
+        "together; is it damaged, or cut short?"
+    )
+
+
+def _groups(data: dict[str, Any], notes: list[str]) -> dict[str, Ints]:
     groups: dict[str, Ints] = {}
     for name, array in data.items():
         values = np.asarray(array)
         if values.ndim != 1 or values.dtype.kind not in "iub":
             continue
-        distinct = np.unique(values)
+        distinct, counts = np.unique(values, return_counts=True)
+        marks = np.isin(distinct, (0, 1))
+        if marks.all() != marks.any() and (n := int(counts[~marks].sum())) <= _FEW:
+            notes.append(
+                f"array {name!r} holds 0 and 1, but for {n} of its {len(values)} values "
+                f"({named(distinct[~marks].tolist())}): is it damaged?"
+            )
         if set(distinct.tolist()) <= {0, 1}:
             groups[name] = np.flatnonzero(values).astype(np.int64)
         elif len(distinct) <= _MOST_VALUES:

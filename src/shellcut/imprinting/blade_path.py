@@ -1,14 +1,13 @@
 """The path of a tool's cutting edges through a flat film, from the tool and its motion.
 
-A point s of a chain of cutting segments stands at the time t at the height f(s, t) over the film.
-The path is the line f = 0 in the (s, t) plane, mapped to the film: found cell by cell on the grid
-of the chain's vertices and of equal times, each of its points computed to round-off. So an edge
-that goes through the film at one place at a time, one that comes down flat, and one that enters or
-leaves are all the same to it.
+The path is where the edges ever stand in the film's plane (:mod:`~shellcut.imprinting.crossings`).
+An edge that goes through the film at one place at a time, one that comes down flat, and one that
+enters or leaves are all the same to it.
 
 Where the points lie on a straight line or a circle to 0.005 edge lengths, the path is that line or
 circle, and stretches of one circle (one line) that several teeth cut are joined. Otherwise it is
-the spline through points half an edge length apart. A blade that goes through the film for a short
+the spline through points half an edge length apart. At both ends a path is led on, because the
+crack runs beyond the blade's places. A blade that goes through the film for a short
 way only tells its circle badly, or seems to go straight; but an edge that stays in a cylinder
 upright on the film, as teeth on a screw do, cuts the trace of that cylinder, and the whole edge in
 its whole motion tells it.
@@ -17,15 +16,16 @@ its whole motion tells it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-import scipy
 
-from shellcut._jit import Bools, Floats
+from shellcut._jit import Floats
 from shellcut.mesh import Mesh
 from shellcut.motion import Motion
 from shellcut.tool import Tool
 
+from .crossings import Crossings, Stretch
 from .film_plane import FilmPlane, ImprintError
 from .path_curve import PathCurve
 
@@ -35,6 +35,11 @@ N_TIME = 400
 AHEAD = 3.0
 """A path is led on beyond the blade's last place by so much [mm], because the crack runs ahead of
 the blade: by 1.4 mm in the guillotine."""
+
+BEHIND = 3.0
+"""A path is led on by so much [mm] behind the first place of the blade's edge, or of its body where
+that presses on the film behind the edge. The blade opens the crack backwards too: 1.5 mm behind
+the start of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
 
 FIT = 5e-3
 """Points this near to a line or circle (in edge lengths) lie on it."""
@@ -52,6 +57,7 @@ def blade_path(
     duration: float,
     *,
     ahead: float = AHEAD,
+    behind: float = BEHIND,
     n_time: int = N_TIME,
 ) -> list[PathCurve]:
     """Return where the cutting edges pass through the film's mid-surface, curves in space.
@@ -64,8 +70,9 @@ def blade_path(
         Flat; the film in its reference state.
     duration : float
         End of the motion that counts [s]; it starts at t = 0.
-    ahead : float
-        How far the path goes on beyond the blade's last place [mm].
+    ahead, behind : float
+        How far the path goes on beyond the blade's last place, and behind its first [mm]; these are
+        the ``leads`` of the curves.
     n_time : int
         Steps of the motion that are looked at.
 
@@ -86,17 +93,14 @@ def blade_path(
     """
     film = FilmPlane(mesh)
     h = float(np.median(film.edge_length))
-    times = np.linspace(0.0, duration, n_time + 1)
-    poses = [motion.pose(t) for t in times.tolist()]
+    crossings = Crossings(film, tool, motion, np.linspace(0.0, duration, n_time + 1))
     found: list[_Line | _Arc | PathCurve] = []
-    for k in range(tool.n_chain):
-        segments = tool.edges[tool.edge_chain == k]
-        vertices = tool.vertices[np.append(segments[:, 0], segments[-1, 1])]
-        crossings = _Crossings(film, vertices, motion, times, poses)
-        swept = crossings.swept()
-        for x, is_vertex in crossings.stretches():
-            if _extent(x) > h:
-                found.append(_simplest(x, is_vertex, swept, h, ahead))
+    for chain in range(tool.n_chain):
+        stretches, swept = crossings.of_chain(chain)
+        for stretch in stretches:
+            if _extent(stretch.points) > h:
+                leads = _Leads(behind + crossings.body_behind(stretch), ahead)
+                found.append(_simplest(stretch, swept, h, leads))
     if not found:
         raise ImprintError(
             f"a cutting edge must pass through the film's plane and move in it by an edge of the "
@@ -109,108 +113,45 @@ def blade_path(
     return [c.mapped(film.lift) for c in (*lines, *arcs, *splines)]
 
 
-class _Crossings:
-    # the line of zero height of one chain of cutting segments in the plane of vertices and times
-
-    def __init__(
-        self,
-        film: FilmPlane,
-        vertices: Floats,
-        motion: Motion,
-        times: Floats,
-        poses: list[tuple[Floats, Floats]],
-    ) -> None:
-        self._film, self._vertices, self._motion, self._times = film, vertices, motion, times
-        self._places = np.stack([vertices @ R.T + r for R, r in poses])
-        self._height: Floats = film.off_plane(self._places)
-        self._above = self._height >= 0.0
-
-    def swept(self) -> Floats:
-        """Return where the vertices stand over the plane at all times, shape (n, 2)."""
-        return self._film.flatten(self._places.reshape(-1, 3))
-
-    def stretches(self) -> list[tuple[Floats, Bools]]:
-        """Return points in the plane, (n, 2), of each stretch, and which are those of vertices."""
-        links: dict[tuple[int, int, int], list[tuple[int, int, int]]] = {}
-        a = self._above
-        mixed = (a[:-1, :-1] != a[1:, :-1]) | (a[:-1, :-1] != a[:-1, 1:])
-        mixed |= a[1:, 1:] != a[:-1, :-1]
-        for i, j in np.argwhere(mixed).tolist():
-            for one, two in self._pairs(i, j):
-                links.setdefault(one, []).append(two)
-                links.setdefault(two, []).append(one)
-        stretches = []
-        while links:
-            first = next((k for k in links if len(links[k]) == 1), next(iter(links)))
-            way = [first]
-            while links.get(way[-1]):
-                after = links[way[-1]].pop()
-                links[after].remove(way[-1])
-                way.append(after)
-            for key in way:
-                if not links.get(key, True):
-                    del links[key]
-            if way[-1][1] < way[0][1]:  # towards later times
-                way.reverse()
-            points = np.array([self._point(*key) for key in way])
-            stretches.append((points, np.array([key[0] == 1 for key in way])))
-        return stretches
-
-    def _pairs(self, i: int, j: int) -> list[tuple[tuple[int, int, int], tuple[int, int, int]]]:
-        # sides of the cell between times i, i+1 and vertices j, j+1 that the line joins; a side is
-        # (0, i, j): time i, between two vertices; (1, i, j): vertex j, between two times
-        a = self._above
-        sides = [
-            ((0, i, j), a[i, j] != a[i, j + 1]),
-            ((1, i, j + 1), a[i, j + 1] != a[i + 1, j + 1]),
-            ((0, i + 1, j), a[i + 1, j + 1] != a[i + 1, j]),
-            ((1, i, j), a[i + 1, j] != a[i, j]),
-        ]
-        cut = [side for side, crossed in sides if crossed]
-        if len(cut) == 2:
-            return [(cut[0], cut[1])]
-        # a saddle: the corner (i, j) is cut off unless the middle is on its side
-        together = (self._height[i : i + 2, j : j + 2].mean() >= 0.0) == a[i, j]
-        if together:
-            return [(cut[0], cut[1]), (cut[2], cut[3])]
-        return [(cut[0], cut[3]), (cut[1], cut[2])]
-
-    def _point(self, kind: int, i: int, j: int) -> Floats:
-        if kind == 0:
-            low, high = self._height[i, j], self._height[i, j + 1]
-            share = low / (low - high)
-            place = (1.0 - share) * self._places[i, j] + share * self._places[i, j + 1]
-        else:
-            place = self._at(self._crossing_time(i, j), j)
-        return self._film.flatten(place)
-
-    def _crossing_time(self, i: int, j: int) -> float:
-        low, high = self._height[i, j], self._height[i + 1, j]
-        if low == 0.0 or high == 0.0:
-            return float(self._times[i if low == 0.0 else i + 1])
-        start, end = self._times[i : i + 2].tolist()
-        found: float = scipy.optimize.brentq(
-            lambda t: float(self._film.off_plane(self._at(t, j))),
-            start,
-            end,
-            xtol=1e-15 * max(end, 1e-300),
-        )
-        return found
-
-    def _at(self, time: float, j: int) -> Floats:
-        R, r = self._motion.pose(time)
-        return np.asarray(R @ self._vertices[j] + r)
-
-
 # --- what the points lie on ----------------------------------------------------------------------
+
+
+class _Leads(NamedTuple):
+    before: float  # [mm] for a line or spline, [rad] for an arc
+    after: float
+
+
+class _Span(NamedTuple):
+    # from where the blade cuts to where, and how far the path is led on
+    start: float
+    end: float
+    leads: _Leads
+
+    @property
+    def low(self) -> float:
+        return self.start - self.leads.before
+
+    @property
+    def high(self) -> float:
+        return self.end + self.leads.after
+
+    def turned(self) -> _Span:
+        return _Span(-self.end, -self.start, _Leads(self.leads.after, self.leads.before))
+
+    def shifted(self, by: float) -> _Span:
+        return _Span(self.start + by, self.end + by, self.leads)
+
+    def joined(self, other: _Span) -> _Span:
+        start, end = min(self.start, other.start), max(self.end, other.end)
+        low, high = min(self.low, other.low), max(self.high, other.high)
+        return _Span(start, end, _Leads(start - low, high - end))
 
 
 @dataclass(frozen=True, eq=False)
 class _Line:
     origin: Floats  # foot of the plane's origin
     way: Floats
-    start: float
-    end: float
+    span: _Span
 
     def off(self, x: Floats) -> float:
         across = np.array([-self.way[1], self.way[0]])
@@ -221,40 +162,36 @@ class _Line:
 class _Arc:
     centre: Floats
     radius: float
-    start: float  # [rad]; end - start in (0, 2 pi]
-    end: float
-    backward: bool  # whether the blade came from ``end``
+    span: _Span  # [rad]; end - start in (0, 2 pi]
+    backward: bool  # whether the blade came from the end
 
     def off(self, x: Floats) -> float:
         return float(np.abs(np.linalg.norm(x - self.centre, axis=1) - self.radius).max())
 
-    def led_on(self, ahead: float) -> _Arc:
-        angle = min(ahead / self.radius, 2.0 * np.pi - (self.end - self.start))
-        if self.backward:
-            return replace(self, start=self.start - angle)
-        return replace(self, end=self.end + angle)
+    def led_on(self, leads: _Leads) -> _Arc:
+        before, after = (lead / self.radius for lead in (leads[::-1] if self.backward else leads))
+        return replace(self, span=self.span._replace(leads=_Leads(before, after)))
 
 
 def _extent(x: Floats) -> float:
     return float(np.linalg.norm(np.ptp(x, axis=0)))
 
 
-def _simplest(
-    x: Floats, is_vertex: Bools, swept: Floats, h: float, ahead: float
-) -> _Line | _Arc | PathCurve:
+def _simplest(stretch: Stretch, swept: Floats, h: float, leads: _Leads) -> _Line | _Arc | PathCurve:
+    x, is_vertex = stretch.points, stretch.is_vertex
     enough = is_vertex.sum() >= _ENOUGH_VERTICES
     if not enough and _on_cylinder(swept, h):
         arc = _arc(x, swept)
         if arc.off(x) <= FIT * h:
-            return arc.led_on(ahead)
+            return arc.led_on(leads)
     line = _line(x)
     if line.off(x) <= FIT * h:
-        return replace(line, end=line.end + ahead)
+        return replace(line, span=line.span._replace(leads=leads))
     # vertices of a polygon lie on the true edge, points between them on its chords
     arc = _arc(x, x[is_vertex] if enough else x)
     if arc.off(x) <= FIT * h:
-        return arc.led_on(ahead)
-    return _spline(x, h, ahead)
+        return arc.led_on(leads)
+    return _spline(x, h, leads)
 
 
 def _on_cylinder(swept: Floats, h: float) -> bool:
@@ -269,7 +206,7 @@ def _line(x: Floats) -> _Line:
     way = way if way @ (x[-1] - x[0]) >= 0.0 else -way
     origin = middle - (middle @ way) * way
     along = x @ way
-    return _Line(origin, way, float(along.min()), float(along.max()))
+    return _Line(origin, way, _Span(float(along.min()), float(along.max()), _Leads(0.0, 0.0)))
 
 
 def _arc(x: Floats, on_it: Floats) -> _Arc:
@@ -283,10 +220,11 @@ def _arc(x: Floats, on_it: Floats) -> _Arc:
     angle = np.unwrap(np.arctan2(*(x - centre).T[::-1]))
     start, end = float(angle.min()), float(angle.max())
     backward = bool(angle[-1] < angle[0])
-    return _Arc(centre, radius, start, min(end, start + 2.0 * np.pi), backward)
+    span = _Span(start, min(end, start + 2.0 * np.pi), _Leads(0.0, 0.0))
+    return _Arc(centre, radius, span, backward)
 
 
-def _spline(x: Floats, h: float, ahead: float) -> PathCurve:
+def _spline(x: Floats, h: float, leads: _Leads) -> PathCurve:
     kept = [0]
     for k in range(1, len(x)):
         if np.linalg.norm(x[k] - x[kept[-1]]) >= 0.5 * h:
@@ -304,8 +242,11 @@ def _spline(x: Floats, h: float, ahead: float) -> PathCurve:
             if abs(off) < 0.05 * h:
                 return PathCurve.through(points[:end], closed=True)
     curve = PathCurve.through(points)
-    beyond = curve.point(curve.length + np.arange(0.0, ahead, 0.5 * h)[1:])
-    return PathCurve.through(np.concatenate([points, beyond]))
+    before = curve.point(-np.arange(0.0, leads.before, 0.5 * h)[:0:-1])
+    after = curve.point(curve.length + np.arange(0.0, leads.after, 0.5 * h)[1:])
+    whole = PathCurve.through(np.concatenate([before, points, after]))
+    start, end = whole.knots[[len(before), -1 - len(after)]].tolist()
+    return whole.with_leads(start, whole.length - end)
 
 
 def _joined_lines(lines: list[_Line], h: float) -> list[PathCurve]:
@@ -314,16 +255,16 @@ def _joined_lines(lines: list[_Line], h: float) -> list[PathCurve]:
     while left:
         first = left.pop(0)
         across = np.array([-first.way[1], first.way[0]])
-        spans = [(first.start, first.end)]
+        spans = [first.span]
         for line in list(left):
-            ends = line.origin + np.outer([line.start, line.end], line.way)
+            ends = line.origin + np.outer([line.span.low, line.span.high], line.way)
             if np.abs((ends - first.origin) @ across).max() <= 2.0 * FIT * h:
                 left.remove(line)
-                along = ends @ first.way
-                spans.append((float(along.min()), float(along.max())))
-        for start, end in _union(spans, JOINED * h):
-            a, b = (first.origin + s * first.way for s in (start, end))
-            joined.append(PathCurve.line(a.tolist(), b.tolist()))
+                span = line.span if line.way @ first.way > 0.0 else line.span.turned()
+                spans.append(span.shifted(float((line.origin - first.origin) @ first.way)))
+        for span in _union(spans, JOINED * h):
+            a, b = (first.origin + s * first.way for s in (span.low, span.high))
+            joined.append(PathCurve.line(a.tolist(), b.tolist()).with_leads(*span.leads))
     return joined
 
 
@@ -339,21 +280,22 @@ def _joined_arcs(arcs: list[_Arc], h: float) -> list[PathCurve]:
                 left.remove(arc)
                 group.append(arc)
         # the longest stretch tells the circle best
-        best = max(group, key=lambda a: a.end - a.start)
+        best = max(group, key=lambda a: a.span.end - a.span.start)
         gap = JOINED * h / best.radius
-        spans = [(a.start - full * np.floor(a.start / full), a.end - a.start) for a in group]
+        spans = [a.span.shifted(-full * np.floor(a.span.low / full)) for a in group]
         # once more a turn later, so that stretches over angle 0 meet
-        turns = [(s + k * full, s + k * full + length) for s, length in spans for k in (0, 1)]
-        whole = _union(turns, gap)
-        if any(end - start >= full - gap for start, end in whole):
+        whole = _union([span.shifted(k * full) for span in spans for k in (0, 1)], gap)
+        if any(span.high - span.low >= full - gap for span in whole):
             joined.append(_circle(best, 0.0, full))
             continue
         seen: list[float] = []
-        for start, end in whole:
+        for span in whole:
             # of the two copies of a stretch the one that holds all of it
+            start = span.low
             if all(abs((start - s + np.pi) % full - np.pi) > gap for s in seen) and start < full:
                 seen.append(start)
-                joined.append(_circle(best, start, end))
+                before, after = (best.radius * lead for lead in span.leads)
+                joined.append(_circle(best, start, span.high).with_leads(before, after))
     return joined
 
 
@@ -367,11 +309,11 @@ def _circle(arc: _Arc, start: float, end: float) -> PathCurve:
     return space.mapped(lambda points: points[:, :2])
 
 
-def _union(spans: list[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
-    joined: list[tuple[float, float]] = []
-    for start, end in sorted(spans):
-        if joined and start - joined[-1][1] <= gap:
-            joined[-1] = joined[-1][0], max(joined[-1][1], end)
+def _union(spans: list[_Span], gap: float) -> list[_Span]:
+    joined: list[_Span] = []
+    for span in sorted(spans, key=lambda span: span.low):
+        if joined and span.low - joined[-1].high <= gap:
+            joined[-1] = joined[-1].joined(span)
         else:
-            joined.append((start, end))
+            joined.append(span)
     return joined

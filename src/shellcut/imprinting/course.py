@@ -109,7 +109,7 @@ def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
         With the place: a path outside the film, or one that crosses the rim too near to a corner or
         too flat.
     """
-    surroundings = _Surroundings(film)
+    surroundings = Surroundings(film)
     courses = [course for curve in curves for course in surroundings.courses(curve)]
     if not courses:
         raise ImprintError(
@@ -136,14 +136,20 @@ def check_room(film: FilmPlane, courses: Sequence[Course], beside: Sequence[Cour
         With the place: a path too near to the rim, to a pre-crack, to another path or to itself,
         too tightly curved or too short for the mesh.
     """
-    surroundings = _Surroundings(film)
+    surroundings = Surroundings(film)
     for course in courses:
+        surroundings.check_length(course)
         surroundings.check(course)
     surroundings.check_apart(courses, beside)
 
 
-class _Surroundings:
-    # the film with what it takes to ask about places in it
+class Surroundings:
+    """A film with all it takes to ask about places in it.
+
+    Parameters
+    ----------
+    film : FilmPlane
+    """
 
     def __init__(self, film: FilmPlane) -> None:
         self.film = film
@@ -160,6 +166,7 @@ class _Surroundings:
         return np.asarray(self.film.edge_length[self.nodes.query(x)[1]])
 
     def inside(self, x: Floats) -> Bools:
+        """Return whether places lie in the film, (n,)."""
         # even and odd crossings of a ray along the first axis; both flanks of a crack cancel
         odd = np.zeros(len(x), np.bool_)
         for i, j in self.rim.tolist():
@@ -172,6 +179,7 @@ class _Surroundings:
         return odd
 
     def courses(self, curve: PathCurve) -> list[Course]:
+        """Return the stretches of one curve inside the film; see :func:`find_courses`."""
         spacing = max(self.spacing, curve.length / _MOST_SAMPLES)
         u, x = curve.samples(spacing)
         inside = self.inside(x)
@@ -265,19 +273,27 @@ class _Surroundings:
             )
         return best, v, u
 
-    def check(self, course: Course) -> None:
+    def _samples(self, course: Course) -> Floats:
         n = max(8, int(np.ceil(course.length / self.spacing)))
-        u = np.linspace(course.start, course.end, min(n, _MOST_SAMPLES))
-        x = course.curve.point(u)
-        h = self.size(x)
-        film = self.film
-        least = SHORTEST * float(h.mean())
+        return np.linspace(course.start, course.end, min(n, _MOST_SAMPLES))
+
+    def check_length(self, course: Course) -> None:
+        """Check that a course is long enough for a chain of edges."""
+        x = course.curve.point(self._samples(course))
+        least = SHORTEST * float(self.size(x).mean())
         if course.length < least:
             raise ImprintError(
                 f"a path must run through the film for {SHORTEST:g} edges at least, here "
-                f"{least:.3g} mm, got {course.length:.3g} mm at {film.place(x[n // 2])}; refine "
-                "the mesh or lengthen the path"
+                f"{least:.3g} mm, got {course.length:.3g} mm at "
+                f"{self.film.place(x[len(x) // 2])}; refine the mesh or lengthen the path"
             )
+
+    def check(self, course: Course) -> None:
+        """Check that a course has room beside it, and does not bend too tightly."""
+        u = self._samples(course)
+        x = course.curve.point(u)
+        h = self.size(x)
+        film = self.film
         radius = 1.0 / np.maximum(course.curve.curvature(u), 1e-300)
         tight = radius / h
         if tight.min() < LEAST_RADIUS:
@@ -304,6 +320,7 @@ class _Surroundings:
             )
 
     def check_apart(self, courses: Sequence[Course], beside: Sequence[Course]) -> None:
+        """Check that courses keep apart from each other, themselves and those beside."""
         places, along, which = [], [], []
         every = [*courses, *beside]
         for k, course in enumerate(every):

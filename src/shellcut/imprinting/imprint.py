@@ -16,8 +16,9 @@ from shellcut.view import draw_path
 
 from .chain import Chain, find_chain
 from .course import Course, check_room, find_courses
-from .edge_line import EdgeLine, find_edge_line
+from .edge_line import IN_THE_MESH, EdgeLine, find_edge_line
 from .film_plane import FilmPlane, ImprintError
+from .leads import with_room
 from .membrane_step import membrane_steps
 from .path_curve import PathCurve
 from .pillow import Pillowed, pillow, pillowed_mesh
@@ -61,6 +62,9 @@ class ImprintResult:
     chains: tuple[Ints, ...]
     """Node ids along each stretch of path inside the film, in order. A stretch that ends inside the
     film ends amid an edge as a rule; its chain goes on to the node next beyond."""
+    first: tuple[int, ...]
+    """Rows of the chains' nodes next before the blade's first place: the nodes before are those of
+    the lead behind it. 0 of a path given without leads."""
     closed: tuple[bool, ...]
     """Whether the last node of the chain is joined to the first."""
     there: tuple[bool, ...]
@@ -170,7 +174,9 @@ def imprint(
     """
     curves = (curve,) if isinstance(curve, PathCurve) else tuple(curve)
     film = FilmPlane(mesh)
-    ways, notes = _ways(film, find_courses(film, [_flattened(film, c) for c in curves]))
+    fitted, lead_notes = with_room(film, [_flattened(film, c) for c in curves])
+    ways, notes = _ways(film, find_courses(film, fitted))
+    notes = lead_notes + notes
     new = [way for way in ways if isinstance(way, Chain)]
     settled = [way for way in ways if isinstance(way, EdgeLine)]
     courses = [way.course for way in ways]
@@ -190,9 +196,12 @@ def imprint(
         jacobian = result.scaled_jacobian()
         near = _near(x, result.quads, film.edge_length[layers.parent], courses)
         after = float(membrane_steps(x, result.quads, elastic).min())
+    chains = tuple(w.nodes[w.on_path] if isinstance(w, Chain) else w.nodes for w in ways)
+    done = film if result is mesh else FilmPlane(result)
     return ImprintResult(
         mesh=result,
-        chains=tuple(w.nodes[w.on_path] if isinstance(w, Chain) else w.nodes for w in ways),
+        chains=chains,
+        first=tuple(_first(done, *one) for one in zip(chains, courses, strict=True)),
         closed=tuple(course.closed for course in courses),
         there=tuple(isinstance(way, EdgeLine) for way in ways),
         curves=curves,
@@ -248,6 +257,15 @@ def _ways(film: FilmPlane, courses: Sequence[Course]) -> tuple[list[Chain | Edge
             if end is not None and beyond:
                 notes.append(f"the end of the path near {film.place(end.x)} is led on to the rim")
     return ways, notes
+
+
+def _first(film: FilmPlane, chain: Ints, course: Course) -> int:
+    # the row of the last node of a chain that is not beyond the end of the lead behind the blade
+    if course.closed:
+        return 0
+    slack = IN_THE_MESH * film.edge_length[chain]
+    before = course.curve.nearest(film.x[chain]) <= course.curve.leads[0] + slack
+    return max(int(before.sum()) - 1, 0)
 
 
 def _distance(x: Floats, course: Course) -> Floats:

@@ -8,6 +8,7 @@ its ends, so that everything near it has a nearest point.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -31,6 +32,9 @@ class PathCurve:
         Largest parameter u [mm].
     closed : bool
         Whether u = ``length`` is the start again.
+    leads : (float, float)
+        Lengths at the start and at the end that are wanted rather than needed [mm]: an imprint
+        shortens them where the mesh has no room for them.
 
     Examples
     --------
@@ -49,6 +53,7 @@ class PathCurve:
         self._knots.flags.writeable = False
         self.length = float(self._knots[-1])
         self.closed = closed
+        self.leads = (0.0, 0.0)
         if len(points) == 2:
             slope = np.diff(points, axis=0) / self.length
             self._spline = scipy.interpolate.CubicSpline(
@@ -270,7 +275,13 @@ class PathCurve:
         points = function(self._spline(self._knots))
         if self.closed:
             points[-1] = points[0]
-        return PathCurve(points, closed=self.closed)
+        return PathCurve(points, closed=self.closed).with_leads(*self.leads)
+
+    def with_leads(self, before: float, after: float) -> PathCurve:
+        """Return the curve with these lengths at its start and end for its leads [mm]."""
+        curve = copy.copy(self)
+        curve.leads = (before, after)
+        return curve
 
     def part(self, start: float, end: float) -> PathCurve:
         """Return the open piece from u = ``start`` to ``end`` [mm].

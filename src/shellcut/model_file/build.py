@@ -77,9 +77,7 @@ class _Build:
                 mesh = _with_set(mesh, "top", film.clamp[-1:])
             shape = {"mesh": mesh, "imprint": film.imprint}
             extent = float(np.ptp(mesh.nodes[:, 0]))
-        blade = self._of["tool"]
-        if blade.kind == "blade" and blade.length is None:
-            blade = replace(blade, length=extent)
+        blade = as_long_as(self._of["tool"], extent)
         with self._blame_film():
             return guillotine(
                 **shape,
@@ -165,6 +163,13 @@ class _Build:
             said = problem.args[0] if isinstance(problem, KeyError) else problem
             text = f"[{path[0]}]: {said}" if path else str(said)
             raise ModelFileError([Problem(self._model.source.place(path), text)]) from problem
+
+
+def as_long_as(blade: Any, extent: float) -> Any:
+    """Return the section of a blade with the length [mm] that it leaves to the strip to say."""
+    if blade.kind == "blade" and blade.length is None:
+        return replace(blade, length=extent)
+    return blade
 
 
 def _with_set(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Mesh:

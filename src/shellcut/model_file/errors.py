@@ -5,6 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .model import Model
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,12 @@ class Problem:
 class ModelFileError(ValueError):
     """A model file that describes no model; the message lists every problem, a line each.
 
+    Attributes
+    ----------
+    problems : tuple of Problem
+    partial : Model or None
+        What could be read of it: a model that lacks the sections with something wrong in them.
+
     Examples
     --------
     >>> from shellcut import read_model
@@ -33,6 +43,7 @@ class ModelFileError(ValueError):
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
+        self.partial: Model | None = None
         super().__init__("\n".join(str(problem) for problem in problems))
 
 

@@ -15,6 +15,12 @@ from typing import Any, ClassVar, TypeVar
 
 from .quantity import quantity
 
+# No quantity of a film and its cut comes near these in mm, N, s and t, and their fourth powers are
+# still numbers that a computer holds.
+_SMALLEST, _LARGEST = 1e-18, 1e18
+
+_LARGEST_COUNT = 10**9  # of anything: quads, teeth, rows, steps between two checks
+
 T = TypeVar("T")
 Constructor = Callable[..., Any]
 
@@ -149,13 +155,19 @@ def _default(constructor: Constructor, parameter: str) -> Any:
 # --- kinds of values -----------------------------------------------------------------------------
 
 
-def _number(value: Any, unit: str) -> float:
+def _number(value: Any, unit: str, *, smallest: float = _SMALLEST) -> float:
+    wants = f"a number in {unit}" if unit else "a number"
     if isinstance(value, str):
-        return quantity(value, unit)
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        wants = f"a number in {unit}" if unit else "a number"
+        x = quantity(value, unit)
+    elif isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise ValueError(f"must be {wants}, got {value!r}")
-    return float(value)
+    else:
+        x = float(value)
+    if x and not smallest <= abs(x) <= _LARGEST:
+        raise ValueError(
+            f"must be {wants}, 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, got {value!r}"
+        )
+    return x
 
 
 def number(unit: str = "", *, least: float | None = None, above: float | None = None) -> Kind:
@@ -178,6 +190,8 @@ def number(unit: str = "", *, least: float | None = None, above: float | None = 
 def _whole(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"must be a whole number, got {value!r}")
+    if abs(value) > _LARGEST_COUNT:
+        raise ValueError(f"must be a whole number up to {_LARGEST_COUNT:,}, got a larger one")
     return value
 
 
@@ -229,7 +243,8 @@ def numbers(unit: str = "", *, count: int | None = None) -> Kind:
     def read(value: Any) -> tuple[float, ...]:
         if not isinstance(value, list | tuple) or (count is not None and len(value) != count):
             raise ValueError(f"must be an array of {wants}, got {value!r}")
-        return tuple(_number(one, unit) for one in value)
+        # components may be as small as the round-off of a sine
+        return tuple(_number(one, unit, smallest=0.0) for one in value)
 
     return Kind(f"array of {wants}", read, unit)
 

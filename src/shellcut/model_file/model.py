@@ -14,6 +14,7 @@ from .source import Source
 
 if TYPE_CHECKING:
     from shellcut.models import Case
+    from shellcut.preview import ModelParts
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,15 @@ class Model:
         from .build import build
 
         return build(self)
+
+    def parts(self) -> ModelParts:
+        """Return film, held nodes, tool and motion, those of them that can be made.
+
+        For a look at a model that is refused; what is wrong with the others :meth:`build` says.
+        """
+        from .parts import parts
+
+        return parts(self)
 
     def run_options(self) -> dict[str, Any]:
         """Return the arguments of :meth:`Case.run` that ``[output]`` says."""

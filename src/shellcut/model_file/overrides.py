@@ -9,7 +9,9 @@ from typing import Any
 from .errors import ModelFileError, Problem, guess, listed
 from .layout import LISTS, SECTIONS, Kinds
 from .run_settings import Head
-from .source import KeyPath, Source
+from .source import KeyPath, Source, beyond_all
+
+_LONGEST_PLACE = 80  # characters of a setting in a message
 
 
 def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
@@ -30,7 +32,11 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
     problems = []
     # The model first: it decides which keys there are.
     for name, value in sorted(overrides.items(), key=lambda pair: pair[0] != "model"):
+        if beyond := beyond_all({name: value}):
+            problems.append(Problem(f"set {name}", f"the value {beyond}"))
+            continue
         place = f"set {name}={value}"
+        place = place if len(place) <= _LONGEST_PLACE else f"{place[:_LONGEST_PLACE]}..."
         try:
             path = _path_of(name, str(values.get("model", "")))
         except ValueError as problem:

@@ -28,8 +28,16 @@ _UNITS: dict[str, tuple[Fraction, Dimension]] = {
     name: (size, dimension) for sizes, dimension in _KINDS for name, size in sizes.items()
 }
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°1/].*?)?\s*")
+_EXPONENT = re.compile(r"[eE][+-]?0*(\d*)$")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
 _SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "·": "*"})
+
+# Beyond these a fraction takes for ever to write out; no double needs as much.
+_LONGEST_NUMBER = 400
+_LONGEST_EXPONENT = 3
+_LARGEST_POWER = 9
+
+WITHIN_A_DOUBLE = "that a computer's number can hold, up to 1.8e308"
 
 
 def quantity(text: str, unit: str) -> float:
@@ -57,14 +65,19 @@ def quantity(text: str, unit: str) -> float:
     found = _QUANTITY.fullmatch(text)
     if not found:
         raise ValueError(f"must be {wants}, got {text!r}")
+    exponent = _EXPONENT.search(found[1])
+    long_exponent = exponent is not None and len(exponent[1]) > _LONGEST_EXPONENT
+    if long_exponent or len(found[1]) > _LONGEST_NUMBER:
+        raise ValueError(f"must be {wants} {WITHIN_A_DOUBLE}, got {text!r}")
     number, given = Fraction(found[1]), found[2] or ""
-    if not given:
-        return float(number)
-    size, dimension = _parsed(given)
-    target, wanted = _parsed(unit)
+    size, dimension = _parsed(given) if given else (Fraction(1), _parsed(unit)[1])
+    target, wanted = _parsed(unit) if given else (Fraction(1), dimension)
     if dimension != wanted:
         raise ValueError(f"must be {wants}, got {text!r}, which is in {_written(dimension)}")
-    return float(number * size / target)
+    try:
+        return float(number * size / target)
+    except OverflowError:
+        raise ValueError(f"must be {wants} {WITHIN_A_DOUBLE}, got {text!r}") from None
 
 
 def _parsed(unit: str) -> tuple[Fraction, Dimension]:
@@ -80,6 +93,10 @@ def _parsed(unit: str) -> tuple[Fraction, Dimension]:
         name = _name(found[1]) if found else None
         if found is None or name is None:
             raise ValueError(f"must have a unit made of {', '.join(_UNITS)}, got {unit!r}")
+        if len((found[2] or "").lstrip("-0")) > 1:
+            raise ValueError(
+                f"must have a unit to a power of {_LARGEST_POWER} at most, got {unit!r}"
+            )
         power = int(found[2] or 1) * (-1 if divides else 1)
         one, exponents = _UNITS[name]
         size *= one**power

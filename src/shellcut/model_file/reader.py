@@ -10,6 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from shellcut.regular_file import read_regular
+
 from .errors import ModelFileError, Problem, guess, listed
 from .key import Key, Section
 from .layout import LISTS, SECTIONS, Kinds
@@ -21,6 +23,9 @@ from .source import KeyPath, Source, parse
 FILES = "files"
 """Section of a ``used.toml`` with the digests of the files that the model reads."""
 
+_LARGEST = 10_000_000  # bytes of a model file; the shipped ones have some thousand
+
+_LONGEST_TEXT = 1000  # characters of a problem; it may quote a value of any length
 _STEM = re.compile(r"[\w.-]+")
 
 
@@ -70,11 +75,12 @@ def shipped_models() -> dict[str, str]:
 
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
     path = Path(name_or_path)
-    if path.is_file():
+    if _is_there(path):
         try:
-            text = path.read_text(encoding="utf-8-sig")  # with the mark of some editors
+            text = read_regular(path, _LARGEST).decode("utf-8-sig")  # with the mark of some editors
         except OSError as error:
-            raise ModelFileError([Problem(str(path), f"cannot be read: {error}")]) from None
+            said = error.strerror or error
+            raise ModelFileError([Problem(str(path), f"cannot be read: {said}")]) from None
         except UnicodeDecodeError:
             wants = "must be text in UTF-8, which TOML asks for: save it so in the editor"
             raise ModelFileError([Problem(str(path), wants)]) from None
@@ -84,6 +90,14 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
         return parse(shipped[str(name_or_path)], f"{name_or_path}.toml", Path.cwd())
     text = f"there is no such file, and the models by name are {', '.join(shipped)}"
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
+
+
+def _is_there(path: Path) -> bool:
+    """Whether a path is of something that may be meant as a file: a folder of that name is not."""
+    try:
+        return path.exists() and not path.is_dir()
+    except (OSError, ValueError):  # a name too long for the system, or with a zero byte
+        return False
 
 
 class _Reading:
@@ -122,16 +136,23 @@ class _Reading:
             for title, kinds in lists.items()
         }
         recorded = {str(k): str(v) for k, v in self.table(FILES).items()}
-        self.raise_if_wrong()
+        if self.problems:
+            whole = {title: section for title, section in read.items() if section is not None}
+            those = {title: tuple(one for one in each if one) for title, each in several.items()}
+            named = Head(**{"model": known})
+            self.raise_if_wrong(Model(named, whole, those, {}, self.source))
         assert isinstance(head, Head)
         return Model(head, read, several, recorded, self.source)
 
     def say(self, path: KeyPath, text: str) -> None:
-        self.problems.append(Problem(self.source.place(path), text))
+        shown = text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} ..."
+        self.problems.append(Problem(self.source.place(path), shown))
 
-    def raise_if_wrong(self) -> None:
+    def raise_if_wrong(self, partial: Model | None = None) -> None:
         if self.problems:
-            raise ModelFileError(sorted(self.problems, key=_line))
+            error = ModelFileError(sorted(self.problems, key=_line))
+            error.partial = partial
+            raise error
 
     def table(self, title: str) -> dict[str, Any]:
         table = self.source.values.get(title, {})
@@ -240,9 +261,15 @@ class _Reading:
             return None
         if not key.kind.is_file:
             return read
-        found = (self.source.base(path) / Path(read).expanduser()).resolve()
-        if not found.is_file():
-            self.say(path, f"{shown}: there is no file {found}")
+        try:
+            found = (self.source.base(path) / Path(read).expanduser()).resolve()
+            if not found.exists():
+                self.say(path, f"{shown}: there is no file {found}")
+            elif not found.is_file():
+                self.say(path, f"{shown} must be a regular file, {found} is none")
+        except (OSError, ValueError, RuntimeError) as problem:  # what no system takes as a name
+            self.say(path, f"{shown} must name a file, got {read!r}: {problem}")
+            return None
         return str(found)
 
     def try_out(self, made: Section, path: KeyPath) -> None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from shellcut.cohesive_law import CohesiveLaw
-from shellcut.contact import Contact
 from shellcut.criterion import Fracture
 from shellcut.load import EdgeTraction, Gravity, Load, NodalForce, NodalMoment, Pressure, steady
 from shellcut.models import Case
+from shellcut.penalty import Contact
 from shellcut.simulation import Simulation
 from shellcut.support import Support
 from shellcut.time_step import Stepping
@@ -50,7 +50,7 @@ class Head(Section):
     )
     threads: int | None = key(
         count(1),
-        "results do not depend on it",
+        "1 to 256; results do not depend on it",
         default=default_of(Simulation, "threads"),
         unset="one for a small film, else the cores there are",
     )
@@ -74,8 +74,10 @@ class Cohesive(Section):
 class ContactSection(Section):
     """Penalty contact of the nodes with the tool."""
 
-    penalty: float = key(number("N/mm^3"), "lambda")
-    smoothing: float = key(number(), "g_M as a fraction of the thickness")
+    penalty: float | None = key(
+        number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
+    )
+    smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
 
 
 @section("fracture", of=Fracture)

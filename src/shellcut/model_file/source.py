@@ -28,6 +28,9 @@ _KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"
 _TOKEN = re.compile(
     r"\"\"\"|'''|\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*|[\[\]{}]",
 )
+_DEEPEST = 8  # levels of tables and arrays; holes = [[[x, y], ...]] in a section are five
+_TOO_DEEP = f"must hold tables and arrays within each other to {_DEEPEST} levels at most"
+_LARGEST_WHOLE = 2**63 - 1
 _ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
 
 
@@ -73,11 +76,15 @@ def parse(text: str, name: str, folder: Path) -> Source:
     """
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # of TOML, or of Python at a number of thousands of digits
         found = _ERROR_LINE.fullmatch(str(error))
         place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
         said = found[1] if found else str(error)
         raise ModelFileError([Problem(place, f"is no TOML: {said}")]) from None
+    except RecursionError:
+        raise ModelFileError([Problem(name, _TOO_DEEP)]) from None
+    if beyond := beyond_all(values):
+        raise ModelFileError([Problem(name, beyond)])
     return Source(name, folder, values, _lines(text))
 
 
@@ -91,9 +98,27 @@ def parse_value(text: str) -> object:
     """
     try:
         values = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
-    return values["value"] if len(values) == 1 else text
+    return text if len(values) != 1 or beyond_all(values) else values["value"]
+
+
+def beyond_all(values: dict[str, Any]) -> str:
+    """Return what is beyond all that a model may hold; empty if nothing is.
+
+    Python reads whole numbers of any length and tables of any depth, and then cannot print them.
+    """
+    level: list[Any] = [values]
+    for _ in range(_DEEPEST + 1):
+        level = [
+            one
+            for thing in level
+            if isinstance(thing, dict | list)
+            for one in (thing.values() if isinstance(thing, dict) else thing)
+        ]
+        if any(isinstance(one, int) and abs(one) > _LARGEST_WHOLE for one in level):
+            return f"must hold whole numbers up to {_LARGEST_WHOLE}, as TOML asks for"
+    return _TOO_DEEP if any(isinstance(thing, dict | list) for thing in level) else ""
 
 
 def _lines(text: str) -> dict[KeyPath, int]:

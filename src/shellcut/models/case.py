@@ -6,14 +6,36 @@ import logging
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
+from shellcut.checks import ModelCheck, check_model
 from shellcut.hooks import Hook, StopWhen
 from shellcut.imprinting import ImprintResult
 from shellcut.interruption import Interruption
 from shellcut.recorder import Recorder, RunEnded
 from shellcut.simulation import Simulation
 
+_MOST_STEPS = 1e11
+"""Steps of the longest run: two months of the smallest film."""
+
 _log = logging.getLogger(__name__)
+
+
+def check_length(simulation: Simulation, duration: float) -> None:
+    """Refuse a run of more steps than anyone waits for: a number of its model is nonsense.
+
+    Raises
+    ------
+    ValueError
+        Saying what sets the step.
+    """
+    steps = duration / simulation.dt
+    if not steps <= _MOST_STEPS:
+        raise ValueError(
+            f"a run must take {_MOST_STEPS:.0e} steps at most, this one of {duration:.4g} s at a "
+            f"step of {simulation.dt:.4g} s would take {steps:.2g}: "
+            f"{simulation.time_step.reason()}"
+        )
 
 
 @dataclass(frozen=True)
@@ -37,6 +59,11 @@ class Case:
     duration: float
     imprint: ImprintResult | None = None
 
+    @cached_property
+    def check(self) -> ModelCheck:
+        """What the checks before the run find; to be asked for at t = 0."""
+        return check_model(self.simulation, self.duration)
+
     def run(
         self,
         folder: str | os.PathLike[str],
@@ -49,8 +76,13 @@ class Case:
         log: Callable[[str], None] | None = None,
         checkpoint_every: float | None = 60.0,
         resume: bool = False,
+        force: bool = False,
+        replace: bool = True,
     ) -> None:
         """Run to the end and leave everything in ``folder``, see :class:`Recorder`.
+
+        What the checks of the model doubt is logged before the run, what the figures of the run
+        doubt after it, as warnings of the library.
 
         Ctrl-C (SIGINT) and SIGTERM end the run after the step it is in: the files are closed, a
         checkpoint is written, and a line says where it stopped. Then the signal takes its usual
@@ -61,11 +93,13 @@ class Case:
         ----------
         folder : path
             Where to.
-        n_row, n_frame, n_snapshot, progress, pvd, log, checkpoint_every
+        n_row, n_frame, n_snapshot, progress, pvd, log, checkpoint_every, replace
             As :class:`Recorder`.
         resume : bool
             Go on with the run in ``folder``, on a case just built from the same inputs; a run that
             has ended is left as it is, and a line says so.
+        force : bool
+            Run what a check refuses, where that can make sense.
 
         Raises
         ------
@@ -75,14 +109,26 @@ class Case:
             If the solution blows up; the files are closed, the last good checkpoint is kept.
         FileNotFoundError, CheckpointError
             If there is nothing to resume, or it is another model's.
+        RefusedModel
+            If a check of the model refuses it; nothing in the folder has been touched.
+        FolderInUse
+            If another run writes in the folder; it is not disturbed.
+        FileExistsError
+            If something there that no run has written would be replaced.
+        FolderLost
+            If somebody removes, moves or empties the folder during the run.
+        OSError
+            If a file cannot be written: after a full disk, free space and go on with ``resume``.
         ValueError
-            If the simulation has been run already; nothing in the folder has been touched.
+            If the simulation has been run already, or would take more steps than anyone waits for;
+            nothing in the folder has been touched.
         """
         if self.simulation.state.step:
             raise ValueError(
                 f"a case is run once, this one is at step {self.simulation.state.step}: build it "
                 "again, and run it anew or with resume=True"
             )
+        check_length(self.simulation, self.duration)
         try:
             recorder = Recorder(
                 self.simulation,
@@ -97,10 +143,28 @@ class Case:
                 log=log,
                 checkpoint_every=checkpoint_every,
                 resume=resume,
+                check=self.check,
+                force=force,
+                replace=replace,
             )
         except RunEnded as ended:
             _log.warning("%s; nothing was changed", ended)
             return
+        self.go(recorder)
+
+    def go(self, recorder: Recorder) -> None:
+        """Run to the end with a recorder of one's own, as :meth:`run` does.
+
+        Parameters
+        ----------
+        recorder : Recorder
+            Of this simulation, up to ``duration``; closed when the run ends, however it ends.
+
+        Raises
+        ------
+        KeyboardInterrupt, UnstableStep, FolderLost, OSError
+            As :meth:`run`.
+        """
         with Interruption() as interruption:
             hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested)]
             self.simulation.run(self.duration, hooks)
@@ -111,4 +175,7 @@ class Case:
                 recorder.place(),
                 recorder.folder,
             )
+        if interruption.ends_process:  # then this is the last chance to say what was kept back
+            for handler in logging.getLogger("shellcut").handlers:
+                handler.flush()
         interruption.deliver()

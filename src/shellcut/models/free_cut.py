@@ -15,7 +15,7 @@ from shellcut.simulation import Simulation
 from shellcut.tool import Tool
 
 from ._path import with_path
-from .case import Case
+from .case import Case, check_length
 
 
 def free_cut(
@@ -43,7 +43,7 @@ def free_cut(
     imprint : bool
         Put the path of the cutting edges into the mesh; the outcome is ``Case.imprint``.
     notch : float
-        Length of a cut along the path, from its start [mm]; needs ``imprint``.
+        Length of a cut along the path, from the blade's first place [mm]; needs ``imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
         The film of the paper by default.
     **options
@@ -68,10 +68,12 @@ def free_cut(
     result = with_path(mesh, tool, motion, duration, section) if imprint else None
     film = mesh if result is None else result.mesh
     if result is not None and notch:
-        film = film.cut(_start_of(film.nodes, result.chains[0], notch))
+        chain = result.chains[0][result.first[0] :]
+        film = film.cut(_start_of(film.nodes, chain, notch))
     simulation = Simulation(
         film, section, tool=tool, motion=motion, law=law or CohesiveLaw(), **options
     )
+    check_length(simulation, duration)
     return Case("free", simulation, duration, result)
 
 

@@ -25,10 +25,12 @@ from shellcut.tool import Tool
 from shellcut.tool_shapes import straight_blade
 
 from ._path import with_path
-from .case import Case
+from .case import Case, check_length
 
 # Gap between the cutting edge and the film's end at the start [mm].
 _CLEARANCE = 0.05
+
+_RAMP = 1e-4  # over which the blade comes up to its speed [s]
 
 BLADE_HEIGHT = 3.0
 """Of the default blade [mm]; it is as long as the strip."""
@@ -105,15 +107,9 @@ def guillotine(
     >>> case.simulation.mesh.n_quad
     24
     """
-    ramp = 1e-4
     section = material or ShellMaterial.homogeneous()
     film = notched_strip(length, width, size, notch) if mesh is None else mesh
-    start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
-    way = extent - 2.5 if travel is None else travel
-    blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
-    blade = blade.translated((start - _CLEARANCE, 0.0, 0.0))
-    motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp)
-    duration = way / speed + 0.5 * ramp
+    blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed)
     result = None
     if mesh is not None and imprint:
         result = with_path(mesh, blade, motion, duration, section)
@@ -130,7 +126,20 @@ def guillotine(
         law=law or CohesiveLaw(),
         **options,
     )
+    check_length(simulation, duration)
     return Case("guillotine", simulation, duration, result)
+
+
+def blade_before(
+    film: Mesh, tool: Tool | None, *, travel: float | None, speed: float
+) -> tuple[Tool, StraightMotion, float]:
+    """Return the blade just before a strip, its motion along it, and how long that takes [s]."""
+    start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
+    blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
+    motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
+    way = extent - 2.5 if travel is None else travel
+    duration = way / speed + 0.5 * _RAMP
+    return blade.translated((start - _CLEARANCE, 0.0, 0.0)), motion, duration
 
 
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:

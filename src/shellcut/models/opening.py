@@ -28,7 +28,7 @@ from shellcut.tool import Tool
 from shellcut.tool_shapes import tooth_ring
 
 from ._path import with_path
-from .case import Case
+from .case import Case, check_length
 
 
 def opening_test(
@@ -92,6 +92,7 @@ def opening_test(
         law=law or CohesiveLaw(),
         **options,
     )
+    check_length(simulation, duration)
     return Case("opening", simulation, duration, result)
 
 

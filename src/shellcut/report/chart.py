@@ -1,14 +1,16 @@
 """Curves as inline SVG: sharp on paper, dark in the dark, no library.
 
-Words that must be readable on a phone (legend, axis names) are HTML around the SVG; of its own it
-has the numbers at the ticks only.
+What is written here is the whole chart, for paper and for browsers without JavaScript. With it
+``chart.js`` draws the chart anew from the same numbers, in the pixels that there are, and lets
+curves be switched off and ranges be looked at closely. Words that must be readable on a phone
+(legend, axis names) are HTML around the SVG; of its own it has the numbers at the ticks only.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -18,10 +20,11 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 _WIDTH = 720.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 14.0, 12.0, 30.0
+_RIGHT, _TOP, _BOTTOM = 20.0, 12.0, 30.0
+_DIGIT = 13.0  # width of one at a tick, as wide as a phone shows it without JavaScript
 _COLUMNS = 500  # steps that a curve is drawn in: about the pixels there are
 _ROUND_OFF = 0.01  # below zero by this part of the top gets no room of its own
-_N_READ = 400  # points that can be read off
+_N_POINT = 4000  # of a curve to be looked at closely: more are thinned out, peaks are kept
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Curve:
     values: Floats
     style: str
     area: bool = False
+    x: Floats | None = None
+    """Places of its own, ascending; by default those of the chart."""
 
 
 def chart(
@@ -45,7 +50,7 @@ def chart(
     described: str,
     height: float = 300.0,
 ) -> str:
-    """Return a ``<figure>`` with legend, curves and what is needed to read values off.
+    """Return a ``<figure>`` with legend, curves and what ``chart.js`` needs.
 
     Parameters
     ----------
@@ -53,75 +58,101 @@ def chart(
         Ascending, n of two at least.
     curves : sequence of Curve
         Areas are stacked in their order, lines drawn over them. Curves of one name share a place
-        in the legend.
+        in the legend and are switched together. Areas have the places of the chart.
     x_name, x_unit, name, unit : str
         Of the axes; units as people write them.
     described : str
         What those hear or read who do not see the picture.
     """
-    areas = [curve for curve in curves if curve.area]
-    stack = np.cumsum([np.zeros_like(x), *(curve.values for curve in areas)], axis=0)
-    lines = [curve for curve in curves if not curve.area]
-    shown = np.concatenate([*stack, *(curve.values for curve in lines)])
-    bottom, top = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)
-    if bottom > -_ROUND_OFF * top:
-        bottom = 0.0
-    ticks = _ticks(bottom, top, 6)
-    low, high = ticks[0], ticks[-1]
-    x_ticks = [t for t in _ticks(float(x[0]), float(x[-1]), 8) if x[0] <= t <= x[-1]]
-    plot_w, plot_h = _WIDTH - _LEFT - _RIGHT, height - _TOP - _BOTTOM
-    x_scale = plot_w / float(x[-1] - x[0])
-    y_scale = plot_h / (high - low)
-
-    def at_x(value: float | Floats) -> float | Floats:
-        return _LEFT + (value - float(x[0])) * x_scale
-
-    def at_y(value: float | Floats) -> float | Floats:
-        return _TOP + (high - value) * y_scale
-
-    parts = []
-    for tick in ticks:
-        y = at_y(tick)
-        parts.append(
-            f'<line class="grid" x1="{_LEFT:g}" x2="{_WIDTH - _RIGHT:g}" {_both("y", y)}/>'
-        )
-        parts.append(f'<text class="tick y" x="{_LEFT - 6:g}" y="{y:.1f}">{_number(tick)}</text>')
-    for tick in x_ticks:
-        place = f'x="{at_x(tick):.1f}" y="{height - 8:g}"'
-        parts.append(f'<text class="tick x" {place}>{_number(tick)}</text>')
-    for below, above, curve in zip(stack[:-1], stack[1:], areas, strict=True):
-        chosen = _columns(x, above)
-        upper = _points(at_x(x[chosen]), at_y(above[chosen]))
-        lower = _points(at_x(x[chosen][::-1]), at_y(below[chosen][::-1]))
-        parts.append(f'<path class="area {curve.style}" d="M{upper}L{lower}Z"/>')
-    for curve in lines:
-        chosen = _columns(x, curve.values)
-        path = _points(at_x(x[chosen]), at_y(curve.values[chosen]))
-        parts.append(f'<path class="line {curve.style}" d="M{path}"/>')
-    parts.append(
-        f'<line class="axis" x1="{_LEFT:g}" x2="{_WIDTH - _RIGHT:g}" {_both("y", at_y(0))}/>'
-    )
-    parts.append(f'<line class="cursor" {_both("x", -9)} y1="{_TOP:g}" y2="{height - _BOTTOM:g}"/>')
-
-    read = np.unique(np.linspace(0, len(x) - 1, min(_N_READ, len(x))).astype(int))
+    axes = _Axes.around(x, curves, height)
+    drawn = "".join([*axes.grid(), *_areas(axes, x, curves), *_lines(axes, x, curves)])
     data = {
-        "left": _LEFT,
-        "width": plot_w,
         "xName": x_name,
         "xUnit": x_unit,
         "unit": unit,
-        "x": _rounded(x[read]),
-        "curves": _readable(curves, read),
+        "height": height,
+        **_numbers(x, curves),
     }
     return (
         f'<figure class="chart"><figcaption><span class="axis-name">{escape(name)} '
         f"[{escape(unit)}]</span>{_legend(curves)}</figcaption>"
         f'<svg viewBox="0 0 {_WIDTH:g} {height:g}" role="img" tabindex="0" '
-        f'aria-label="{escape(described)}">{"".join(parts)}</svg>'
+        f'aria-label="{escape(described)}">{drawn}</svg>'
         f'<p class="x-name">{escape(x_name)} [{escape(x_unit)}]</p>'
-        f'<output class="read" aria-live="polite"></output>'
         f'<script type="application/json">{_json(data)}</script></figure>'
     )
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """From values to places in the picture."""
+
+    left: float
+    height: float
+    x_range: tuple[float, float]
+    y_ticks: Sequence[float]
+
+    @classmethod
+    def around(cls, x: Floats, curves: Sequence[Curve], height: float) -> _Axes:
+        stack = _stack(x, curves)
+        lines = [curve.values for curve in curves if not curve.area]
+        shown = np.concatenate([*stack, *lines])
+        bottom, top = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)
+        if bottom > -_ROUND_OFF * top:
+            bottom = 0.0
+        ticks = _ticks(bottom, top, 6)
+        places = [x, *(curve.x for curve in curves if curve.x is not None)]
+        ends = min(float(p[0]) for p in places), max(float(p[-1]) for p in places)
+        left = 10.0 + _DIGIT * max(len(_number(tick)) for tick in ticks)
+        return cls(left, height, ends, ticks)
+
+    def at_x(self, value: Floats) -> Floats:
+        low, high = self.x_range
+        return self.left + (value - low) * ((_WIDTH - self.left - _RIGHT) / (high - low))
+
+    def at_y(self, value: Floats) -> Floats:
+        low, high = self.y_ticks[0], self.y_ticks[-1]
+        return _TOP + (high - value) * ((self.height - _TOP - _BOTTOM) / (high - low))
+
+    def grid(self) -> Iterator[str]:
+        for tick, y in zip(self.y_ticks, self.at_y(np.array(self.y_ticks)), strict=True):
+            yield self._level("grid", float(y))
+            yield f'<text class="tick y" x="{self.left - 6:g}" y="{y:.1f}">{_number(tick)}</text>'
+        low, high = self.x_range
+        ticks = [tick for tick in _ticks(low, high, 8) if low <= tick <= high]
+        for tick, x in zip(ticks, self.at_x(np.array(ticks)), strict=True):
+            place = f'x="{x:.1f}" y="{self.height - 8:g}"'
+            yield f'<text class="tick x" {place}>{_number(tick)}</text>'
+        yield self._level("axis", float(self.at_y(np.zeros(1))[0]))
+
+    def _level(self, style: str, y: float) -> str:
+        ends = f'x1="{self.left:g}" x2="{_WIDTH - _RIGHT:g}" y1="{y:.1f}" y2="{y:.1f}"'
+        return f'<line class="{style}" {ends}/>'
+
+
+def _stack(x: Floats, curves: Sequence[Curve]) -> Floats:
+    areas = [curve.values for curve in curves if curve.area]
+    return np.cumsum([np.zeros_like(x), *areas], axis=0)
+
+
+def _areas(axes: _Axes, x: Floats, curves: Sequence[Curve]) -> Iterator[str]:
+    stack = _stack(x, curves)
+    areas = [curve for curve in curves if curve.area]
+    for below, above, curve in zip(stack[:-1], stack[1:], areas, strict=True):
+        chosen = _columns(x, above, _COLUMNS)
+        upper = _points(axes.at_x(x[chosen]), axes.at_y(above[chosen]))
+        lower = _points(axes.at_x(x[chosen][::-1]), axes.at_y(below[chosen][::-1]))
+        yield f'<path class="area {curve.style}" d="M{upper}L{lower}Z"/>'
+
+
+def _lines(axes: _Axes, x: Floats, curves: Sequence[Curve]) -> Iterator[str]:
+    for curve in curves:
+        if curve.area:
+            continue
+        places = x if curve.x is None else curve.x
+        chosen = _columns(places, curve.values, _COLUMNS)
+        path = _points(axes.at_x(places[chosen]), axes.at_y(curve.values[chosen]))
+        yield f'<path class="line {curve.style}" d="M{path}"/>'
 
 
 def _legend(curves: Sequence[Curve]) -> str:
@@ -131,7 +162,7 @@ def _legend(curves: Sequence[Curve]) -> str:
     names = dict.fromkeys(curve.name for curve in order)
     items = "".join(
         f'<li><svg class="key" viewBox="0 0 20 10" aria-hidden="true">{_swatch(styles[name])}</svg>'
-        f"{escape(name)}</li>"
+        f"<span>{escape(name)}</span></li>"
         for name in names
     )
     return f'<ul class="legend">{items}</ul>'
@@ -143,23 +174,26 @@ def _swatch(curve: Curve) -> str:
     return f'<path class="line {curve.style}" d="M0,5H20"/>'
 
 
-def _readable(curves: Sequence[Curve], rows: npt.NDArray[np.int64]) -> list[dict[str, object]]:
-    named: dict[str, list[Curve]] = {}
+def _numbers(x: Floats, curves: Sequence[Curve]) -> dict[str, object]:
+    """Return the places of the chart and its curves, some with places of their own."""
+    kept = np.arange(len(x))
+    if len(x) > _N_POINT:
+        common = [curve.values for curve in curves if curve.x is None]
+        kept = np.unique(np.concatenate([_columns(x, y, _N_POINT // 4) for y in common]))
+    found: list[dict[str, object]] = []
     for curve in curves:
-        named.setdefault(curve.name, []).append(curve)
-    # Curves that share a name (the teeth) are a crowd: one reads the others.
-    return [
-        {"name": name, "values": _rounded(group[0].values[rows])}
-        for name, group in named.items()
-        if len(group) == 1
-    ]
+        rows = kept if curve.x is None else _columns(curve.x, curve.values, _N_POINT // 2)
+        entry = {"name": curve.name, "style": curve.style, "area": curve.area}
+        places = {} if curve.x is None else {"x": _rounded(curve.x[rows], 8)}
+        found.append({**entry, **places, "y": _rounded(curve.values[rows], 5)})
+    return {"x": _rounded(x[kept], 8), "curves": found}
 
 
-def _columns(x: Floats, y: Floats) -> npt.NDArray[np.int64]:
-    # Lowest and highest row of every column of the picture: no peak is lost, no point is wasted.
-    if len(x) <= 2 * _COLUMNS:
+def _columns(x: Floats, y: Floats, n: int) -> npt.NDArray[np.int64]:
+    # Lowest and highest row of every column of n: no peak is lost, no point is wasted.
+    if len(x) <= 2 * n:
         return np.arange(len(x))
-    column = ((x - x[0]) / (x[-1] - x[0]) * (_COLUMNS - 1)).astype(int)
+    column = ((x - x[0]) / (x[-1] - x[0]) * (n - 1)).astype(int)
     order = np.lexsort((y, column))
     bounds = np.flatnonzero(np.diff(column[order]))
     first = np.concatenate(([0], bounds + 1))
@@ -181,17 +215,12 @@ def _number(value: float) -> str:
     return f"{value + 0.0:.6g}".replace("-", "−")
 
 
-def _points(x: float | Floats, y: float | Floats) -> str:
-    pairs = zip(np.atleast_1d(x).tolist(), np.atleast_1d(y).tolist(), strict=True)
-    return "L".join(f"{a:.1f},{b:.1f}" for a, b in pairs)
+def _points(x: Floats, y: Floats) -> str:
+    return "L".join(f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
 
 
-def _both(axis: str, value: float | Floats) -> str:
-    return f'{axis}1="{value:.1f}" {axis}2="{value:.1f}"'
-
-
-def _rounded(values: Floats) -> list[float]:
-    return [float(f"{v:.5g}") for v in values.tolist()]
+def _rounded(values: Floats, digits: int) -> list[float]:
+    return [float(f"{v:.{digits}g}") for v in values.tolist()]
 
 
 def _json(data: Mapping[str, object]) -> str:

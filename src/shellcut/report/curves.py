@@ -1,17 +1,21 @@
-"""Sections with curves: resistance, energy ledger, time step."""
+"""Sections with curves: resistance, measured curve, energy ledger, time step."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from html import escape
 
 import numpy as np
 
+from shellcut.comparison_table import rows_of, scope_of
 from shellcut.energy_balance import energy_shares, work_put_in
-from shellcut.frame import Bools
+from shellcut.frame import Bools, Floats
 
 from .chart import Curve, chart
+from .figures import window_of
 from .gathered import Gathered
-from .markup import figure_of, missing, pretty, table
+from .markup import figure_of, in_unit, missing, pretty, table
 
 
 def resistance(run: Gathered) -> str:
@@ -29,7 +33,58 @@ def resistance(run: Gathered) -> str:
         Curve("from cables at the edge", run.history[f"{first}_joints"], "joints"),
         Curve("total", run.history[first], "total"),
     ]
-    return _chart(run, curves, first, pretty(unit), f"{first} over {run.coordinate[0]}")
+    found = run.measured
+    if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], first):
+        x, y = found.measured_curve
+        curves.append(Curve("measured", y, "measured", x=x))
+    chart_of_it = _chart(run, curves, first, pretty(unit), f"{first} over {run.coordinate[0]}")
+    return f'{chart_of_it}<p class="caption">{escape(_said_of(run))}</p>'
+
+
+def _said_of(run: Gathered) -> str:
+    """Return what the resistance is, and where it is steady."""
+    first, unit = run.resistance
+    figures = run.figures
+    said = []
+    if "resistance" in figures:
+        said.append(f"Shown is the {figures['resistance']}; positive resists.")
+    mean = figures.get(f"{first}_plateau_{unit.replace('*', '')}")
+    if mean is not None:
+        said.append(
+            f"The mean over the steady window, {window_of(figures)}, is {mean:.4g} {pretty(unit)}."
+        )
+    elif "no_window" in figures:
+        said.append(f"There is no steady window, hence no mean: {figures['no_window']}.")
+    return " ".join(said)
+
+
+def measured(run: Gathered) -> str:
+    """Return the run beside the measured curve; nothing if there is none."""
+    found = run.measured
+    if found is None:
+        return ""
+    x, simulated = found.simulated_curve
+    drawn = chart(
+        x,
+        [
+            Curve("measured", found.measured_curve[1], "measured", x=found.measured_curve[0]),
+            Curve("simulated", simulated, "total"),
+            Curve("difference", found.simulated - found.measured, "contact", x=found.x),
+        ],
+        x_name=found.x_name,
+        x_unit=pretty(found.x_unit),
+        name=found.y_name,
+        unit=pretty(found.y_unit),
+        described=f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
+        f"they differ by {found.rms:.4g} {found.y_unit} in the root mean square.",
+    )
+    head = ("", "measured", "simulated", "difference")
+    notes = "".join(f'<li class="note"><b>note</b>{escape(note)}</li>' for note in found.notes)
+    return (
+        f'{drawn}<p class="caption">{escape(pretty(scope_of(found)).replace(" °", "°"))}.</p>'
+        + table([(in_unit(row.name, row.unit), *row[2:]) for row in rows_of(found)], head)
+        + (f'<ul class="verdict">{notes}</ul>' if notes else "")
+    )
 
 
 def energy(run: Gathered) -> str:
@@ -93,10 +148,7 @@ def _chart(
     if ahead.sum() < 2:
         return missing(f"No curve of {name}: the tool has not moved.")
     last = ", ".join(f"{curve.name} {curve.values[-1]:.4g} {unit}" for curve in curves[-3:])
-    shown = [
-        Curve(c.name, np.nan_to_num(c.values[ahead], posinf=0.0, neginf=0.0), c.style, c.area)
-        for c in curves
-    ]
+    shown = [c if c.x is not None else replace(c, values=_finite(c.values[ahead])) for c in curves]
     return chart(
         x[ahead],
         shown,
@@ -107,3 +159,7 @@ def _chart(
         described=f"Curve: {of}; at the end {last}.",
         height=height,
     )
+
+
+def _finite(values: Floats) -> Floats:
+    return np.nan_to_num(values, posinf=0.0, neginf=0.0)

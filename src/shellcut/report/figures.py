@@ -8,12 +8,17 @@ from typing import Any
 # Endings of the names tell the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
 
+_STEADY = " over {window}"
+"""Where the window of the figures is said."""
+
 _LABELS = {
-    "torque_plateau_Nmm": "torque, mean over 30-70°",
+    "torque_plateau_Nmm": f"torque, mean{_STEADY}",
     "torque_peak_Nmm": "torque, peak",
-    "axial_force_plateau_N": "axial force, mean over 30-70°",
-    "force_plateau_N": "force, mean over the last 60 % of the way",
+    "torque_peak_at_deg": "torque, peak at",
+    "axial_force_plateau_N": f"axial force, mean{_STEADY}",
+    "force_plateau_N": f"force, mean{_STEADY}",
     "force_peak_N": "force, peak",
+    "force_peak_at_mm": "force, peak at",
     "crack_length_mm": "crack length",
     "angle_end_deg": "angle at the end",
     "path_end_mm": "path at the end",
@@ -25,26 +30,33 @@ _LABELS = {
     "kinetic_Nmm": "kinetic energy at the end",
     "damping_Nmm": "damping",
     "contact_Nmm": "contact",
-    "dWcoh_dtheta_Nmm": "cables' work per radian",
-    "dW_dtheta_Nmm": "tool's work per radian",
-    "dWcoh_ds_N": "cables' work per mm",
-    "dW_ds_N": "tool's work per mm",
+    "contact_absorbed_Nmm": "of it, taken by absorbed jumps",
+    "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
+    "dW_dtheta_Nmm": f"tool's work per radian{_STEADY}",
+    "dWcoh_ds_N": f"cables' work per mm{_STEADY}",
+    "dW_ds_N": f"tool's work per mm{_STEADY}",
     "n_cable_created": "cables created",
     "n_cable_jointed": "cables bent around the edge",
     "n_cable_broken": "cables broken",
+    "n_split": "splits",
     "n_quad": "quads",
     "n_step": "steps",
     "ns_per_quad_step": "time of computing per quad and step",
     "wall_s": "time of computing",
     "pictures_s": "time of drawing",
     "added_inertia_factor": "scale of the rotary inertia",
+    "deepest_penetration_mm": "nodes in the tool, at most",
+    "tool_half_thickness_mm": "tool, half thickness",
     "unfelt_penetration_mm": "tool between nodes, unfelt, at most",
     "largest_overshoot_mm": "edge past a cable before it was met, at most",
     "n_recovery_borrowed": "stresses from a neighbour's patch",
 }
 
 # Judged or shown elsewhere in the report.
-_ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s"}
+_ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
+_ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
+_ELSEWHERE |= {"resistance", "no_window"}
+_ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 
 def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -57,7 +69,26 @@ def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """
     known = [key for key in _LABELS if key in summary]
     others = [key for key in summary if key not in _LABELS and key not in _ELSEWHERE]
-    return [(_label(key), with_unit(key, summary[key])) for key in [*known, *others]]
+    window = window_of(summary)
+    return [
+        (_label(key).format(window=window), with_unit(key, summary[key]))
+        for key in [*known, *others]
+    ]
+
+
+def window_of(summary: Mapping[str, Any]) -> str:
+    """Return the steady window of a summary as people write it; nothing if it has none.
+
+    Examples
+    --------
+    >>> window_of({"window_from_deg": 27.43, "window_to_deg": 67.3})
+    '27.4-67.3°'
+    """
+    for unit in ("deg", "mm"):
+        if f"window_from_{unit}" in summary:
+            low, high = summary[f"window_from_{unit}"], summary[f"window_to_{unit}"]
+            return f"{low:.3g}-{high:.3g}{_UNITS[f'_{unit}'].replace('mm', ' mm')}"
+    return ""
 
 
 def with_unit(key: str, value: Any) -> str:

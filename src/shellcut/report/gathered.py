@@ -10,11 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.comparison import Comparison
 from shellcut.energy_balance import largest_shares, trusted_rows
 from shellcut.frame import Bools, Floats, Frame
 from shellcut.history import read_history
 from shellcut.results import Results, read
 from shellcut.run_folder import HISTORY, SUMMARY
+from shellcut.steady_window import steady_figures
 
 T = TypeVar("T")
 
@@ -39,6 +41,8 @@ class Gathered:
         The text of ``used.toml``, empty if there is none.
     problems : list of str
         What is missing, in sentences for the reader.
+    measured : Comparison or None
+        The run beside a measured curve.
     """
 
     folder: Path
@@ -48,6 +52,7 @@ class Gathered:
     units: dict[str, str] = field(default_factory=dict)
     model: str = ""
     problems: list[str] = field(default_factory=list)
+    measured: Comparison | None = None
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -74,9 +79,7 @@ class Gathered:
     @property
     def trusted(self) -> Bools:
         """Rows in which the tool has done enough work to compare with, shape (n_row,)."""
-        name, unit = self.coordinate
-        x = self.history[name]
-        return trusted_rows(x, unit, x[-1])
+        return trusted_rows(self.history)
 
     @property
     def figures(self) -> dict[str, Any]:
@@ -84,13 +87,17 @@ class Gathered:
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
-        return {
+        figures = {
             "tool_work_Nmm": float(h["tool_work"][-1]),
             **largest_shares(h, self.trusted),
             "contact_Nmm": float(h["contact_work"][-1]),
             "damping_Nmm": float((h["damping_stiffness"] + h["damping_mass"])[-1]),
             "crack_length_mm": float(h["crack_length"][-1]),
+            **steady_figures(h, self.coordinate, self.resistance),
         }
+        if "contact_absorbed" in h:  # runs of older versions have none
+            figures["contact_absorbed_Nmm"] = float(h["contact_absorbed"][-1])
+        return figures
 
     @property
     def last_frame(self) -> Frame | None:

@@ -7,6 +7,8 @@ from html import escape
 
 _AS_GOOD_AS_ZERO = 5e-4  # of lengths, areas and angles of a cut: mm, mm², degrees
 
+_LONG = 15  # characters of a cell
+
 
 def section(title: str, body: str) -> str:
     """Return a titled section; nothing if it is empty."""
@@ -21,9 +23,14 @@ def table(rows: Sequence[Sequence[str]], head: Sequence[str] = ()) -> str:
         parts.append(f"<thead><tr>{cells}</tr></thead>")
     parts.append("<tbody>")
     for first, *others in rows:
-        cells = "".join(f'<td class="n">{escape(cell)}</td>' for cell in others)
+        cells = "".join(f'<td class="{_kind(cell)}">{escape(cell)}</td>' for cell in others)
         parts.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
     return f'<div class="wide"><table>{"".join(parts)}</tbody></table></div>'
+
+
+def _kind(cell: str) -> str:
+    # What is too long for a column of numbers may be broken on a phone.
+    return "n" if len(cell) < _LONG else "n long"
 
 
 def missing(text: str) -> str:
@@ -44,3 +51,8 @@ def figure_of(value: float, unit: str) -> str:
     """Return a number of three figures and its unit."""
     number = f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO else "0"
     return number if unit == "-" else f"{number}{_gap(unit)}{pretty(unit)}"
+
+
+def in_unit(name: str, unit: str) -> str:
+    """Return the head of a row whose cells are numbers in a unit."""
+    return f"{name} [{pretty(unit)}]" if unit not in ("", "-") else name

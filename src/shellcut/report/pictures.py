@@ -1,27 +1,47 @@
-"""Sections with pictures: crack map, film strip, snapshots."""
+"""Sections with pictures: crack map, film strip, snapshots.
+
+The pictures of frames have no words in them: captions, scale and legend are HTML, which is as large
+on a phone as on a desk.
+"""
 
 from __future__ import annotations
 
 import base64
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
 from shellcut import run_folder
-from shellcut.view import draw_crack_map, draw_film_strip
+from shellcut.frame import Frame
+from shellcut.view import (
+    Panel,
+    Panels,
+    caption_of,
+    draw_crack_map,
+    height_over_width,
+    legend_of,
+    limits_for,
+    snapshot_limits,
+    title_parts,
+)
 
 from .gathered import Gathered
-from .markup import missing, pretty
+from .markup import missing
 
 _N_MAP = 100  # frames that the crack map takes its times from
-_N_STRIP = 6  # frames in the film strip
+_N_FRAME = 6  # frames in the film strip, and among the snapshots
+_LEAST_SHARE = 0.2  # of a stress scale that stresses should reach for the film to have colours
+_STRIP_WIDTH = 480  # pixels of a picture in the film strip
+_SHOT = (500, 640)  # height and width of each picture of a snapshot [pixel]
+_N_COLOR = 12  # of the stress scale; between them colours are mixed
+_MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
-    """Return the crack on the uncut film."""
+    """Return the crack on the uncut film, in one shape for desks and one for phones."""
     frames = run.frames(_N_MAP)
     if not frames:
         return missing("No crack map: there are no frames.")
@@ -30,64 +50,158 @@ def crack_map(run: Gathered) -> str:
         where = np.stack([run.splits[axis] for axis in "XYZ"], axis=1)
         kinds = run.splits["kind"]
         places = {str(kind): where[kinds == kind] for kind in np.unique(kinds)}
-    picture = _picture(lambda path: draw_crack_map(path, frames, splits=places, width=8.0))
+
+    def drawn(width: float, dpi: float) -> bytes:
+        return _picture(
+            lambda path: draw_crack_map(path, frames, splits=places, width=width, dpi=dpi)
+        )
+
+    try:
+        wide, narrow = drawn(8.0, 110.0), drawn(4.5, 165.0)
+    except ImportError:
+        return missing(_MISSING)
     name = frames[-1].coordinate_name
-    return _figure(
-        picture,
-        f"Plan of the film with the crack edges coloured by the {name} they opened at",
+    alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
+    caption = (
         f"The crack on the uncut film. An edge is dated by the first frame that has it open; of "
-        f"{run.results.n_frame if run.results else 0} frames {len(frames)} were looked at.",
+        f"{run.results.n_frame if run.results else 0} frames {len(frames)} were looked at."
+    )
+    return (
+        f'<figure><picture><source media="(max-width: 40rem)" srcset="{_data(narrow)}">'
+        f'{_image(wide, alt)}</picture><figcaption class="caption">{escape(caption)}</figcaption>'
+        "</figure>"
     )
 
 
 def film_strip(run: Gathered) -> str:
     """Return a few frames beside each other."""
-    frames = run.frames(_N_STRIP)
+    frames = run.frames(_N_FRAME)
     if not frames:
         return missing("No film strip: there are no frames.")
-    picture = _picture(lambda path: draw_film_strip(path, frames))
-    way = f"{frames[0].coordinate_name} {frames[0].coordinate:.3g} to {frames[-1].coordinate:.3g}"
-    return _figure(
-        picture,
-        f"{len(frames)} views of the film being cut, {way} {pretty(frames[0].coordinate_unit)}",
-        "All by one camera and on one stress scale.",
+    try:
+        shape = (round(height_over_width(frames) * _STRIP_WIDTH), _STRIP_WIDTH)
+        panels = Panels(frames, shape=shape, stress_limits=_scale(run, frames))
+        views = "".join(
+            f"<figure>{_panel(panels.whole(frame), f'The film at {caption_of(frame)[0]}')}"
+            f"<figcaption>{escape(' · '.join(caption_of(frame)))}</figcaption></figure>"
+            for frame in frames
+        )
+        words = _stress(panels, frames)
+    except ImportError:
+        return missing(_MISSING)
+    return (
+        f'<div class="strip">{views}</div>{words}<p class="caption">All by one camera, and on the '
+        "stress scale of all pictures of this report.</p>"
     )
 
 
 def snapshots(run: Gathered) -> str:
-    """Return the run's own snapshots, behind a slider where there is JavaScript."""
-    pictures = run_folder.snapshots(run.folder)
-    images = [
-        _image(path.read_bytes(), f"Snapshot {k + 1} of {len(pictures)}: whole film and one tooth")
-        for k, path in enumerate(pictures)
-    ]
-    if not images:
+    """Return the whole film and one tooth, behind a slider where there is JavaScript."""
+    frames = run.frames(_N_FRAME)
+    if not frames:
         return ""
+    try:
+        panels = Panels(frames, shape=_SHOT, stress_limits=_scale(run, frames))
+        slides = "".join(_slide(panels, frame) for frame in frames)
+        words = _stress(panels, frames)
+    except ImportError:
+        return missing(_MISSING)
+    n = len(frames)
     slider = (
         f'<p class="turn"><label for="slide">Picture</label><input id="slide" type="range" min="0" '
-        f'max="{len(images) - 1}" value="{len(images) // 2}"><output for="slide"></output></p>'
+        f'max="{n - 1}" value="{n // 2}"><output for="slide"></output></p>'
     )
-    return f'<figure class="slides">{slider}<div class="wide">{"".join(images)}</div></figure>'
+    return f'<div class="slides">{slider}{slides}</div>{words}'
 
 
-def _picture(draw: Callable[[Path], None]) -> bytes | None:
-    # Bytes of a PNG; None where Matplotlib is missing.
+def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
+    """Return the ends of the stress scale of all pictures [MPa]: that of the run's snapshots.
+
+    Theirs ends at the strength, which was known before the run. Of a film whose stresses stay far
+    below it nothing would be seen; then, and where the snapshots do not tell, it is the frames'.
+    """
+    own = limits_for(frames, "largest principal")
+    try:
+        said = {snapshot_limits(path) for path in run_folder.snapshots(run.folder)}
+    except OSError:
+        return own
+    if len(said) != 1 or (theirs := said.pop()) is None:
+        return own
+    return theirs if own[1] >= _LEAST_SHARE * theirs[1] else own
+
+
+def _slide(panels: Panels, frame: Frame) -> str:
+    whole, close = panels.whole(frame), panels.close(frame)
+    at = caption_of(frame)[0]
+    if close is None:
+        shots = _panel(whole, f"The whole film at {at}")
+    else:
+        height, width = whole.image.shape[:2]
+        x, y, radius = panels.mark(close)
+        place = {
+            "left": (x - radius) / width,
+            "top": (y - radius) / height,
+            "width": 2.0 * radius / width,
+            "height": 2.0 * radius / height,
+        }
+        style = ";".join(f"{name}:{100.0 * share:.2f}%" for name, share in place.items())
+        circle = f'<span class="circle" style="{style}"></span>'
+        name = '<span class="name">tooth 1</span>'
+        shots = _panel(whole, f"The whole film at {at}", circle)
+        shots += _panel(close, f"Tooth 1 and the film around it at {at}", name)
+    title = escape(" · ".join(title_parts(frame)))
+    return (
+        f'<figure class="slide"><figcaption>{title}</figcaption><div class="pair">{shots}</div>'
+        "</figure>"
+    )
+
+
+def _panel(panel: Panel, alt: str, more: str = "") -> str:
+    length, share = panel.bar
+    bar = f'<span class="bar" style="width:{100.0 * share:.2f}%">{length:g} mm</span>'
+    return f'<div class="panel">{_image(panel.png(), alt)}{more}{bar}</div>'
+
+
+def _stress(panels: Panels, frames: Sequence[Frame]) -> str:
+    """Return the stress scale and the legend."""
+    low, high = panels.stress_limits
+    colors = panels.scale.to_rgba(np.linspace(low, high, _N_COLOR))
+    ramp = ", ".join(_css(color) for color in colors)
+    largest = max(float(frame.quad_principal[:, 0].max()) for frame in frames)
+    beyond = f"; the largest is {largest:.3g} MPa" if largest > high else ""
+    marks = "".join(f"<span>{mark}</span>" for mark in _marks(low, high))
+    items = "".join(
+        f'<li><span class="swatch{" area" * shown.is_area}" style="background:{_css(shown.color)}">'
+        f"</span>{escape(shown.name)}</li>"
+        for shown in legend_of(frames)
+    )
+    return (
+        f'<div class="stress"><div class="scale"><div class="ramp" style="background:'
+        f'linear-gradient(to right, {ramp})"></div><div class="marks">{marks}</div>'
+        f'largest principal stress [MPa]{beyond}</div><ul class="legend">{items}</ul></div>'
+    )
+
+
+def _marks(low: float, high: float) -> Iterator[str]:
+    """Yield numbers at equal distances, the ends among them: as few digits as may be."""
+    ways = [[f"{value:.4g}" for value in np.linspace(low, high, n + 1)] for n in (4, 5, 3, 6)]
+    yield from min(ways, key=lambda way: max(map(len, way)))
+
+
+def _css(color: Sequence[float]) -> str:
+    return "#" + "".join(f"{round(255.0 * part):02x}" for part in color[:3])
+
+
+def _picture(draw: Callable[[Path], None]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
-        try:
-            draw(path)
-        except ImportError:
-            return None
+        draw(path)
         return path.read_bytes()
 
 
-def _figure(picture: bytes | None, alt: str, caption: str) -> str:
-    if picture is None:
-        return missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
-    words = f'<figcaption class="caption">{escape(caption)}</figcaption>'
-    return f'<figure><div class="wide">{_image(picture, alt)}</div>{words}</figure>'
-
-
 def _image(png: bytes, alt: str) -> str:
-    data = base64.b64encode(png).decode("ascii")
-    return f'<img alt="{escape(alt)}" src="data:image/png;base64,{data}">'
+    return f'<img alt="{escape(alt)}" src="{_data(png)}">'
+
+
+def _data(png: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(png).decode('ascii')}"

@@ -11,12 +11,20 @@ from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
+from shellcut.comparison import Comparison, compare
+from shellcut.measured_curve import MeasuredCurve
+
 from . import curves, pictures, words
 from .gathered import Gathered, gather, run_or_say
 from .markup import section
 
 
-def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None) -> Path:
+def report(
+    folder: str | os.PathLike[str],
+    path: str | os.PathLike[str] | None = None,
+    *,
+    measured: str | os.PathLike[str] | MeasuredCurve | Comparison | None = None,
+) -> Path:
     """Write one self-contained HTML file on a run: what ran, what may be trusted, what came out.
 
     Pictures are embedded, nothing is loaded from the network. A run that was interrupted or lacks
@@ -28,6 +36,9 @@ def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None =
         The run's result folder.
     path : str or Path, optional
         The file to write, replaced if it exists; by default ``report.html`` in the folder.
+    measured : path, MeasuredCurve or Comparison, optional
+        A measured curve to be shown with the simulated one and compared with it, or what
+        :func:`compare` found, where it needs to be told about columns and units.
 
     Returns
     -------
@@ -38,6 +49,8 @@ def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None =
     ------
     FileNotFoundError
         If the folder is not there or nothing in it is of a run.
+    ValueError
+        If the measured curve cannot be compared with the run.
 
     Examples
     --------
@@ -48,7 +61,10 @@ def report(folder: str | os.PathLike[str], path: str | os.PathLike[str] | None =
     """
     run = gather(Path(folder))
     out = run.folder / "report.html" if path is None else Path(path)
-    style, script, page = (_part(name) for name in ("page.css", "page.js", "page.html"))
+    if measured is not None:
+        run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
+    style, page = _part("page.css"), _part("page.html")
+    script = "\n".join(_part(name) for name in ("page.js", "chart.js"))
     html = string.Template(page).substitute(
         title=escape(f"{run.name} - report of a run"),
         heading=escape(run.name),
@@ -87,6 +103,7 @@ def _body(run: Gathered, out: Path) -> str:
     makers: dict[str, Callable[[], str]] = {
         "Key figures": lambda: words.figures(run),
         resistance: lambda: curves.resistance(run),
+        "Measured curve": lambda: curves.measured(run),
         "The cut": lambda: pictures.film_strip(run),
         "Snapshots": lambda: pictures.snapshots(run),
         "Crack map": lambda: pictures.crack_map(run),

@@ -15,17 +15,16 @@ import numpy as np
 from shellcut.cut_quality import UNITS as CUT_UNITS
 from shellcut.cut_quality import cut_quality
 from shellcut.frame import Frame
+from shellcut.verdict import Line, verdict
 from shellcut.view import edge_length
 
 from .figures import key_figures
 from .gathered import Gathered
-from .markup import figure_of, missing, table
-from .verdict import verdict
+from .markup import figure_of, in_unit, missing, table
 
 _N_QUALITY = 5  # frames whose cut is described
 _DIGEST_LIMIT = 200_000_000  # bytes of a file whose digest is worth the wait
 
-_KINDS = {"good": "holds", "doubt": "distrust", "note": "note"}
 _QUALITY = {
     "crack_length": "crack length",
     "cut_share": "share of the line that is cut",
@@ -54,12 +53,15 @@ def what_was_run(run: Gathered) -> str:
 
 def judgement(run: Gathered, last: Frame | None) -> str:
     """Return the verdict, doubts first, with all that is missing."""
-    figures = run.figures
-    lines = verdict(figures, edge_length(last) if last is not None else None)
-    order = {"doubt": 0, "good": 1, "note": 2}
+    if "verdict" in run.summary:  # what the run itself said
+        lines = [Line(**line) for line in run.summary["verdict"]]
+    else:
+        figures = run.figures
+        if last is not None:
+            figures = {"edge_length_mm": edge_length(last), **figures}
+        lines = verdict(figures)
     said = [("doubt", "missing", problem) for problem in run.problems]
-    said += [(line.kind, _KINDS[line.kind], line.text) for line in lines]
-    said.sort(key=lambda item: order[item[0]])
+    said += [(line.kind, line.word, line.text) for line in lines]
     items = "".join(
         f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>' for kind, word, text in said
     )
@@ -81,9 +83,10 @@ def quality(run: Gathered) -> str:
         return missing("No figures of the cut: there are no frames.")
     rows = [cut_quality(frame).figures() for frame in frames]
     coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
-    head = [f"at {coordinate}", *(figure_of(frame.coordinate, unit) for frame in frames)]
+    # Units stand once in a row, so that the numbers have room beside each other on a phone.
+    head = [in_unit(f"at {coordinate}", unit), *(figure_of(f.coordinate, "-") for f in frames)]
     lines = [
-        [label, *(figure_of(row[name], CUT_UNITS[name]) for row in rows)]
+        [in_unit(label, CUT_UNITS[name]), *(figure_of(row[name], "-") for row in rows)]
         for name, label in _QUALITY.items()
     ]
     return table(lines, head) + (
@@ -110,12 +113,13 @@ def splits(run: Gathered) -> str:
             (
                 f"by {kind}",
                 f"{chosen.sum():,}",
-                f"{times.min():.4g} ms",
-                f"{times.max():.4g} ms",
-                f"{jump:.3g} N",
+                f"{times.min():.4g}",
+                f"{times.max():.4g}",
+                f"{jump:.3g}",
             )
         )
-    return table(rows, ("split", "nodes", "first at", "last at", "largest jump of force"))
+    head = ("split", "nodes", "first at [ms]", "last at [ms]", "largest jump of force [N]")
+    return table(rows, head)
 
 
 def tool(run: Gathered, last: Frame | None) -> str:

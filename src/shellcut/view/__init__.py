@@ -3,20 +3,26 @@
 Scenes and movies are drawn by PyVista (``shellcut[view]``) where it is installed and can render.
 """
 
-from ._panel import edge_length
+from ._panel import Shown, caption_of, edge_length, legend_of, title_parts
 from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
 from .film_strip import draw_film_strip
 from .model_picture import ModelView, draw_model
 from .movie import draw_movie
+from .panels import Panel, Panels, height_over_width
 from .path_picture import draw_path
 from .renderer import why_not_pyvista
-from .scene import draw_scene
-from .snapshot import draw_snapshot
+from .scene import STRESSES, draw_scene, limits_for
+from .snapshot import draw_snapshot, snapshot_limits
 
 __all__ = [
+    "STRESSES",
     "ModelView",
+    "Panel",
+    "Panels",
+    "Shown",
+    "caption_of",
     "draw_comparison",
     "draw_crack_map",
     "draw_energy",
@@ -28,5 +34,10 @@ __all__ = [
     "draw_snapshot",
     "draw_torque",
     "edge_length",
+    "height_over_width",
+    "legend_of",
+    "limits_for",
+    "snapshot_limits",
+    "title_parts",
     "why_not_pyvista",
 ]

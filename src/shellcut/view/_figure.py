@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import IO, Any
 
-import numpy as np
-import numpy.typing as npt
+from shellcut.whole_file import written_whole
+
+_INCHES = 13.0
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
@@ -24,21 +27,37 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
         raise ImportError(
             "pictures need Matplotlib, which is not installed: pip install shellcut[plot]"
         ) from error
-    figure = Figure(figsize=size, dpi=dpi)
+    figure = Figure(figsize=size, dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
 
-def save(figure: Any, path: str | os.PathLike[str] | IO[bytes]) -> None:
-    """Write the figure to ``path``; the ending tells the format. An existing file is replaced."""
-    figure.savefig(path, facecolor="white")
+def inches_of(size: tuple[int, int]) -> tuple[tuple[float, float], float]:
+    """Return size [inch] and dots an inch of a figure of just this width and height [pixel].
+
+    Words keep their size in inches: on 13 of them there is room for those of a snapshot.
+    """
+    dpi = size[0] / _INCHES
+    # Half a pixel more, since the canvas drops the fraction, which may be one of round-off.
+    return ((size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi), dpi
 
 
-def pixels(figure: Any) -> npt.NDArray[np.uint8]:
-    """Return the figure as an image, shape (height, width, 3)."""
-    figure.patch.set_facecolor("white")
-    figure.canvas.draw()
-    return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+def save(
+    figure: Any,
+    path: str | os.PathLike[str] | IO[bytes],
+    said: Mapping[str, str] | None = None,
+) -> None:
+    """Write the figure to ``path``; the ending tells the format. An existing file is replaced.
+
+    The file is there when it is whole, and not before.
+
+    said : what a PNG shall also say in words, by keyword; other formats do not.
+    """
+    if not isinstance(path, str | os.PathLike):
+        figure.savefig(path, metadata=said)
+        return
+    with written_whole(Path(path)) as aside:
+        figure.savefig(aside, metadata=said if aside.suffix.lower() == ".png" else None)
 
 
 def pretty(unit: str) -> str:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from shellcut.frame import JOINTED, STRAIGHT, Floats, Frame, Ints
 
@@ -170,30 +172,42 @@ def caption_of(frame: Frame) -> list[str]:
     return parts
 
 
+def title_parts(frame: Frame) -> list[str]:
+    """Return the caption and the time."""
+    return [*caption_of(frame), f"time {1e3 * frame.time:.3f} ms"]
+
+
 def title_of(frame: Frame) -> str:
-    """Return the caption and the time in one line."""
-    return "      ".join([*caption_of(frame), f"time {1e3 * frame.time:.3f} ms"])
+    """Return caption and time in one line."""
+    return "      ".join(title_parts(frame))
 
 
-def show(axes: Any, image: Floats, camera: Camera, *, scale_bar: bool = True) -> None:
-    """Put an image into axes of its size, with a bar of a round length."""
-    axes.imshow(image.clip(0.0, 1.0), interpolation="none", aspect="equal")
+def round_length(wanted: float) -> float:
+    """Return the longest of 1, 2, 5 times a power of ten that is not above a length."""
+    unit = 10.0 ** np.floor(np.log10(wanted))
+    return float(unit * max(m for m in (1.0, 2.0, 5.0) if m * unit <= wanted))
+
+
+def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
+    """Return red, green and blue of 0..1 as whole numbers up to 255."""
+    return np.rint(255.0 * image.clip(0.0, 1.0)).astype(np.uint8)
+
+
+def show(axes: Any, image: Floats, bar: tuple[float, float] | None) -> None:
+    """Put an image into axes of its size, with a bar of a length [mm] and share of the width."""
+    axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
     axes.set_autoscale_on(False)
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():
         spine.set_color("0.75")
-    if not scale_bar:
+    if bar is None:
         return
-    # About a sixth of the width.
     height, width = image.shape[:2]
-    scale = camera.scale / OVERSAMPLING
-    wanted = width / 6.0 / scale
-    unit = 10.0 ** np.floor(np.log10(wanted))
-    length = unit * max(m for m in (1.0, 2.0, 5.0) if m * unit <= wanted)
     x, y = 0.04 * width, 0.955 * height
-    axes.plot([x, x + length * scale], [y, y], color="black", lw=2.5, solid_capstyle="butt")
-    axes.text(x + 0.5 * length * scale, y - 0.012 * height, f"{length:g} mm", ha="center")
+    to = x + bar[1] * width
+    axes.plot([x, to], [y, y], color="black", lw=2.5, solid_capstyle="butt")
+    axes.text(0.5 * (x + to), y - 0.012 * height, f"{bar[0]:g} mm", ha="center")
 
 
 def add_color_bar(
@@ -218,22 +232,41 @@ def add_color_bar(
     bar.set_label(label, labelpad=1)
 
 
+@dataclass(frozen=True)
+class Shown:
+    """A line of the legend."""
+
+    name: str
+    color: tuple[float, float, float]
+    is_area: bool = False
+
+
+def legend_of(frames: Sequence[Frame]) -> list[Shown]:
+    """Return what of the frames needs a name."""
+    found = []
+    if any(len(f.crack_edges) for f in frames):
+        found.append(Shown("crack flank", FLANK_COLOR))
+    if any(len(f.cable_segments) for f in frames):
+        names = {STRAIGHT: "cable, straight", JOINTED: "cable, bent around the edge"}
+        found += [Shown(name, CABLE_COLORS[state]) for state, name in names.items()]
+    if any(len(f.edge_points) for f in frames):
+        found.append(Shown("cutting edge", EDGE_COLOR))
+    if any(len(f.tool_triangles) for f in frames):
+        found.append(Shown("tool", TOOL_COLOR, is_area=True))
+    return found
+
+
 def add_legend(figure: Any, frames: Sequence[Frame], **where: Any) -> None:
     """Name what the frames show; ``where`` goes to Matplotlib's ``legend``."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    handles: list[Any] = []
-    if any(len(f.crack_edges) for f in frames):
-        handles.append(Line2D([], [], color=FLANK_COLOR, lw=2.5, label="crack flank"))
-    if any(len(f.cable_segments) for f in frames):
-        names = {STRAIGHT: "cable, straight", JOINTED: "cable, bent around the edge"}
-        for state, label in names.items():
-            handles.append(Line2D([], [], color=CABLE_COLORS[state], lw=3, label=label))
-    if any(len(f.edge_points) for f in frames):
-        handles.append(Line2D([], [], color=EDGE_COLOR, lw=3, label="cutting edge"))
-    if any(len(f.tool_triangles) for f in frames):
-        handles.append(Patch(color=TOOL_COLOR, alpha=TOOL_OPACITY, label="tool"))
+    handles = [
+        Patch(color=shown.color, alpha=TOOL_OPACITY, label=shown.name)
+        if shown.is_area
+        else Line2D([], [], color=shown.color, lw=3, label=shown.name)
+        for shown in legend_of(frames)
+    ]
     if handles:
         where = {"loc": "lower right", "ncol": len(handles), "frameon": False} | where
         figure.legend(handles=handles, **where)

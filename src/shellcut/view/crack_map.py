@@ -21,6 +21,10 @@ _PATH_COLOR = "#d62728"
 _BEFORE_COLOR = "black"
 _MARKERS = ("o", "^", "s", "D", "v")
 _COLORMAP = "viridis"
+# Around the map [inch]: numbers and name of y, colour bar, title, numbers and name of x; a line of
+# the legend, and the length of a name in it.
+_LEFT, _RIGHT, _HEAD, _FOOT = 0.75, 1.1, 0.4, 0.62
+_LINE, _NAME = 0.23, 2.6
 
 
 def draw_crack_map(
@@ -67,12 +71,18 @@ def draw_crack_map(
     segments, opened = crack_history(frames)
     before = opened == frames[0].coordinate
 
+    ways = tooth_paths(frames)
+    n_name = bool(ways) + bool(before.any()) + len(splits or {})
+    columns = int(np.clip(width / _NAME, 1, 3))
+    foot = _FOOT + _LINE * -(-n_name // columns)
+    across = width - _LEFT - _RIGHT
     extent = np.ptp(flat, axis=0)
-    height = float(np.clip(0.78 * width * extent[1] / extent[0], 0.25 * width, 0.9 * width)) + 1.35
+    tall = float(np.clip(across * extent[1] / extent[0], 0.3 * across, 1.2 * across))
+    height = tall + foot + _HEAD
     figure = new_figure((width, height), dpi)
-    axes = figure.add_axes((0.09, 0.95 / height, 0.76, (height - 1.35) / height))
+    axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
     _draw_film(axes, last, flat)
-    for k, way in enumerate(tooth_paths(frames)):
+    for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
         axes.plot(way[:, i], way[:, j], color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label)
     if before.any():
@@ -99,7 +109,10 @@ def draw_crack_map(
     axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges" if title is None else title)
     if scale is not None:
         bar = figure.colorbar(
-            scale, cax=figure.add_axes((0.875, 0.95 / height, 0.022, (height - 1.35) / height))
+            scale,
+            cax=figure.add_axes(
+                ((width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height)
+            ),
         )
         bar.set_label(f"opened at {last.coordinate_name} [{pretty(last.coordinate_unit)}]")
     handles, labels = axes.get_legend_handles_labels()
@@ -108,8 +121,8 @@ def draw_crack_map(
             handles,
             labels,
             loc="lower center",
-            bbox_to_anchor=(0.47, 0.015),
-            ncols=3,
+            bbox_to_anchor=(0.5, 0.01),
+            ncols=columns,
             frameon=False,
         )
     save(figure, path)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._figure import new_figure, pretty, save
+from ._figure import new_figure, pretty, save, with_unit
 
 _TOTAL_COLOR = "#b2182b"
 _JOINTS_COLOR = "#ef8a62"
@@ -45,6 +45,7 @@ def draw_torque(
     second: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
     second_label: str = "classical cables",
     levels: Mapping[str, float] | None = None,
+    plateau: tuple[float, float, float] | None = None,
     coordinate_name: str = "angle",
     coordinate_unit: str = "deg",
     name: str = "torque",
@@ -72,6 +73,8 @@ def draw_torque(
         What the other run is.
     levels : mapping of str to float, optional
         Horizontal lines to compare with, by label, in ``unit``.
+    plateau : (float, float, float), optional
+        Where the cut is steady, from and to in ``coordinate_unit``, and the mean, in ``unit``.
     coordinate_name, coordinate_unit, name, unit : str
         What the axes show.
     title, size, dpi
@@ -108,6 +111,11 @@ def draw_torque(
     for k, (label, level) in enumerate((levels or {}).items()):
         text = f"{label}: {level:.4g} {pretty(unit)}"
         axes.axhline(level, color="black", lw=1.0, ls=(":", "-.")[k % 2], label=text)
+    if plateau is not None:
+        low, high, mean = plateau
+        window = f"{low:.3g}-{with_unit(float(f'{high:.3g}'), coordinate_unit)}"
+        text = f"mean over {window}: {with_unit(mean, unit)}"
+        axes.plot((low, high), (mean, mean), color="black", lw=1.6, label=text)
     dress(axes, f"{name} [{pretty(unit)}]")
     axes.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
     handles, labels = axes.get_legend_handles_labels()

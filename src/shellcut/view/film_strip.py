@@ -6,23 +6,11 @@ import math
 import os
 from collections.abc import Sequence
 
-import numpy as np
-
 from shellcut.frame import Frame
 
 from ._figure import new_figure, save
-from ._panel import (
-    add_color_bar,
-    add_legend,
-    caption_of,
-    picture,
-    pixels_of,
-    round_limits,
-    show,
-    stress_colors,
-    stress_scale,
-    whole_camera,
-)
+from ._panel import add_color_bar, add_legend, caption_of, pixels_of, show
+from .panels import VIEW, Panels, height_over_width
 
 _CAPTION = 0.42  # room above every frame [inch]
 _FOOT = 0.95  # room for colour bar and legend [inch]
@@ -33,7 +21,7 @@ def draw_film_strip(
     path: str | os.PathLike[str],
     frames: Sequence[Frame],
     *,
-    view: tuple[float, float] = (48.0, -60.0),
+    view: tuple[float, float] = VIEW,
     columns: int = 3,
     stress_limits: tuple[float, float] | None = None,
     width: float = 13.0,
@@ -74,15 +62,12 @@ def draw_film_strip(
     columns = min(columns, len(frames))
     rows = math.ceil(len(frames) / columns)
     each = (width - _GAP) / columns - _GAP
-    tall = each * _height_over_width(frames, view)
+    tall = each * height_over_width(frames, view)
     size = (width, rows * (tall + _CAPTION + _GAP) + _FOOT)
     figure = new_figure(size, dpi)
     principal = [frame.quad_principal[:, 0] for frame in frames]
-    scale = stress_scale(
-        round_limits(np.concatenate(principal)) if stress_limits is None else stress_limits
-    )
     shape = pixels_of((0.0, 0.0, each / size[0], tall / size[1]), size, dpi)
-    camera = whole_camera(frames, view, shape)
+    panels = Panels(frames, shape=shape, view=view, stress_limits=stress_limits)
     for k, frame in enumerate(frames):
         row, column = divmod(k, columns)
         left = _GAP + column * (each + _GAP)
@@ -90,18 +75,10 @@ def draw_film_strip(
         axes = figure.add_axes(
             (left / size[0], (top - tall) / size[1], each / size[0], tall / size[1])
         )
-        image = picture(frame, camera, stress_colors(frame, scale))
-        show(axes, image, camera, scale_bar=k == 0)
+        panel = panels.whole(frame)
+        show(axes, panel.image, panel.bar if k == 0 else None)
         axes.set_title("    ".join(caption_of(frame)), fontsize=12)
     bar = (0.03, 0.52 / size[1], 0.26, 0.14 / size[1])
-    add_color_bar(figure, scale, principal, bar)
+    add_color_bar(figure, panels.scale, principal, bar)
     add_legend(figure, frames, bbox_to_anchor=(0.995, 0.22 / size[1]))
     save(figure, path)
-
-
-def _height_over_width(frames: Sequence[Frame], view: tuple[float, float]) -> float:
-    # Of what there is to see, within what still looks like a frame of a film.
-    camera = whole_camera(frames, view, (1000, 1000))
-    at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
-    extent = np.ptp(at, axis=0)
-    return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))

@@ -16,7 +16,19 @@ _FILM_COLOR = "0.55"
 _HELD_COLOR = "#1d3557"
 _WORST_COLOR = "#f4a259"
 _TOOL_COLOR = "#a8b0ba"
-_EDGE_COLOR = "#c1121f"
+_WAY_COLOR = "#2a9d8f"
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeGroup:
+    """Cutting segments that are drawn alike."""
+
+    label: str
+    """In the legend."""
+    segments: Ints
+    """Vertex ids of the tool, shape (n, 2)."""
+    color: str
+    dashed: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,8 +47,10 @@ class ModelView:
     """Vertices of the tool in every pose that is shown, shape (n_vertex, 3) each."""
     triangles: Ints
     """Vertex ids of the tool, shape (n_triangle, 3)."""
-    edges: Ints
-    """Vertex ids of its cutting segments, shape (n_edge, 2)."""
+    edges: Sequence[EdgeGroup]
+    """Its cutting segments."""
+    way: Floats
+    """Where they pass through the film, shape (n, 3)."""
     titles: Sequence[str]
     """Of every pose."""
 
@@ -71,8 +85,10 @@ def draw_model(
     """
     figure = new_figure(size, dpi)
     figure.suptitle(title, fontsize=13)
-    figure.text(0.5, 0.01, caption, ha="center", va="bottom", fontsize=9, family="monospace")
-    across = np.argsort(-np.ptp(model.nodes, axis=0), kind="stable")
+    figure.text(0.06, 0.01, caption, va="bottom", fontsize=9, family="monospace")
+    # A model that is refused may lack its film.
+    extent = np.ptp(model.nodes if len(model.nodes) else model.tool[0], axis=0)
+    across = np.argsort(-extent, kind="stable")
     n_pose = len(model.titles)
     for k in range(n_pose):
         left, width = 0.06 + 0.94 / n_pose * k, 0.94 / n_pose - 0.07
@@ -98,10 +114,11 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
 
     i, j = axes_ids
     x = model.nodes[:, [i, j]]
-    sides = np.stack([model.quads, np.roll(model.quads, -1, axis=1)], axis=2).reshape(-1, 2)
-    film = x[np.unique(np.sort(sides, axis=1), axis=0)]
     add = axes.add_collection  # type: ignore[attr-defined]
-    add(LineCollection(film, colors=_FILM_COLOR, linewidths=0.4))
+    if len(model.quads):
+        sides = np.stack([model.quads, np.roll(model.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+        film = x[np.unique(np.sort(sides, axis=1), axis=0)]
+        add(LineCollection(film, colors=_FILM_COLOR, linewidths=0.4))
     if len(model.worst):
         worst = PolyCollection(list(x[model.quads[model.worst]]), facecolors=_WORST_COLOR)
         worst.set_label(f"{len(model.worst)} quads of the shortest steps")
@@ -113,6 +130,14 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
     if len(model.tool):
         tool = model.tool[pose][:, [i, j]]
         add(PolyCollection(list(tool[model.triangles]), facecolors=_TOOL_COLOR, alpha=0.25))
-        edges = LineCollection(list(tool[model.edges]), colors=_EDGE_COLOR, linewidths=1.8)
-        edges.set_label(f"{len(model.edges)} cutting segments")
-        add(edges)
+        for group in model.edges:
+            style = "dashed" if group.dashed else "solid"
+            lines = list(tool[group.segments])
+            edges = LineCollection(lines, colors=group.color, linewidths=1.8, linestyles=style)
+            edges.set_label(group.label)
+            add(edges)
+    if len(model.way):
+        label = "way of the edges through the film"
+        axes.plot(  # type: ignore[attr-defined]
+            *model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label
+        )

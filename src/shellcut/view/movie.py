@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 import subprocess
@@ -15,10 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.frame import Frame
+from shellcut.progress import Progress
+from shellcut.whole_file import written_whole
 
+from ._figure import inches_of
 from .renderer import pyvista_or_say
-from .scene import STRESSES, limits_for, render
-from .snapshot import draw_snapshot
+from .scene import STRESSES, SceneSeries, limits_for
+from .snapshot import SnapshotSeries
 
 Image = npt.NDArray[np.uint8]
 
@@ -32,13 +34,14 @@ def draw_movie(
     stress_limits: tuple[float, float] | None = None,
     view: tuple[float, float] = (42.0, -60.0),
     size: tuple[int, int] = (960, 640),
+    progress: bool = True,
 ) -> None:
     """Draw the frames one after the other, by one camera and on one stress scale.
 
     Parameters
     ----------
     path : str or Path
-        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; replaced if it exists.
+        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; replaced if it exists, once the movie is whole.
     frames : sequence of Frame
         Of one run, in order of time.
     fps : float
@@ -47,6 +50,8 @@ def draw_movie(
         As :func:`draw_scene`; the limits by default for all the frames.
     size : (int, int)
         Width and height, even numbers [pixel].
+    progress : bool
+        Whether to show on standard error how far it is.
 
     Raises
     ------
@@ -79,37 +84,45 @@ def draw_movie(
             stress_limits if stress == "largest principal" else None,
         )
     limits = limits_for(frames, stress) if stress_limits is None else stress_limits
-
-    def images() -> Iterator[Image]:
-        for frame in frames:
-            if with_pyvista:
-                yield render(
-                    frame, frames, stress=stress, stress_limits=limits, view=view, size=size
-                )
-            else:
-                yield _snapshot(frame, frames, limits, view, size)
-
-    _WRITERS[path.suffix.lower()](path, images(), fps, size)
+    drawn = _by_pyvista if with_pyvista else _by_matplotlib
+    images = drawn(frames, stress, limits, view, size)
+    shown = _followed(images, len(frames), path.name) if progress else images
+    with written_whole(path) as aside:
+        _WRITERS[path.suffix.lower()](aside, shown, fps, size)
 
 
-def _snapshot(
-    frame: Frame,
+def _by_pyvista(
     frames: Sequence[Frame],
+    stress: str,
     limits: tuple[float, float],
     view: tuple[float, float],
     size: tuple[int, int],
-) -> Image:
-    from PIL import Image as Pillow
+) -> Iterator[Image]:
+    with SceneSeries(frames, stress=stress, stress_limits=limits, view=view, size=size) as series:
+        for frame in frames:
+            yield series.image(frame)
 
-    file = io.BytesIO()
-    # Words keep their size in inches: a picture of 13 inch holds those of a snapshot.
-    dpi = size[0] / 13.0
-    inches = (13.0, size[1] / dpi)
-    draw_snapshot(
-        file, frame, view=view, together_with=frames, stress_limits=limits, size=inches, dpi=dpi
-    )
-    drawn = Pillow.open(file).convert("RGB")
-    return np.asarray(drawn if drawn.size == size else drawn.resize(size))
+
+def _by_matplotlib(
+    frames: Sequence[Frame],
+    _: str,
+    limits: tuple[float, float],
+    view: tuple[float, float],
+    size: tuple[int, int],
+) -> Iterator[Image]:
+    inches, dpi = inches_of(size)
+    series = SnapshotSeries(frames, view=view, stress_limits=limits, size=inches, dpi=dpi)
+    for frame in frames:
+        yield series.image(frame)
+
+
+def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:
+    """Yield the images and show on standard error how many there have been."""
+    with Progress(name, step_name="frames") as progress:
+        progress.update(0.0, step=0)
+        for k, image in enumerate(images, start=1):
+            yield image
+            progress.update(k / n, step=k)
 
 
 def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int, int]) -> None:

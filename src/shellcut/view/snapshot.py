@@ -3,38 +3,31 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from typing import IO, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from shellcut.frame import Floats, Frame
+from shellcut.frame import Frame
 
 from ._figure import new_figure, save
-from ._panel import (
-    OVERSAMPLING,
-    add_color_bar,
-    add_legend,
-    edge_length,
-    picture,
-    pixels_of,
-    round_limits,
-    show,
-    stress_colors,
-    stress_scale,
-    title_of,
-    whole_camera,
-)
-from ._raster import Camera, view_axes
-from ._teeth import teeth_of
+from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
+from .panels import CLOSE_VIEW, VIEW, Panel, Panels
+
+# Left, bottom, width and height of the panels, of the figure's.
+_LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
+_ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
+_SCALE = "stress scale"  # keyword of a PNG's text
 
 
 def draw_snapshot(
     path: str | os.PathLike[str] | IO[bytes],
     frame: Frame,
     *,
-    view: tuple[float, float] = (48.0, -60.0),
-    close_view: tuple[float, float] = (40.0, 50.0),
+    view: tuple[float, float] = VIEW,
+    close_view: tuple[float, float] = CLOSE_VIEW,
     close_width: float | None = None,
     tooth: int = 0,
     together_with: Sequence[Frame] = (),
@@ -69,7 +62,8 @@ def draw_snapshot(
     tooth : int
         Which connected cutting edge the right panel follows, in the order of ``edge_points``.
     together_with : sequence of Frame
-        Other frames of the run that the left camera must hold, so that their pictures make a film.
+        Other frames of the run that left camera, scale and legend must hold, so that their
+        pictures make a film.
     stress_limits : (float, float), optional
         Ends of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
         Give them to compare pictures of one run.
@@ -87,100 +81,133 @@ def draw_snapshot(
     ValueError
         If there is no such tooth.
     """
-    figure = new_figure(size, dpi)
-    principal = frame.quad_principal[:, 0]
-    scale = stress_scale(round_limits(principal) if stress_limits is None else stress_limits)
-    colors = stress_colors(frame, scale)
-    figure.suptitle(title_of(frame) if title is None else title, fontsize=15, y=0.975)
-
-    low, high = 0.12, 0.92
-    if len(frame.edge_points):
-        whole_box, close_box = (0.01, low, 0.545, high - low), (0.565, low, 0.425, high - low)
-    else:
-        whole_box, close_box = (0.01, low, 0.98, high - low), None
-    camera = whole_camera([frame, *together_with], view, pixels_of(whole_box, size, dpi))
-    whole = figure.add_axes(whole_box)
-    show(whole, picture(frame, camera, colors), camera)
-    if close_box is not None:
-        shape = pixels_of(close_box, size, dpi)
-        close = _close_camera(frame, tooth, close_view, camera.axes[2], close_width, shape)
-        axes = figure.add_axes(close_box)
-        show(axes, picture(frame, close, colors), close)
-        axes.text(0.03, 0.955, f"tooth {tooth + 1}", transform=axes.transAxes, fontsize=12)
-        _mark(whole, camera, close)
-    add_color_bar(figure, scale, [principal], (0.04, 0.075, 0.30, 0.02))
-    add_legend(figure, [frame], bbox_to_anchor=(0.995, 0.025))
-    save(figure, path)
+    series = SnapshotSeries(
+        [frame, *together_with],
+        view=view,
+        close_view=close_view,
+        close_width=close_width,
+        tooth=tooth,
+        stress_limits=stress_limits,
+        size=size,
+        dpi=dpi,
+    )
+    low, high = series.stress_limits
+    save(series.figure(frame, title), path, {_SCALE: f"{low!r} to {high!r} MPa"})
 
 
-def _close_camera(
-    frame: Frame,
-    tooth: int,
-    close_view: tuple[float, float],
-    toward: Floats,
-    close_width: float | None,
-    shape: tuple[int, int],
-) -> Camera:
-    edge = _tooth_edge(frame, tooth)
-    middles = edge.mean(axis=1)
-    distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
-    focus = middles[np.argmin(distance.min(axis=1))]  # where the edge meets the membrane
-    normal = _membrane_normal(frame, focus)
-    if normal @ toward < 0.0:  # both panels look at the same side
-        normal = -normal
-    forward = _cutting_direction(frame, focus)
-    forward = forward - (forward @ normal) * normal
-    if np.linalg.norm(forward) < 1e-6:
-        forward = np.cross(normal, np.roll(normal, 1))
-    forward /= np.linalg.norm(forward)
-    elevation, bearing = np.radians(close_view)
-    level = np.cos(bearing) * forward + np.sin(bearing) * np.cross(normal, forward)
-    axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * normal, normal)
-    length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
-    if close_width is None:
-        # Of what does not change in a run, so that the pictures of one run make a film.
-        whole = np.ptp(frame.reference, axis=0).max()
-        close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * edge_length(frame))
-    height, width = (OVERSAMPLING * n for n in shape)
-    # The way already cut is what there is to see: the edge stands off the middle, toward its front.
-    centre = focus - 0.12 * close_width * forward
-    return Camera(axes, centre, width / close_width, (height, width))
+def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
+    """Return the ends of the stress scale of a snapshot [MPa].
+
+    Parameters
+    ----------
+    path : str or Path
+        A PNG that :func:`draw_snapshot` wrote.
+
+    Returns
+    -------
+    (float, float) or None
+        None if the picture does not tell.
+
+    Raises
+    ------
+    OSError
+        If it is no picture.
+    """
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        found = re.fullmatch(r"(\S+) to (\S+) MPa", str(picture.info.get(_SCALE, "")))
+    return (float(found[1]), float(found[2])) if found else None
 
 
-def _tooth_edge(frame: Frame, tooth: int) -> Floats:
-    label = teeth_of(frame.edge_points)
-    if not 0 <= tooth <= label.max():
-        raise ValueError(f"tooth must be in 0..{label.max()}, got {tooth}")
-    return np.asarray(frame.edge_points[label == tooth])
+class SnapshotSeries:
+    """Snapshots of a run by one camera, on one scale and with one legend.
+
+    The figure is made once; a frame puts its pictures, its title and its circle into it.
+
+    Parameters
+    ----------
+    seen : sequence of Frame
+        All that the left camera and the legend must hold.
+    size, dpi
+        As :func:`draw_snapshot`.
+    **options
+        Of :class:`Panels`.
+    """
+
+    def __init__(
+        self, seen: Sequence[Frame], *, size: tuple[float, float], dpi: float, **options: Any
+    ) -> None:
+        with_edge = any(len(frame.edge_points) for frame in seen)
+        box = _LEFT_BOX if with_edge else _ONLY_BOX
+        self._label = f"tooth {options.get('tooth', 0) + 1}"
+        self._panels = Panels(
+            seen,
+            shape=pixels_of(box, size, dpi),
+            close_shape=pixels_of(_RIGHT_BOX, size, dpi),
+            **options,
+        )
+        self._figure = new_figure(size, dpi)
+        stress = [frame.quad_principal[:, 0] for frame in seen]
+        add_color_bar(self._figure, self._panels.scale, stress, (0.04, 0.075, 0.30, 0.02))
+        add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
+        self._empty: Any = None  # the figure without what a frame puts into it
+        self._title = self._figure.suptitle("", fontsize=15, y=0.975)
+        self._left = self._figure.add_axes(box)
+        self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
+        self._circle: Any = None
+
+    @property
+    def stress_limits(self) -> tuple[float, float]:
+        """Ends of the colour scale [MPa]."""
+        return self._panels.stress_limits
+
+    def figure(self, frame: Frame, title: str | None = None) -> Any:
+        """Return the picture of a frame as a Matplotlib figure, which the next one changes."""
+        self._title.set_text(title_of(frame) if title is None else title)
+        whole, close = self._panels.whole(frame), self._panels.close(frame)
+        _put(self._left, whole)
+        if self._right is not None:
+            self._right.set_visible(close is not None)
+            if self._circle is not None:
+                self._circle.set_visible(close is not None)
+        if close is not None:
+            _put(self._right, close, self._label)
+            self._circle = _circle(self._left, self._circle, *self._panels.mark(close))
+        return self._figure
+
+    def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
+        """Return the picture of a frame, shape (height, width, 3)."""
+        figure = self.figure(frame)
+        canvas = figure.canvas
+        moving = [part for part in (self._left, self._right, self._title) if part is not None]
+        if self._empty is None:  # scale and legend take as long as the rest
+            shown = [part.get_visible() for part in moving]
+            for part in moving:
+                part.set_visible(False)
+            canvas.draw()
+            self._empty = canvas.copy_from_bbox(figure.bbox)
+            for part, visible in zip(moving, shown, strict=True):
+                part.set_visible(visible)
+        canvas.restore_region(self._empty)
+        for part in moving:
+            figure.draw_artist(part)
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
-def _membrane_normal(frame: Frame, focus: Floats) -> Floats:
-    # Of the reference, where flaps do not yet hang, over some ten quads around the edge.
-    near = np.argsort(np.linalg.norm(frame.points[frame.quads].mean(axis=1) - focus, axis=1))[:12]
-    p = frame.reference[frame.quads[near]]
-    normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]).sum(axis=0)
-    return np.asarray(normal / np.linalg.norm(normal))
+def _put(axes: Any, panel: Panel, label: str = "") -> None:
+    if axes.images:
+        axes.images[0].set_data(eight_bit(panel.image))
+        return
+    show(axes, panel.image, panel.bar)
+    if label:
+        axes.text(0.03, 0.955, label, transform=axes.transAxes, fontsize=12)
 
 
-def _cutting_direction(frame: Frame, focus: Floats) -> Floats:
-    # Out of the wedge: the mean of the outward normals of the two faces that share the edge.
-    if not len(frame.tool_triangles):
-        return np.zeros(3)
-    p = frame.tool_points[frame.tool_triangles]
-    along = np.roll(p, -1, axis=1) - p
-    s = ((focus - p) * along).sum(axis=2) / (along**2).sum(axis=2).clip(1e-30)
-    foot = p + s.clip(0.0, 1.0)[..., np.newaxis] * along
-    distance = np.linalg.norm(foot - focus, axis=2).min(axis=1)
-    faces = p[distance <= distance.min() + 1e-6 * np.ptp(p)]
-    normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True).clip(1e-30)
-    return np.asarray(normal.sum(axis=0))
-
-
-def _mark(axes: Any, whole: Camera, close: Camera) -> None:
-    # A circle in the picture of the whole around what the close picture shows.
+def _circle(axes: Any, circle: Any, x: float, y: float, radius: float) -> Any:
     from matplotlib.patches import Circle
 
-    x, y, _ = whole.project(close.centre) / OVERSAMPLING
-    radius = 0.5 * close.shape[0] / close.scale * whole.scale / OVERSAMPLING
-    axes.add_patch(Circle((x, y), radius, fill=False, ls="--", lw=1.2, ec="0.25"))
+    if circle is None:
+        circle = axes.add_patch(Circle((x, y), radius, fill=False, ls="--", lw=1.2, ec="0.25"))
+    circle.center, circle.radius = (x, y), radius
+    return circle

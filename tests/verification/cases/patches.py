@@ -9,12 +9,13 @@ from shellcut import Mesh
 Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def mapped_patch(n_u: int, n_v: int, place: Place) -> Mesh:
+def mapped_patch(n_u: int, n_v: int, place: Place, *, exact: bool = True) -> Mesh:
     """Return n_u x n_v quads of the unit square mapped onto a surface.
 
     ``place(u, v)`` returns positions and unit directors, shape (..., 3). Node sets ``u0``, ``u1``,
     ``v0``, ``v1`` are the sides, in order of the running parameter; node (i, j) of the grid has the
-    id i (n_v + 1) + j.
+    id i (n_v + 1) + j. With ``exact`` the directors are those of the surface, else left to the
+    mesh.
     """
     u, v = np.meshgrid(np.linspace(0, 1, n_u + 1), np.linspace(0, 1, n_v + 1), indexing="ij")
     nodes, directors = place(u, v)
@@ -23,12 +24,14 @@ def mapped_patch(n_u: int, n_v: int, place: Place) -> Mesh:
     return Mesh.from_arrays(
         nodes.reshape(-1, 3),
         quads.reshape(-1, 4),
-        directors=directors.reshape(-1, 3),
+        directors=directors.reshape(-1, 3) if exact else None,
         node_sets={"u0": ids[0], "u1": ids[-1], "v0": ids[:, 0], "v1": ids[:, -1]},
     )
 
 
-def cylinder_patch(radius: float, length: float, arc_deg: float, n_arc: int, n_along: int) -> Mesh:
+def cylinder_patch(
+    radius: float, length: float, arc_deg: float, n_arc: int, n_along: int, *, exact: bool = True
+) -> Mesh:
     """Return a cylindrical patch about the y axis; u runs over the arc from the top, v along y."""
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,4 +41,4 @@ def cylinder_patch(radius: float, length: float, arc_deg: float, n_arc: int, n_a
         nodes[..., 1] = length * v
         return nodes, director
 
-    return mapped_patch(n_arc, n_along, place)
+    return mapped_patch(n_arc, n_along, place, exact=exact)

@@ -1,0 +1,76 @@
+"""The page of all keys of model files, ``model-keys.md``, made from the keys themselves.
+
+``python docs/model_keys_page.py`` writes it; a test compares the two.
+"""
+
+from itertools import groupby
+from pathlib import Path
+
+from shellcut.model_file.key_index import tables
+
+PAGE = Path(__file__).parent / "model-keys.md"
+TOP = """# Model keys
+
+Every key of a [model file](howto/model-file.md): what its value may be, its unit, what holds if it
+is not given, and what it means. Numbers may be texts with a unit wherever a unit is given.
+`shellcut keys WORD` looks for keys on the command line, `--set SECTION.KEY=VALUE` sets one for a
+run.
+
+"""
+HEAD = "| key | value | unit | default | meaning |\n|---|---|---|---|---|"
+FIRST = "Before the first section"
+
+
+def page():
+    """Return the page in Markdown."""
+    sections = [
+        (title, list(of)) for title, of in groupby(tables(), lambda table: _section(table.title))
+    ]
+    parts = [TOP + "## A to Z\n", _index(sections)]
+    for title, of in sections:
+        parts += [f"\n## {title}\n", *map(_table, of)]
+    return "\n".join(parts)
+
+
+def _section(title):
+    # [[material.layers]] stands with [material]
+    return f"[{title.strip('[]').split('.')[0]}]" if "." in title else title or FIRST
+
+
+def _index(sections):
+    places = {}
+    for title, of in sections:
+        for table in of:
+            for entry in table.entries:
+                for name in filter(None, (entry.name, entry.also)):
+                    places.setdefault(name, {})[title] = True
+    lines = ["| key | stands in |", "|---|---|"]
+    for name in sorted(places):
+        links = [f"[{title.strip('[]')}](#{_anchor(title)})" for title in places[name]]
+        lines.append(f"| `{name}` | {', '.join(links)} |")
+    return "\n".join(lines)
+
+
+def _anchor(title):
+    return title.strip("[]").lower().replace(" ", "-")
+
+
+def _table(table):
+    lines = []
+    if table.title:
+        kind = f'`kind = "{table.kind}"`, ' if table.kind else ""
+        own = f"`{table.title}`, " if "." in table.title else ""
+        told = f" Told by `{table.sign}`." if table.sign else ""
+        lines += [f"{own}{kind}{table.where}: {table.doc}{told}", ""]
+    return "\n".join([*lines, HEAD, *map(_row, table.entries), ""])
+
+
+def _row(entry):
+    also = f", `{entry.also}`" if entry.also else ""
+    unit = f"`{entry.unit}`" if entry.unit else ""
+    default = f"`{entry.default}`" if entry.has_default else entry.default
+    return f"| `{entry.name}`{also} | {entry.wants} | {unit} | {default} | {entry.doc} |"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

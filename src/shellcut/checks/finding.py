@@ -1,0 +1,56 @@
+"""What a check found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+REFUSE, DOUBT, NOTE = "refuse", "doubt", "note"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that a check found before the run.
+
+    Attributes
+    ----------
+    severity : {"refuse", "doubt", "note"}
+        Refused is what nothing sensible can come of; doubted what is likely a mistake; noted what
+        one should know.
+    holds : str
+        What must hold, and why; nothing of a note.
+    came : str
+        What came instead.
+    remedy : str
+        What to do.
+    forcible : bool
+        Whether a refusal can be forced, because a run may make sense to who knows why.
+    """
+
+    severity: str
+    holds: str
+    came: str
+    remedy: str
+    forcible: bool = False
+
+    def __str__(self) -> str:
+        if self.severity == NOTE:
+            return f"{self.came}; {self.remedy}"
+        return f"{self.holds}, got {self.came}: {self.remedy}"
+
+
+class RefusedModel(ValueError):
+    """A model whose run nothing sensible can come of; the message lists every reason.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        The refusals.
+    """
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        self.findings = tuple(findings)
+        lines = [f"{finding}" for finding in self.findings]
+        if all(finding.forcible for finding in self.findings):
+            lines.append("to run it all the same: force=True, on the command line --force")
+        super().__init__("\n".join(lines))

@@ -1,0 +1,139 @@
+"""All checks of a model, gathered."""
+
+from __future__ import annotations
+
+import copy
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.simulation import Simulation
+from shellcut.time_step import StableStep, Stepping
+
+from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
+from .hold import check_hold
+from .path import Rows, check_path
+from .plausible import check_numbers
+from .steps import check_steps
+from .sweep import Sweep
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class ModelCheck:
+    """What the checks of a model found.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        Refusals first, then doubts, then notes.
+    sweep : Sweep or None
+        The way of the cutting edges; None without a tool.
+    """
+
+    findings: tuple[Finding, ...]
+    sweep: Sweep | None
+
+    def of(self, severity: str) -> tuple[Finding, ...]:
+        """Return the findings of one severity."""
+        return tuple(finding for finding in self.findings if finding.severity == severity)
+
+    def enforce(self, *, force: bool = False) -> None:
+        """Raise what is refused.
+
+        Parameters
+        ----------
+        force : bool
+            Let pass what can be forced.
+
+        Raises
+        ------
+        RefusedModel
+            With every refusal.
+        """
+        refused = [f for f in self.of(REFUSE) if not (force and f.forcible)]
+        if refused:
+            raise RefusedModel(refused)
+
+    @property
+    def doubts(self) -> tuple[Finding, ...]:
+        """What is doubted, and refusals that were forced."""
+        return (*self.of(REFUSE), *self.of(DOUBT))
+
+    def say(self) -> None:
+        """Log doubts and notes as warnings of the library."""
+        for finding in self.doubts:
+            _log.warning("distrust: %s", finding)
+        for finding in self.of(NOTE):
+            _log.warning("note: %s", finding)
+
+
+def check_model(simulation: Simulation, until: float) -> ModelCheck:
+    """Check a model before its run; nothing in it is changed.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Before its first step. :class:`Recorder`, :meth:`Case.run` and ``shellcut run`` call this by
+        themselves; a loop of one's own over :meth:`Simulation.run` may.
+    until : float
+        End of the run [s].
+
+    Examples
+    --------
+    >>> from shellcut import CohesiveLaw, guillotine
+    >>> case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
+    >>> check_model(case.simulation, case.duration).findings
+    ()
+    >>> case = guillotine(1.0, length=6.0, notch=1.0, travel=1.5, law=CohesiveLaw(strength=18e6))
+    >>> print(check_model(case.simulation, case.duration).findings[0].came)
+    strength 1.8e+07 MPa at a modulus of 1678 MPa, a strain of 1.07e+04
+    """
+    sim = simulation
+    sweep = None
+    if sim.tool is not None and sim.motion is not None:
+        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until)
+    order = {REFUSE: 0, DOUBT: 1, NOTE: 2}
+    found = sorted(_findings(sim, sweep, until), key=lambda finding: order[finding.severity])
+    return ModelCheck(tuple(found), sweep)
+
+
+def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Finding]:
+    mesh, law = sim.mesh, sim.law
+    support = sim.state.node.support[: mesh.n_node]
+    yield from check_numbers(mesh, sim.material, law, sim.tool)
+    if sim.tool is None or sweep is None:
+        return
+    yield from check_hold(mesh, support)
+    if law is not None:
+        yield from check_path(mesh, support, law, sweep)
+    edge = float(np.median(mesh.edge_lengths()))
+    if sweep.within.any():
+        edge = Rows(mesh, sweep).spacing
+    fixed = sim.time_step.stepping.fixed
+    bound = np.inf
+    if fixed is not None:
+        bound = _safe_step(sim)
+    layers = [layer.material for layer in sim.material.layers]
+    yield from check_steps(
+        dt=sim.dt,
+        fixed=fixed,
+        bound=bound,
+        check_every=sim.fracture.check_every,
+        duration=until,
+        speed=sweep.top_speed,
+        wave=max(np.sqrt(m.young / m.density) for m in layers),
+        edge_length=edge,
+    )
+
+
+def _safe_step(sim: Simulation) -> float:
+    """Return the safe step at the start [s], which nobody asks for where a step is given."""
+    frequencies = sim.shell.frequencies
+    before = copy.deepcopy(frequencies.saved())
+    safe = StableStep(Stepping(safety=1.0), sim.shell, sim.cables, sim.contact).next(sim.state)
+    frequencies.restore(before)
+    return safe

@@ -1,0 +1,283 @@
+"""What lies on the way of the cutting edges through the film.
+
+What a right cut needs, and why:
+
+* An edge that meets the film. Where it runs out, the tool has nothing to cut with.
+* The edge in front of the tool: it must move within 60° of the direction in which it points, in
+  the plane normal to it. A blunt back does not part the film, and joints made as a back comes by
+  lie up to 1.5 mm behind the edge.
+* A row of mesh edges under it: cracks follow edges. At 0.05 edge lengths beside the row the cut
+  costs 3.5 % more, at 0.25 of them 6.5 % (h = 0.4 mm); farther off than 0.3 no node is pierced.
+* No held nodes under it: they never split.
+* Film that is not cut yet.
+* A process zone longer than an edge. The blade drags a cable by its two branches, so that the
+  cable breaks when the edge has moved on by half of ``opening_u``; the next one is born an edge
+  length h farther on. With h <= opening_u / 2 the blade always drags one; with a longer h it runs
+  from rung to rung of a ladder: between two of them nothing holds the flanks, and what opens them
+  goes into vibration and damping. Measured, work of the tool over that of the cables in steady
+  cutting:
+
+  ================  =====  =========  =========  =========  =========
+  opening_u / h     5      2          1          0.5        0.25
+  guillotine        1.01   1.03-1.05  1.07-1.08  1.15-1.22  1.19-1.69
+  opening test      1.06   1.14-1.20  1.26-1.41  1.54-1.83  2.05
+  ================  =====  =========  =========  =========  =========
+
+  (h = 0.8 and 0.4 mm; moduli from 420 to 6712 MPa, strengths of 18 and 72 MPa, half the speed and
+  a tenth of the damping leave the guillotine within 1.04-1.08 at 2 and 1.08-1.37 at 0.5.) So it is
+  the opening that counts here; Irwin's length E G / strength² is 0.6 opening_u over the strain at
+  which the film tears, more than ten edges wherever the other two limits are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy
+
+from shellcut._jit import Bools, Floats, Ints
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.mesh import Mesh
+from shellcut.mesh_checks import some
+
+from .finding import DOUBT, NOTE, Finding
+from .sweep import Fate, Sweep
+
+ATTACK = np.radians(60.0)
+"""By so much may the motion of a cutting edge turn from where it points."""
+OFF_ROW = 0.1
+"""So near must a row of mesh edges lie, in edge lengths: chords of a path that turns by a right
+angle within six edges are off it by as much."""
+ALONG_ROW = np.cos(np.radians(30.0))
+NEAR_HELD = 0.5
+"""Held nodes nearer than this to the path, in edge lengths, are in the way."""
+SHARE = 0.05
+"""Share of the crossed quads, or of the way, from which on it is said."""
+RUNGS = 2.0
+"""Least opening_u in edge lengths, see above."""
+
+
+def check_path(
+    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, *, imprint_helps: bool = True
+) -> Iterator[Finding]:
+    """Yield what is in the way of a right cut.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    support : ndarray of bool, shape (n_node, 6)
+        Held components.
+    law : CohesiveLaw
+    sweep : Sweep
+        Of the tool's whole motion.
+    imprint_helps : bool
+        Whether the path could be put into the mesh, which it can be in flat films.
+    """
+    yield from _fates(sweep)
+    if not sweep.within.any():
+        return
+    yield from _attack(sweep)
+    rows = Rows(mesh, sweep)
+    yield from _precut(rows, sweep)
+    yield from _off_row(rows, sweep)
+    yield from _held(mesh, support, sweep)
+    h = rows.spacing
+    if law.opening_u < RUNGS * h:
+        yield Finding(
+            DOUBT,
+            f"the process zone must be longer than the film's edges, opening_u more than "
+            f"{RUNGS:g} of them, so that the blade always drags a cable; else the tool's work "
+            "grows to 1.1 and more times that of the cables",
+            f"opening_u {law.opening_u:.4g} mm and {h:.3g} mm from node to node of the path, "
+            f"{law.opening_u / h:.2g} edges",
+            "take a finer film along the path; openings are in mm",
+        )
+
+
+class Rows:
+    """The sides of the crossed quads that run along the blade, one a place of the sweep."""
+
+    def __init__(self, mesh: Mesh, sweep: Sweep) -> None:
+        corner = mesh.nodes[mesh.quads[sweep.quad]]
+        side = np.roll(corner, -1, axis=1) - corner
+        length = np.linalg.norm(side, axis=2)
+        trace = np.cross(sweep.quad_normal, sweep.normal)
+        trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
+        along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
+        arm = sweep.place[:, None] - corner
+        share = np.clip((arm * side).sum(axis=2) / length**2, 0.0, 1.0)
+        off = np.linalg.norm(arm - share[..., None] * side, axis=2)
+        off = np.where(along, off, np.inf)
+        best = off.argmin(axis=1)
+        at = np.arange(len(best))
+        self.off: Floats = off[at, best] / sweep.edge_length
+        """Distance of the nearest row, in edge lengths; infinite where none runs along the blade,
+        shape (n_place,)."""
+        ends = mesh.quads[sweep.quad]
+        ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
+        self.open: Bools = _open_sides(mesh, ends) & (self.off <= NEAR_HELD)
+        """Whether the side was cut before the run, shape (n_place,)."""
+        found = length[at, best][np.isfinite(self.off) & sweep.within]
+        size = sweep.edge_length[sweep.within]
+        self.spacing = float(np.median(found if len(found) else size))
+        """From node to node of the path [mm]."""
+
+
+def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
+    """Return whether sides of quads, shape (n, 2), are flanks of a cut."""
+    edges = mesh.edges()
+    single = np.sort(mesh.origin[edges.nodes[edges.n_quad == 1]], axis=1)
+    keys, count = np.unique(single @ [mesh.n_node, 1], return_counts=True)
+    mine = np.sort(mesh.origin[ends], axis=1) @ [mesh.n_node, 1]
+    return np.asarray(np.isin(mine, keys[count > 1]))
+
+
+def _fates(sweep: Sweep) -> Iterator[Finding]:
+    fates = sweep.fates
+    never = [fate.chain for fate in fates if not fate.meets]
+    if len(never) == len(fates):
+        yield Finding(
+            DOUBT,
+            "a cutting edge must pass through the film during the motion",
+            f"none of the {len(fates)} that does, from t = 0 to {1e3 * sweep.duration:.4g} ms",
+            "check place and unit of the tool, the motion and its duration (shellcut preview draws "
+            "them)",
+        )
+        return
+    if never:
+        yield Finding(
+            NOTE,
+            "",
+            f"{len(never)} of {len(fates)} cutting edges never meet the film: {_chains(never)}",
+            "all is well if they are not meant to; [tool] not_cutting leaves them out",
+        )
+    out = [fate for fate in fates if fate.passed_out]
+    if out:
+        yield Finding(
+            DOUBT,
+            "a cutting edge must reach through the film as long as the tool moves along it, or "
+            "what follows the edge tears the film or leaves it whole",
+            f"{len(out)} of {len(fates)} whose end passes out of the film, the first at "
+            f"{_first_exit(out, sweep)}: {_chains([fate.chain for fate in out])}",
+            "make the edges longer, or the advance across the film smaller (pitch)",
+        )
+    left = [fate for fate in fates if fate.meets and not fate.stays and not fate.passed_out]
+    if left:
+        yield Finding(
+            NOTE,
+            "",
+            f"{len(left)} of {len(fates)} cutting edges leave the film before the motion ends, the "
+            f"first at {_first_exit(left, sweep)}: "
+            f"{_chains([fate.chain for fate in left])}",
+            "all is well if they are meant to; a shorter duration saves time",
+        )
+
+
+def _first_exit(fates: list[Fate], sweep: Sweep) -> str:
+    first = min(fate.last for fate in fates if fate.last is not None)
+    return f"{1e3 * first:.4g} ms of {1e3 * sweep.duration:.4g} ms"
+
+
+def _chains(numbers: list[int]) -> str:
+    return f"cutting edge{'s' if len(numbers) > 1 else ''} {some(numbers)}"
+
+
+def _attack(sweep: Sweep) -> Iterator[Finding]:
+    edge = np.cross(sweep.normal, sweep.back)
+    across = sweep.velocity - (sweep.velocity * edge).sum(axis=1)[:, None] * edge
+    speed = np.linalg.norm(across, axis=1)
+    # An edge that moves along itself slices and points nowhere; one at rest does nothing.
+    whole = np.linalg.norm(sweep.velocity, axis=1)
+    moving = sweep.within & (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
+    forward = -(across * sweep.back).sum(axis=1)
+    astray = moving & (forward < np.cos(ATTACK) * speed)
+    astray &= ~_seen_before(sweep, moving & ~astray)
+    weight = speed * moving
+    share = float((weight * astray).sum() / max(weight.sum(), 1e-300))
+    if share <= SHARE:
+        return
+    worst = int(np.argmin(np.where(astray, forward / np.maximum(speed, 1e-300), np.inf)))
+    angle = float(np.degrees(np.arccos(np.clip(forward[worst] / speed[worst], -1.0, 1.0))))
+    x, y, z = sweep.place[worst] + 0.0
+    yield Finding(
+        DOUBT,
+        f"a cutting edge must move to where it points, within {np.degrees(ATTACK):.0f}°, or a "
+        "blunt back or flank presses on the film",
+        f"{100.0 * share:.0f} % of the way on which it does not; cutting edge "
+        f"{int(sweep.chain[worst])} moves {angle:.0f}° off where it points at "
+        f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
+        "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
+        "leave the edge out ([tool] not_cutting)",
+    )
+
+
+def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
+    """Return whether an edge that moved ahead has been at a place before: the way back is free."""
+    back = np.zeros(len(ahead), np.bool_)
+    if not ahead.any():
+        return back
+    tree = scipy.spatial.cKDTree(sweep.place[ahead])
+    time = sweep.time[ahead]
+    rest = np.flatnonzero(~ahead)
+    near = tree.query_ball_point(sweep.place[rest], sweep.edge_length[rest])
+    for i, at in zip(rest.tolist(), near, strict=True):
+        back[i] = any(time[j] < sweep.time[i] for j in at)
+    return back
+
+
+def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
+    uncut = ~rows.open & sweep.within
+    if not uncut.any():
+        yield Finding(
+            DOUBT,
+            "there must be film to cut on the way of the cutting edges",
+            "a way that runs along cuts which are in the film already, from end to end",
+            "take a shorter notch, or move the tool",
+        )
+
+
+def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
+    asked = sweep.within & ~rows.open
+    quads = np.unique(sweep.quad[asked])
+    if not len(quads):
+        return
+    far = np.zeros(len(sweep.mesh.quads), np.bool_)
+    far[sweep.quad[asked & (rows.off > OFF_ROW)]] = True
+    share = float(far[quads].mean())
+    if share <= SHARE:
+        return
+    worst = int(np.argmax(np.where(asked & np.isfinite(rows.off), rows.off, -1.0)))
+    none = bool(np.isinf(rows.off[asked]).any())
+    x, y, z = sweep.place[worst] + 0.0
+    came = f"no such row in {100.0 * share:.0f} % of the {len(quads):,} quads on the way"
+    if rows.off[worst] > OFF_ROW:
+        h = float(sweep.edge_length[worst])
+        came += f", the next one {rows.off[worst] * h:.3g} mm off at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    yield Finding(
+        DOUBT,
+        f"a row of mesh edges must lie under the way of the cutting edges, within {OFF_ROW:g} of "
+        "their length, since cracks follow edges: beside it the force is too large, or nothing is "
+        "cut",
+        came + ("; some run across it" if none else ""),
+        "let imprint put the path into the mesh (imprint=True, [membrane] imprint = true), or mesh "
+        "along it",
+    )
+
+
+def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
+    asked = sweep.within
+    nodes = mesh.quads[sweep.quad[asked]]
+    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[asked][:, None], axis=2)
+    near = off <= NEAR_HELD * sweep.edge_length[asked][:, None]
+    supported = np.asarray(support.any(axis=1))
+    held = np.unique(nodes[near & supported[nodes]])
+    if len(held):
+        x, y, z = mesh.nodes[held[0]] + 0.0
+        yield Finding(
+            DOUBT,
+            "the way of the cutting edges must keep clear of held nodes, which never split: the "
+            "blade runs against them",
+            f"{len(held):,} held nodes on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            "hold other nodes, or move the tool",
+        )

@@ -1,0 +1,183 @@
+"""Numbers that a film, its law and its tool can hardly have: mostly a unit that was mistaken.
+
+Each limit says where it comes from. Only what leaves no shell, no elastic film or no motion that
+the steps can follow is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.material import ShellMaterial
+from shellcut.mesh import Mesh
+from shellcut.tool import Tool
+
+from .finding import DOUBT, REFUSE, Finding
+
+THINNEST = 1e-4
+"""[mm]; films for capacitors, the thinnest that are sold, have 5e-4 mm."""
+SLENDER = 0.1
+"""Thickness over the film's size up to which first-order shear theory is taken for good."""
+STIFFEST, SOFTEST = 1.3e6, 1e-3
+"""[MPa]; diamond has 1.2e6, the softest gels some 1e-3."""
+LIGHTEST, HEAVIEST = 1e-11, 2.3e-8
+"""[t/mm³]; foams have 1e-11 and more, osmium has 2.26e-8."""
+FASTEST_WAVE, SLOWEST_WAVE = 2e7, 1e4
+"""[mm/s], root of modulus over density; diamond has 1.8e7, soft rubber some 2e4."""
+LARGEST_STRAIN, SMALLEST_STRAIN = 0.1, 1e-4
+"""Strength over modulus: beyond 0.1 the elastic law, St.Venant-Kirchhoff, is out of its range, and
+no material has torn below 1e-4."""
+RUPTURED = 1.0
+"""Strength over modulus from which on the film would have to double its length before it tears."""
+
+
+def check_numbers(
+    mesh: Mesh, material: ShellMaterial, law: CohesiveLaw | None, tool: Tool | None
+) -> Iterator[Finding]:
+    """Yield what is out of range in film, material, law and size of the tool."""
+    yield from _thickness(mesh, material)
+    yield from _layers(material)
+    if law is not None:
+        yield from _law(mesh, material, law)
+    if tool is not None:
+        yield from _tool_size(mesh, tool)
+
+
+def film_size(mesh: Mesh) -> float:
+    """Return the side of a square of the film's area [mm]."""
+    return math.sqrt(float(mesh.quad_areas().sum()))
+
+
+def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
+    h, size = material.thickness, film_size(mesh)
+    edge = float(np.median(mesh.edge_lengths()))
+    remedy = 'thickness is in mm, or brings its unit: 74 µm is 0.074 or "74 um"'
+    if h >= size:
+        yield Finding(
+            REFUSE,
+            "a shell must be thin beside its size",
+            f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
+            remedy,
+        )
+    elif h > SLENDER * size:
+        yield Finding(
+            DOUBT,
+            f"a shell should be thinner than {SLENDER:g} of its size, or its theory does not hold",
+            f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
+            remedy,
+        )
+    elif h > edge:
+        yield Finding(
+            DOUBT,
+            "the film should be thinner than its quads are long: a shell has no detail below its "
+            "thickness, and cables and contact act at its mid-surface",
+            f"thickness {h:.4g} mm and edges of {edge:.4g} mm",
+            f"{remedy}; or take a coarser mesh",
+        )
+    if h < THINNEST:
+        yield Finding(
+            DOUBT,
+            f"a film should be thicker than {THINNEST:g} mm; the thinnest that are sold have "
+            "0.0005 mm",
+            f"thickness {h:.4g} mm",
+            remedy,
+        )
+
+
+def _layers(material: ShellMaterial) -> Iterator[Finding]:
+    seen = {(layer.material.young, layer.material.density) for layer in material.layers}
+    for young, density in sorted(seen):
+        if not SOFTEST <= young <= STIFFEST:
+            yield Finding(
+                DOUBT,
+                f"a modulus should lie between {SOFTEST:g} MPa, a gel, and {STIFFEST:g} MPa, "
+                "diamond",
+                f"young {young:.4g} MPa",
+                'young is in MPa, or brings its unit: 1.678 GPa is 1678 or "1.678 GPa"',
+            )
+        if not LIGHTEST <= density <= HEAVIEST:
+            yield Finding(
+                DOUBT,
+                f"a density should lie between {LIGHTEST:g} t/mm³, a foam, and {HEAVIEST:g} t/mm³, "
+                "osmium",
+                f"density {density:.4g} t/mm³",
+                'density is in t/mm³, or brings its unit: 1 g/cm³ is 1e-9 or "1 g/cm3"; if mass is '
+                "added on purpose, look at the kinetic energy",
+            )
+        wave = math.sqrt(young / density)
+        if not SLOWEST_WAVE <= wave <= FASTEST_WAVE:
+            yield Finding(
+                DOUBT,
+                f"waves in a film should run at {1e-3 * SLOWEST_WAVE:g} to "
+                f"{1e-3 * FASTEST_WAVE:g} m/s, from soft rubber to diamond",
+                f"{1e-3 * wave:.4g} m/s, the root of young {young:.4g} MPa over density "
+                f"{density:.4g} t/mm³",
+                "one of the two has another unit than MPa, t/mm³",
+            )
+
+
+def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Finding]:
+    # the strain at which the film as a whole carries the strength
+    young = sum(layer.material.young * layer.thickness for layer in material.layers)
+    young /= material.thickness
+    strain = law.strength / young
+    came = (
+        f"strength {law.strength:.4g} MPa at a modulus of {young:.4g} MPa, a strain of {strain:.3g}"
+    )
+    remedy = 'both are in MPa, or bring their units: 18e6 Pa is 18 or "18e6 Pa"'
+    if strain > RUPTURED:
+        yield Finding(
+            REFUSE,
+            "the film must tear before it is stretched to twice its length, by far beyond the "
+            "range of its elastic law",
+            came,
+            remedy,
+            forcible=True,
+        )
+    elif not SMALLEST_STRAIN <= strain <= LARGEST_STRAIN:
+        yield Finding(
+            DOUBT,
+            f"the strain at which the film tears should lie between {SMALLEST_STRAIN:g} and "
+            f"{LARGEST_STRAIN:g}, the range of materials and of the elastic law",
+            came,
+            remedy,
+        )
+    size = film_size(mesh)
+    if law.opening_u > size:
+        yield Finding(
+            DOUBT,
+            "a cable should break before it is as long as the film, or none ever does",
+            f"opening_u {law.opening_u:.4g} mm of a film of {size:.4g} mm, the root of its area",
+            "openings are in mm: 4 µm is 0.004",
+        )
+
+
+def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
+    edge = float(np.median(mesh.edge_lengths()))
+    bodies = [
+        tool.vertices[np.unique(tool.triangles[tool.triangle_body == b])]
+        for b in range(tool.n_body)
+    ]
+    extents = [float(np.linalg.norm(np.ptp(x, axis=0))) for x in bodies]
+    small = [b for b, extent in enumerate(extents) if extent < edge]
+    if small:
+        yield Finding(
+            DOUBT,
+            "a tooth should be longer than an edge of the film: contact sees nodes only, and "
+            "between them the tooth passes unfelt",
+            f"bodies {small[:5]} of the tool, of which body {small[0]} is {extents[small[0]]:.3g} "
+            f"mm in size, and edges of {edge:.3g} mm",
+            "give the unit of the tool's file, or take a finer film",
+        )
+    film, whole = film_size(mesh), float(np.linalg.norm(np.ptp(tool.vertices, axis=0)))
+    if whole > 100.0 * film:
+        yield Finding(
+            DOUBT,
+            "tool and film should be of one scale",
+            f"a tool of {whole:.4g} mm and a film of {film:.4g} mm",
+            "give the unit of the tool's file, or of the film's",
+        )

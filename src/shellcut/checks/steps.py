@@ -1,0 +1,100 @@
+"""Whether the time step can follow the tool, and what the steps come to.
+
+A node that the edge pierces is found within 0.3 edge lengths of it
+(:mod:`shellcut.blade_cut`), by a look every ``check_every`` steps. So between two looks the edge
+must move by less; and by less than half an edge in one step, or the tool is on the other side of a
+node before contact or cables have seen it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .finding import DOUBT, NOTE, REFUSE, Finding
+
+FOUND_WITHIN = 0.3
+"""Way of the edge between two looks for splits, in edge lengths."""
+SEEN_WITHIN = 0.5
+"""Way of the edge in one step, in edge lengths."""
+OF_WAVE = 0.1
+"""Speed of the edge over that of membrane waves: beyond, the film tears before it can give way."""
+MANY_STEPS = 5e6
+"""A hundred times as many as the opening test on M1 takes."""
+
+
+def check_steps(
+    *,
+    dt: float,
+    fixed: float | None,
+    bound: float,
+    check_every: int,
+    duration: float,
+    speed: float,
+    wave: float,
+    edge_length: float,
+) -> Iterator[Finding]:
+    """Yield what is wrong between the step and the tool's speed.
+
+    Parameters
+    ----------
+    dt, fixed, bound : float
+        First step, that of the user's own, and the safe bound at the start [s].
+    check_every : int
+        Steps between two looks for splits.
+    duration : float
+        Of the run [s].
+    speed : float
+        Largest speed of the cutting edges [mm/s].
+    wave : float
+        Speed of membrane waves [mm/s].
+    edge_length : float
+        Of the film along the cut, else of all of it [mm].
+    """
+    if fixed is not None and fixed > bound:
+        yield Finding(
+            DOUBT,
+            f"a fixed step must not exceed the safe one, {bound:.4g} s at the start, or the "
+            "solution blows up",
+            f"time.fixed {fixed:.4g} s",
+            "leave it out, or lower it",
+        )
+    way = speed * dt
+    came = (
+        f"{way:.3g} mm a step, at {1e-3 * speed:.4g} m/s and steps of {dt:.3g} s, of edges of "
+        f"{edge_length:.3g} mm"
+    )
+    slower = "take a longer duration or a lower speed"
+    remedy = slower if fixed is None else f"leave time.fixed out, or {slower}"
+    if way > SEEN_WITHIN * edge_length:
+        yield Finding(
+            REFUSE,
+            f"the cutting edge must move by less than {SEEN_WITHIN:g} edge lengths of the film in "
+            "a step, or it is past the nodes before they have felt it",
+            came,
+            remedy,
+        )
+    elif way * check_every > FOUND_WITHIN * edge_length:
+        yield Finding(
+            DOUBT,
+            f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
+            f"in the {check_every} steps between two looks for splits, or it misses nodes",
+            came,
+            f"{remedy}; or look more often, fracture.check_every",
+        )
+    elif speed > OF_WAVE * wave:
+        yield Finding(
+            DOUBT,
+            f"the cutting edge should be slower than {OF_WAVE:g} of the film's waves, which run at "
+            f"{1e-3 * wave:.4g} m/s, or inertia carries the load",
+            f"{1e-3 * speed:.4g} m/s",
+            f"{slower}; speeds are in mm/s: 6 m/s is 6000",
+        )
+    if duration / dt > MANY_STEPS:
+        yield Finding(
+            NOTE,
+            "",
+            f"the run takes about {duration / dt:.2g} steps of {dt:.3g} s, with cutting edges at "
+            f"{1e-3 * speed:.4g} m/s",
+            "between 1.5 and 12 m/s the speed hardly changes the cutting force: take a faster "
+            "motion; speeds are in mm/s, 6 m/s is 6000",
+        )

@@ -1,0 +1,386 @@
+"""Where and when the cutting edges of a tool pass through a film in its reference state.
+
+A point of a cutting edge stands at the height f over the film. The edge passes through the film
+where f changes sign: along the edge at a time, and at a point of the edge in time, which finds an
+edge that comes down flat. Over a flat film f is the height over its plane, over a curved one that
+over the plane of the nearest quad. A place counts if it lies in a quad; so holes do not.
+
+This knows the reference film only. A film that gives way is met later and elsewhere, by as much as
+it gives way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from shellcut._jit import Bools, Floats, Ints
+from shellcut.mesh import Mesh
+from shellcut.mesh_checks import some
+from shellcut.motion import Motion
+from shellcut.tool import Tool
+
+_FEWEST_TIMES, _MOST_TIMES = 200, 2000
+_FINEST = 0.1  # of an edge length: vertices of a cutting edge that are nearer are not all asked
+_MOST_HEIGHTS = 2_000_000  # points of edges times times: fractions of a second
+_FLATNESS = 1e-6  # as of imprinting.film_plane
+_NEAREST_QUADS = 16  # among which that under a place is sought, by their centres
+_BORDER = 1e-3  # of an edge length, by which a place may miss its quad: chords of the rim
+_OFF_QUAD = 0.25  # of an edge length; a change of sign farther off is between two sheets
+AHEAD = 3.0
+"""Cracks run ahead of the blade by up to so much [mm], as in ``imprinting.blade_path``."""
+
+
+@dataclass(frozen=True)
+class Fate:
+    """What becomes of one cutting edge, a chain of segments.
+
+    Attributes
+    ----------
+    chain : int
+    first, last : float or None
+        Times at which it first and last passes through the film [s]; None if it never does.
+    stays : bool
+        Whether it is in the film when the motion ends.
+    passed_out : bool
+        Whether its end went through the film to the other side, and the tool goes on along the
+        film by more than an edge length: what follows has no edge there.
+    """
+
+    chain: int
+    first: float | None
+    last: float | None
+    stays: bool
+    passed_out: bool
+
+    @property
+    def meets(self) -> bool:
+        """Whether it ever passes through the film."""
+        return self.first is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """The places where cutting edges pass through the film, in the order of chains and times.
+
+    Examples
+    --------
+    >>> from shellcut import opening_test
+    >>> case = opening_test("quick")
+    >>> sim = case.simulation
+    >>> sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, case.duration)
+    >>> [fate.stays for fate in sweep.fates]
+    [True, True, True, True]
+    """
+
+    mesh: Mesh
+    duration: float
+    """End of the motion [s]; places beyond are where cracks may run ahead."""
+    n_time: int
+    """Times looked at up to ``duration``."""
+    chain: Ints
+    """Chain of each place, shape (n,)."""
+    time: Floats
+    """[s], shape (n,)."""
+    place: Floats
+    """[mm], shape (n, 3)."""
+    quad: Ints
+    """Quad in which it lies, shape (n,)."""
+    velocity: Floats
+    """Of the edge's own point [mm/s], shape (n, 3)."""
+    back: Floats
+    """Unit vector of the mid-plane from the edge into the solid, shape (n, 3)."""
+    normal: Floats
+    """Unit normal of the mid-plane, shape (n, 3)."""
+    along_edge: Bools
+    """Whether it was found along the edge at one of the times looked at, shape (n,)."""
+    fates: tuple[Fate, ...]
+    """Of every chain of the tool."""
+    top_speed: float
+    """Largest speed of any point of the cutting edges during the motion [mm/s]."""
+
+    @classmethod
+    def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
+        """Find the places up to ``duration`` [s] and a crack's way beyond."""
+        return _Search(mesh, tool, motion, duration).sweep()
+
+    @cached_property
+    def within(self) -> Bools:
+        """Whether a place is of the motion proper, not beyond its end, shape (n,)."""
+        return np.asarray(self.time <= self.duration)
+
+    @cached_property
+    def edge_length(self) -> Floats:
+        """Local edge length, the root of the quad's area, at each place, shape (n,), [mm]."""
+        return np.asarray(np.sqrt(self.mesh.quad_areas())[self.quad])
+
+    @cached_property
+    def quad_normal(self) -> Floats:
+        """Unit normal of the film at each place, shape (n, 3)."""
+        return _quad_normals(self.mesh)[self.quad]
+
+    def distance(self, points: Floats) -> Floats:
+        """Return how far points of the reference film lie from the path, shape (n,), [mm].
+
+        Infinite if no edge passes through the film. Between two moments the path is straight;
+        beyond the end it goes on as the motion does, or straight on where that stops.
+        """
+        path = [self.place]
+        for k in range(len(self.fates)):
+            path += self._between(k)
+        return np.asarray(scipy.spatial.cKDTree(np.concatenate(path)).query(points)[0])
+
+    def _between(self, k: int) -> Iterator[Floats]:
+        """Yield dense points of the path of one edge between its places, and ahead of the last."""
+        mine = np.flatnonzero((self.chain == k) & self.along_edge)
+        if not len(mine):
+            return
+        fine = 0.05 * float(self.edge_length[mine].min())
+        moments = np.split(mine, np.flatnonzero(np.diff(self.time[mine]) > 0.0) + 1)
+        tick = self.duration / self.n_time
+        way: dict[int, Floats] = {}
+        for one, two in pairwise(moments):
+            # As many places a moment later: an edge that goes through the film at two places at
+            # once is met by both again, in the same order along the edge.
+            if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * tick:
+                continue
+            for n, (a, b) in enumerate(zip(self.place[one], self.place[two], strict=True)):
+                length = float(np.linalg.norm(b - a))
+                if length > 0.0:
+                    way[n] = (b - a) / length
+                yield a + np.arange(0.0, length, fine)[1:, None] * ((b - a) / (length or 1.0))
+        # A motion that goes on has places beyond its end.
+        if abs(self.time[mine[-1]] - self.duration) < 0.5 * tick:
+            for n, a in enumerate(self.place[moments[-1]]):
+                yield a + np.arange(0.0, AHEAD, fine)[:, None] * way.get(n, np.zeros(3))
+
+
+def edge_line(sweep: Sweep) -> str:
+    """Return how many of the cutting edges meet the film and stay in it, in a line."""
+    fates, n = sweep.fates, len(sweep.fates)
+    n_meeting = sum(fate.meets for fate in fates)
+    n_staying = sum(fate.stays for fate in fates)
+    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
+    if n_staying == n:
+        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
+    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
+    never = [fate.chain for fate in fates if not fate.meets]
+    if never:
+        parts.append(f"never: {some(never)}")
+    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
+    if left:
+        first = min(left.values())
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
+    return "edges  " + "; ".join(parts)
+
+
+class _Places(NamedTuple):
+    # of one chain, as the fields of Sweep
+    chain: Ints
+    time: Floats
+    place: Floats
+    quad: Ints
+    velocity: Floats
+    back: Floats
+    normal: Floats
+    along_edge: Bools
+
+
+class _Search:
+    # one search for the places, chain by chain
+
+    def __init__(self, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> None:
+        self._mesh, self._tool, self._motion = mesh, tool, motion
+        self._duration = duration
+        self._centres = mesh.nodes[mesh.quads].mean(axis=1)
+        self._normals = _quad_normals(mesh)
+        self._size = np.sqrt(mesh.quad_areas())
+        self._tree = scipy.spatial.cKDTree(self._centres)
+        self._edge_length = float(np.median(self._size))
+        normal = self._normals.mean(axis=0)
+        normal /= max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+        level = mesh.nodes @ normal
+        flat = np.ptp(level) <= _FLATNESS * np.linalg.norm(np.ptp(mesh.nodes, axis=0))
+        self._plane = (normal, float(level.mean())) if flat else None
+        self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
+        self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
+        self._times, self.n_time = self._moments()
+        poses = [motion.pose(t) for t in self._times.tolist()]
+        twists = [motion.twist(t) for t in self._times.tolist()]
+        self._rotation = np.array([pose[0] for pose in poses])
+        self._translation = np.array([pose[1] for pose in poses])
+        self._spin = np.array([twist[0] for twist in twists])
+        self._velocity = np.array([twist[1] for twist in twists])
+
+    def sweep(self) -> Sweep:
+        found = [self._chain(k, *chain) for k, chain in enumerate(self._chains)]
+        parts = [part for part, _, _ in found]
+        fates = [self._taken_over(fate, parts) for _, fate, _ in found]
+        places = {
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in _Places._fields
+        }
+        return Sweep(
+            self._mesh,
+            self._duration,
+            self.n_time,
+            fates=tuple(fates),
+            top_speed=max(speed for _, _, speed in found),
+            **places,
+        )
+
+    def _moments(self) -> tuple[Floats, int]:
+        """Return the times to look at: the tool moves by half an edge length between two."""
+        points = np.concatenate([points for points, _ in self._chains])
+        corners = points[np.unique([points.argmin(axis=0), points.argmax(axis=0)])]
+        rough = np.linspace(0.0, self._duration, _FEWEST_TIMES + 1)
+        x = self._moved(corners, rough)
+        way = float(np.linalg.norm(np.diff(x, axis=0), axis=2).sum(axis=0).max())
+        most = int(np.clip(_MOST_HEIGHTS // len(points), 20, _MOST_TIMES))
+        least = min(_FEWEST_TIMES, most)
+        n = int(np.clip(np.ceil(way / (0.5 * self._edge_length)), least, most))
+        # beyond the end until the tool has moved on by as much as a crack may run ahead
+        tick = self._duration / n
+        x = self._moved(corners, rough[-1] + np.array([0.0, tick]))
+        a_tick = float(np.linalg.norm(x[1] - x[0], axis=1).max())
+        beyond = min(int(np.ceil(AHEAD / a_tick)), n) if a_tick > 1e-6 * way / n else 0
+        return tick * np.arange(float(n + beyond + 1)), n
+
+    def _moved(self, points: Floats, times: Floats) -> Floats:
+        return np.array([points @ R.T + r for R, r in map(self._motion.pose, times.tolist())])
+
+    def _heights(self, x: Floats) -> Floats:
+        if self._plane is not None:
+            normal, level = self._plane
+            return np.asarray(x @ normal - level)
+        _, nearest = self._tree.query(x)
+        return np.asarray(((x - self._centres[nearest]) * self._normals[nearest]).sum(axis=-1))
+
+    def _chain(self, k: int, points: Floats, segment: Ints) -> tuple[_Places, Fate, float]:
+        """Return the places of one chain, its fate and its top speed."""
+        x = points @ self._rotation.transpose(0, 2, 1) + self._translation[:, None]
+        height = self._heights(x)
+        above = height >= 0.0
+        i, j = np.nonzero(above[:, :-1] != above[:, 1:])  # along the edge
+        share = height[i, j] / (height[i, j] - height[i, j + 1])
+        place = [(1.0 - share)[:, None] * x[i, j] + share[:, None] * x[i, j + 1]]
+        moment, where = [i.astype(float)], [j]
+        along = np.ones(len(i), np.bool_)
+        i, j = np.nonzero(above[:-1] != above[1:])  # in time
+        share = height[i, j] / (height[i, j] - height[i + 1, j])
+        place.append((1.0 - share)[:, None] * x[i, j] + share[:, None] * x[i + 1, j])
+        moment.append(i + share)
+        where.append(np.minimum(j, len(segment) - 1))
+        ends = np.append(~along, (j == 0) | (j == len(segment)))
+        along = np.append(along, np.zeros(len(j), np.bool_))
+        p, at, on = np.concatenate(place), np.concatenate(moment), np.concatenate(where)
+        quad = self._quad_under(p)
+        order = np.flatnonzero(quad >= 0)
+        order = order[np.argsort(at[order], kind="stable")]
+        p, at, on, quad, ends = p[order], at[order], on[order], quad[order], ends[order]
+        tick = np.minimum(at.astype(np.int64), len(self._times) - 1)
+        R, arm = self._rotation[tick], p - self._translation[tick]
+        part = _Places(
+            np.full(len(p), k),
+            at * self._times[1],
+            p,
+            quad,
+            self._velocity[tick] + np.cross(self._spin[tick], arm),
+            np.einsum("nij,nj->ni", R, self._tool.edge_back[segment[on]]),
+            np.einsum("nij,nj->ni", R, self._tool.edge_normal[segment[on]]),
+            along[order],
+        )
+        return part, self._fate(k, at, ends, above, p, x), self._top_speed(x[: self.n_time + 1])
+
+    def _top_speed(self, x: Floats) -> float:
+        # in the mean from time to time too: a table may jump between two
+        mean = np.linalg.norm(np.diff(x, axis=0), axis=2).max() / self._times[1]
+        arm = x - self._translation[: len(x), None]
+        velocity = self._velocity[: len(x), None] + np.cross(self._spin[: len(x), None], arm)
+        return max(float(mean), float(np.linalg.norm(velocity, axis=2).max()))
+
+    def _fate(
+        self, k: int, at: Floats, ends: Bools, above: Bools, place: Floats, x: Floats
+    ) -> Fate:
+        proper = at <= self.n_time
+        if not proper.any():
+            return Fate(k, None, None, stays=False, passed_out=False)
+        first, last = float(at[proper][0]), float(at[proper][-1])
+        tick = float(self._times[1])
+        if last > self.n_time - 1.0:
+            return Fate(k, first * tick, last * tick, stays=True, passed_out=False)
+        after = int(np.floor(last)) + 1
+        side, before = above[after], above[int(np.floor(first))]
+        through = bool(ends[proper][-1]) and (side == side[0]).all()
+        withdrawn = (before == side).all()
+        # how far the tool goes on along the film after it has left
+        normal = self._normals[int(self._tree.query(place[proper][-1])[1])]
+        way = np.diff(x[after : self.n_time + 1, 0], axis=0)
+        way -= (way @ normal)[:, None] * normal
+        went_on = float(np.linalg.norm(way, axis=1).sum()) > self._edge_length
+        out = through and not withdrawn and went_on
+        return Fate(k, first * tick, last * tick, stays=False, passed_out=out)
+
+    def _taken_over(self, fate: Fate, parts: list[_Places]) -> Fate:
+        """Return the fate of an edge that passed out, unless another of its tooth goes on there."""
+        if not fate.passed_out or fate.last is None:
+            return fate
+        body = self._body_of_chain
+        for k in np.flatnonzero(body == body[fate.chain]).tolist():
+            time = parts[k].time
+            late = (time > fate.last) & (time <= fate.last + 3.0 * self._times[1])
+            if k != fate.chain and late.any():
+                return replace(fate, passed_out=False)
+        return fate
+
+    def _quad_under(self, p: Floats) -> Ints:
+        """Return the quad in which each place lies, -1 where there is none, shape (n,)."""
+        mesh = self._mesh
+        if not len(p):
+            return np.zeros(0, np.int64)
+        n = min(_NEAREST_QUADS, mesh.n_quad)
+        near = np.asarray(self._tree.query(p, k=n)[1]).reshape(len(p), n)
+        corner = mesh.nodes[mesh.quads[near]]  # (n, near, 4, 3)
+        normal = self._normals[near][:, :, None]
+        side = np.roll(corner, -1, axis=2) - corner
+        inward = np.cross(normal, side)
+        inward /= np.linalg.norm(inward, axis=-1, keepdims=True)
+        off = ((p[:, None, None] - corner) * inward).sum(axis=-1).min(axis=-1)
+        height = ((p[:, None] - self._centres[near]) * normal[:, :, 0]).sum(axis=-1)
+        size = self._size[near]
+        inside = (off >= -_BORDER * size) & (np.abs(height) <= _OFF_QUAD * size)
+        best = inside.argmax(axis=1)
+        rows = np.arange(len(p))
+        return np.where(inside[rows, best], near[rows, best], -1)
+
+
+def _quad_normals(mesh: Mesh) -> Floats:
+    corner = mesh.nodes[mesh.quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:
+    """Return points along a chain, and the segment after each.
+
+    No two are farther apart than ``spacing``; of vertices much nearer than that some stand for all.
+    """
+    segments = np.flatnonzero(tool.edge_chain == k)
+    ends = tool.vertices[tool.edges[segments]]
+    way = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).cumsum()
+    mark = np.floor(way / (_FINEST * spacing))
+    last = np.flatnonzero(np.append(mark[1:] > mark[:-1], True))
+    points, owner = [], []
+    for first, e in zip([0, *(last[:-1] + 1).tolist()], last.tolist(), strict=True):
+        a, b = ends[first, 0], ends[e, 1]
+        n = int(np.clip(np.ceil(np.linalg.norm(b - a) / spacing), 1, 1000))
+        points.append(a + np.arange(n)[:, None] / n * (b - a))
+        owner += [int(segments[first])] * n
+    points.append(ends[-1, 1][None])
+    return np.concatenate(points), np.array(owner, dtype=np.int64)

@@ -1,0 +1,52 @@
+"""``shellcut keys``: look for keys of model files."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from typing import Any
+
+from shellcut.model_file.key_index import Table, found
+
+from .exit_code import DONE, refuse
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser's."""
+    parser = commands.add_parser(
+        "keys",
+        help="look for keys of model files",
+        description="Print the keys of model files in which all the words are, in name, section, "
+        "unit or meaning; all keys without a word.",
+        epilog="example: shellcut keys notch",
+    )
+    parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the sections and keys that were found."""
+    try:
+        chosen = found(arguments.words)
+    except ValueError as problem:
+        return refuse(problem)
+    print("\n\n".join("\n".join(_lines(table)) for table in chosen))
+    return DONE
+
+
+def _lines(table: Table) -> Iterator[str]:
+    kind = f' kind = "{table.kind}"' if table.kind else ""
+    yield f"{table.title or 'before the first section'}{kind}  ({table.where}: {table.doc})"
+    rows = [
+        (
+            f"{entry.name} or {entry.also}" if entry.also else entry.name,
+            f"{entry.wants} [{entry.unit}]" if entry.unit else entry.wants,
+            f"= {entry.default}" if entry.has_default else f"({entry.default})",
+            entry.doc,
+        )
+        for entry in table.entries
+    ]
+    width = [max(len(row[k]) for row in rows) for k in range(3)]
+    for *cells, doc in rows:
+        columns = (cell.ljust(w) for cell, w in zip(cells, width, strict=True))
+        yield f"  {'  '.join(columns)}  {doc}"

@@ -1,0 +1,107 @@
+"""``run.files``: the names of the files that a run has written in its folder, one a line.
+
+A name comes into the list before its file is there, so that none is missed whenever the run is
+killed. What is to make room for another run is removed by this list: what anybody else has put into
+the folder stays, whatever its name.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+from .whole_file import aside_of, write_all, written_whole
+
+FILES = "run.files"
+
+_HEADING = (
+    "# Written here by a run of shellcut; another run in this folder removes these files only."
+)
+
+
+class FileList:
+    """The list in a folder; only who holds the folder may change it.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; the list need not be there.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.names = names_in(folder)
+        """Names relative to the folder, in the order they were added, with ``/`` between parts."""
+
+    def add(self, name: str) -> None:
+        """Add a name, if it is new.
+
+        Raises
+        ------
+        OSError
+            If the list cannot be written.
+        """
+        if name in self.names:
+            return
+        with (self._folder / FILES).open("ab", buffering=0) as file:
+            write_all(file, f"{name}\n".encode())
+        self.names.append(name)
+
+    def write(self, names: Iterable[str]) -> None:
+        """Replace the list.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; then it is as it was.
+        """
+        self.names = list(dict.fromkeys(names))
+        with written_whole(self._folder / FILES) as aside:
+            aside.write_text("".join(f"{line}\n" for line in (_HEADING, *self.names)), "utf-8")
+
+    def there(self) -> list[str]:
+        """Return the names whose files are there."""
+        return _there(self._folder, self.names)
+
+    def remove(self, names: Iterable[str]) -> None:
+        """Remove files of the list, also half-written ones, and folders that are empty then."""
+        for name in names:
+            path = self._folder / name
+            path.unlink(missing_ok=True)
+            aside_of(path).unlink(missing_ok=True)
+            if path.parent != self._folder:
+                try:
+                    path.parent.rmdir()
+                except OSError:  # gone already, or something else is in it
+                    continue
+
+
+def names_in(folder: Path) -> list[str]:
+    """Return the names in the list of a folder; none without one.
+
+    A last line that was not finished names nothing yet, and what leads out of the folder was not
+    written by a run.
+    """
+    try:
+        text = (folder / FILES).read_bytes().decode("utf-8", errors="replace")
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    heading, *names = text.split("\n")[:-1] or [""]
+    if heading != _HEADING:
+        return []
+    return [name for name in dict.fromkeys(names) if _is_inside(name)]
+
+
+def files_there(folder: Path) -> list[str]:
+    """Return the names of the files that a run has written in a folder and that are there."""
+    return _there(folder, names_in(folder))
+
+
+def _there(folder: Path, names: Iterable[str]) -> list[str]:
+    return [name for name in names if os.path.lexists(folder / name)]
+
+
+def _is_inside(name: str) -> bool:
+    parts = PurePosixPath(name).parts
+    return bool(parts) and ".." not in parts and not PureWindowsPath(name).anchor

@@ -1,0 +1,123 @@
+"""What a file without counts may have lost: gaps in its ids, ragged lines, lines made comments.
+
+None of it is an error; each comes as a note, which the reading says.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .errors import named
+
+_FEW = 3
+"""So few of a kind look like slips; more look meant."""
+_MANY = 10
+_LONGEST_GAP = 10
+"""Ids that a gap may leave out: a lost stretch of a file is no longer."""
+
+_NUMBERS = re.compile(r"[\s,]*[+-]?[\d.][\d.eE+-]*([\s,]+[+-]?[\d.][\d.eE+-]*){2,}[\s,]*")
+
+
+def gap_note(what: str, labels: Iterable[int]) -> list[str]:
+    """Return a note on ids that run evenly but for a few short gaps.
+
+    Examples
+    --------
+    >>> gap_note("element", [*range(1, 20), *range(21, 40)])
+    ['element ids go from 1 to 39 by 1, but after 19 comes 21: is a line lost there?']
+    >>> gap_note("element", [1, 5, 19, 40, 41, 50, 62, 77, 78, 90, 95])
+    []
+    """
+    ids = np.unique(np.fromiter(labels, np.int64))
+    if len(ids) < _MANY:
+        return []
+    steps = np.diff(ids)
+    step = int(np.median(steps))
+    odd = np.flatnonzero(steps != step)
+    if not 0 < len(odd) <= _FEW or steps[odd].max() > (_LONGEST_GAP + 1) * step:
+        return []
+    told = named(f"after {ids[k]} comes {ids[k + 1]}" for k in odd.tolist())
+    return [
+        f"{what} ids go from {ids[0]} to {ids[-1]} by {step}, but {told}: is a line lost there?"
+    ]
+
+
+def ragged_note(what: str, lines: Sequence[tuple[int, int]]) -> list[str]:
+    """Return a note on a line of ids that has another number of them than all lines around it.
+
+    Parameters
+    ----------
+    what : str
+        Names the set.
+    lines : sequence of (int, int)
+        Number of the line and of the ids in it; the last line may be shorter.
+    """
+    counts = np.array([n for _, n in lines[:-1]])
+    if len(counts) < 2:
+        return []
+    usual = int(np.bincount(counts).argmax())
+    odd = np.flatnonzero(counts != usual)
+    last = lines[-1][1]
+    told = [f"line {lines[k][0]} has {lines[k][1]}" for k in odd.tolist()]
+    if last > usual:
+        told.append(f"line {lines[-1][0]} has {last}")
+    if not 0 < len(told) <= max(1, len(counts) // _FEW):
+        return []
+    return [f"{what}: its lines have {usual} ids each, but {named(told)}: is something lost?"]
+
+
+def repeat_note(what: str, ids: Iterable[int]) -> list[str]:
+    """Return a note on ids that stand in a list more than once."""
+    values, counts = np.unique(np.fromiter(ids, np.int64), return_counts=True)
+    again = values[counts > 1]
+    return [f"{what} names {named(again.tolist())} more than once"] if len(again) else []
+
+
+def is_numbers(text: str) -> bool:
+    """Whether a comment is nothing but three numbers or more, as a line of data is."""
+    return bool(_NUMBERS.fullmatch(text))
+
+
+def comment_note(lines: Sequence[int]) -> list[str]:
+    """Return a note on comments that look like lines of data or keywords."""
+    if not lines:
+        return []
+    return [
+        f"comments in {len(lines)} lines look like data or keywords that were switched off "
+        f"(lines {named(lines)}): they are passed over"
+    ]
+
+
+def end_note(path: Path) -> list[str]:
+    """Return a note on a text file whose last line does not end."""
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        last = file.read(1)
+    return [] if last in b"\r\n" else ["the last line does not end: is the file cut short?"]
+
+
+def blank_note(what: str, counts: Sequence[int], labels: Sequence[int]) -> list[str]:
+    """Return a note on a few entries that give fewer numbers than all the others.
+
+    Parameters
+    ----------
+    what : str
+        Names an entry.
+    counts : sequence of int
+        Numbers that each of them gives; what is not given is zero.
+    labels : sequence of int
+        What the file calls them.
+    """
+    given = np.array(counts)
+    if len(given) < _MANY:
+        return []
+    odd = np.flatnonzero(given < np.median(given))
+    if not 0 < len(odd) <= _FEW:
+        return []
+    told = named(labels[k] for k in odd.tolist())
+    return [f"{what} {told} have fewer coordinates than the others; what is not given is 0"]

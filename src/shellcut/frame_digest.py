@@ -1,0 +1,104 @@
+"""Digests of the frames in a result file, so that damage is told and not read as numbers.
+
+Every frame has two, 32-bit CRCs as of zlib: one of its row (time, coordinate, figures, pose,
+counts, where its arrays lie, and the names and units that the file gives them), one of its arrays.
+They are taken of the numbers as a reader gets them, and so see whatever lies between: data, shapes
+of the columns, the index of their chunks, which HDF5 itself does not guard.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+DIGESTS = "crc32"
+"""Column of the digests, of the row and of the arrays, beside VTK's own columns."""
+
+PLACES = (
+    "PartOffsets",
+    "NumberOfParts",
+    "PointOffsets",
+    "CellDataOffsets/part",
+    "CellOffsets",
+    "ConnectivityIdOffsets",
+    "FieldDataOffsets/time [s]",
+    "FieldDataSizes/time [s]",
+)
+"""Columns of ``Steps`` that say where a frame's arrays lie."""
+
+SIZES = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+"""Columns of the parts that say how long they are."""
+
+
+def digest_of_arrays(arrays: Mapping[str, Any]) -> int:
+    """Return the digest of named arrays, whatever their order; their types are part of it."""
+    crc = 0
+    for name in sorted(arrays):
+        rows = np.ascontiguousarray(arrays[name])
+        crc = zlib.crc32(f"{name}{rows.dtype.str}{rows.shape}".encode(), crc)
+        crc = zlib.crc32(rows.reshape(-1).view(np.uint8).data, crc)
+    return crc
+
+
+def digest_of_row(description: str, numbers: Iterable[float], places: Iterable[int]) -> int:
+    """Return the digest of a frame's row.
+
+    Parameters
+    ----------
+    description : str
+        Names and units, as :func:`described` gives them.
+    numbers : iterable of float
+        Time, the series in the order of their names, pose.
+    places : iterable of int
+        Counts, then the values of :data:`PLACES` and :data:`SIZES`.
+    """
+    crc = zlib.crc32(description.encode())
+    crc = zlib.crc32(np.array([*numbers], "<f8").tobytes(), crc)
+    return zlib.crc32(np.array([*places], "<i8").tobytes(), crc)
+
+
+def described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str:
+    """Return version, names and units of a result file as one text, from its attributes."""
+    texts = [str(attributes["version"])]
+    for name in ("coordinate", "scalar_names", "scalar_units"):
+        texts += [name, *map(str, attributes[name])]
+    return "\n".join([*texts, *sorted(series_names)])
+
+
+def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
+    """Return the digests of the rows of the first frames of a file, as they are read now.
+
+    Parameters
+    ----------
+    root, beside : h5py.Group
+        VTK's group and ours.
+    n_frame : int
+        One or more.
+    """
+    steps, series = root["Steps"], root["FieldData"]
+    description = described(beside.attrs, series)
+
+    def rows(column: Any) -> Any:
+        return column[:n_frame].reshape(n_frame, -1)
+
+    part = rows(steps["PartOffsets"])[:, 0]
+    sizes = [root[name][()][part][:, None] for name in SIZES]
+    places = [rows(beside["counts"]), *(rows(steps[name]) for name in PLACES), *sizes]
+    numbers = [rows(steps["Values"]), *(rows(series[name]) for name in sorted(series))]
+    table = np.concatenate([*numbers, rows(beside["pose"])], axis=1)
+    where = np.concatenate(places, axis=1)
+    return [
+        digest_of_row(description, table[k].tolist(), where[k].tolist()) for k in range(n_frame)
+    ]
+
+
+def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
+    """Return the first of the frames whose row is not what was written, None if all are."""
+    if not n_frame:
+        return None
+    now = np.array(row_digests(root, beside, n_frame), np.uint32)
+    wrong = np.flatnonzero(beside[DIGESTS][:n_frame, 0] != now)
+    return int(wrong[0]) if wrong.size else None

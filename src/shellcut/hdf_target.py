@@ -1,0 +1,188 @@
+"""The file that HDF5 writes to, of which HDF5 does not see it fail.
+
+HDF5 that cannot write can neither go on nor close its file: it raises again when the file is
+closed, and then the process ends by a segmentation fault (h5py 3.16, at half of 20 sizes of a full
+disk), whatever its program had to say. What it has written by then may not fit together. So HDF5
+writes to an object of ours. Once the system refuses bytes, the file is put back to where it was
+when all was well, and what has come since and still comes is kept in memory, where HDF5 finds it
+again; the error is told to whoever asks.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Literal
+
+from .whole_file import write_all
+
+
+class HdfTarget(io.RawIOBase):
+    """A binary file to be given to ``h5py.File``, and to be closed after it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mode : {"w", "r+"}
+        Begin it anew, or go on with what is there.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    """
+
+    def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
+        self._path = path
+        self._file: Any = path.open({"w": "w+b", "r+": "r+b"}[mode], buffering=0)
+        self._at = 0
+        self._kept = self._file.seek(0, os.SEEK_END)  # size when all was well
+        self._replaced: list[tuple[int, bytes]] = []  # since then: where, and what was there
+        self._in_memory: list[tuple[int, bytes]] = []
+        self._failure: OSError | None = None
+        self._told = False
+
+    def check(self) -> None:
+        """Tell whether the file has failed.
+
+        Raises
+        ------
+        OSError
+            If it has, with the system's number and reason.
+        """
+        if self._failure is not None:
+            self._told = True
+            raise OSError(*self._failure.args[:2], str(self._path)) from self._failure
+
+    def keep(self) -> None:
+        """Declare that the file fits together now: a later failure puts it back to this.
+
+        Raises
+        ------
+        OSError
+            If it has failed.
+        """
+        self.check()
+        self._kept = self._file.seek(0, os.SEEK_END)
+        self._replaced.clear()
+
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk.
+
+        Raises
+        ------
+        OSError
+            If it cannot be.
+        """
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Close the file; raise its failure if nobody has been told."""
+        if not self.closed:
+            super().close()
+            self._file.close()
+            if not self._told:
+                self.check()
+
+    # ------------------------------------------------------------------ what h5py calls
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def writable(self) -> bool:
+        """Return True."""
+        return True
+
+    def seekable(self) -> bool:
+        """Return True."""
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place [bytes]; return it."""
+        if whence == os.SEEK_CUR:
+            offset += self._at
+        elif whence == os.SEEK_END:
+            offset += self._size()
+        self._at = offset
+        return offset
+
+    def tell(self) -> int:
+        """Return the place [bytes]."""
+        return self._at
+
+    def readinto(self, buffer: Any) -> int:
+        """Read as much as there is, on the disk or in memory."""
+        room = memoryview(buffer).cast("B")
+        end = min(self._at + len(room), self._size())
+        n = max(end - self._at, 0)
+        stored = self._stored(self._at, n)
+        room[:n] = stored + bytes(n - len(stored))
+        for first, data in self._in_memory:
+            low, high = max(first, self._at), min(first + len(data), end)
+            if low < high:
+                room[low - self._at : high - self._at] = data[low - first : high - first]
+        self._at += n
+        return n
+
+    def write(self, data: Any) -> int:
+        """Write all of it, to the disk or to memory."""
+        view = memoryview(data).cast("B")
+        if self._failure is None:
+            try:
+                if self._at < self._kept:
+                    old = self._stored(self._at, min(len(view), self._kept - self._at))
+                    self._replaced.append((self._at, old))
+                self._file.seek(self._at)
+                write_all(self._file, view)
+            except OSError as failure:
+                self._put_back(failure)
+        if self._failure is not None:
+            self._in_memory.append((self._at, bytes(view)))
+        self._at += len(view)
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Cut or lengthen the file [bytes]; not one that has failed."""
+        size = self._at if size is None else size
+        if self._failure is None:
+            try:
+                self._file.truncate(size)
+                self._kept = min(self._kept, size)
+            except OSError as failure:
+                self._put_back(failure)
+        return size
+
+    def flush(self) -> None:
+        """Do nothing: each write goes to the system at once."""
+
+    # ------------------------------------------------------------------ parts
+
+    def _put_back(self, failure: OSError) -> None:
+        """Make the file what it was when all was well; HDF5 shall find its own in memory."""
+        self._failure = failure
+        with suppress(OSError):
+            now = [(first, self._stored(first, len(old))) for first, old in self._replaced]
+            end = self._file.seek(0, os.SEEK_END)
+            now.append((self._kept, self._stored(self._kept, end - self._kept)))
+            self._in_memory = now
+            for first, old in reversed(self._replaced):
+                self._file.seek(first)
+                write_all(self._file, old)
+            self._file.truncate(self._kept)
+
+    def _stored(self, first: int, n: int) -> bytes:
+        """Return up to ``n`` bytes from the disk."""
+        self._file.seek(first)
+        pieces = []
+        while n > 0 and (piece := self._file.read(n)):
+            pieces.append(piece)
+            n -= len(piece)
+        return b"".join(pieces)
+
+    def _size(self) -> int:
+        ends = (first + len(data) for first, data in self._in_memory)
+        return max(int(self._file.seek(0, os.SEEK_END)), *ends, 0)

@@ -1,0 +1,93 @@
+"""The parts of a model, each by itself, for a look at one that cannot be built."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from shellcut._jit import Ints
+from shellcut.mesh import Mesh
+from shellcut.models.guillotine import blade_before
+from shellcut.motion import Motion, ScrewMotion
+from shellcut.preview import ModelParts
+from shellcut.support import choose_nodes
+from shellcut.tool import Tool
+
+from .build import as_long_as
+from .model import Model
+
+_BY_ITSELF = {"opening": ("rim",), "strip": ("bottom", "top")}
+"""Node sets that films of the package are clamped at, by kind."""
+
+# What is refused is let be: the error of the model says it.
+_REFUSALS = (ValueError, KeyError, ImportError, OSError)
+
+
+def parts(model: Model) -> ModelParts:
+    """Return what can be made of film, held nodes, tool and motion."""
+    return _Parts(model).made()
+
+
+class _Parts:
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._of = model.sections
+
+    def made(self) -> ModelParts:
+        mesh: Mesh | None = self._try(lambda: self._of["membrane"].made())
+        tool: Tool | None = self._try(lambda: self._tool(mesh))
+        moved = self._try(lambda: self._motion(mesh, tool))
+        motion, duration = (None, None) if moved is None else moved[1:]
+        return ModelParts(
+            mesh=mesh,
+            held=np.zeros(0, np.int64) if mesh is None else self._held(mesh),
+            tool=tool if moved is None else moved[0],
+            motion=motion,
+            duration=duration,
+        )
+
+    def _try(self, make: Callable[[], Any]) -> Any:
+        """Return what is made, None where it is refused or what it takes is not there."""
+        found = None
+        with suppress(*_REFUSALS):
+            found = make()
+        return found
+
+    def _tool(self, mesh: Mesh | None) -> Tool:
+        section = self._of["tool"]
+        if self._model.head.model == "guillotine" and mesh is not None:
+            section = as_long_as(section, float(np.ptp(mesh.nodes[:, 0])))
+        tool: Tool = section.made()
+        return tool
+
+    def _motion(self, mesh: Mesh | None, tool: Tool | None) -> tuple[Tool | None, Motion, float]:
+        section = self._of["motion"]
+        if self._model.head.model == "opening":
+            motion = ScrewMotion.over(
+                angle_deg=section.angle_deg, duration=section.duration, pitch=section.pitch
+            )
+            return tool, motion, section.duration
+        if self._model.head.model == "guillotine":
+            if mesh is None or tool is None:
+                raise ValueError("the way of the blade begins where the strip does")
+            return blade_before(mesh, tool, travel=section.travel, speed=section.speed)
+        given = section.made()
+        duration = section.duration
+        return tool, given, float(given.times[-1]) if duration is None else duration
+
+    def _held(self, mesh: Mesh) -> Ints:
+        film = self._of["membrane"]
+        names = _BY_ITSELF.get(film.kind, ())
+        if self._model.head.model == "free" or not names:
+            names = getattr(film, "clamp", ())
+        found: list[Ints] = []
+        for name in names:
+            with suppress(*_REFUSALS):
+                found.append(mesh.node_set(name))
+        for support in self._model.lists.get("supports", ()):
+            with suppress(*_REFUSALS):
+                found.append(choose_nodes(mesh, support.nodes))
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *found]))

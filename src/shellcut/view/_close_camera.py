@@ -1,0 +1,86 @@
+"""The camera that goes with one tooth and looks at what its edge does."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.frame import Floats, Frame
+
+from ._panel import OVERSAMPLING, edge_length
+from ._raster import Camera, view_axes
+from ._teeth import teeth_of
+
+
+def close_camera(
+    frame: Frame,
+    tooth: int,
+    close_view: tuple[float, float],
+    toward: Floats,
+    close_width: float | None,
+    shape: tuple[int, int],
+) -> Camera:
+    """Return a camera that goes with a tooth, on the side of the membrane that ``toward`` looks at.
+
+    close_view, close_width, tooth : as :func:`draw_snapshot`.
+    shape : pixels of the file, height and width.
+
+    Raises
+    ------
+    ValueError
+        If there is no such tooth.
+    """
+    edge = tooth_edge(frame, tooth)
+    middles = edge.mean(axis=1)
+    distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
+    focus = middles[np.argmin(distance.min(axis=1))]  # where the edge meets the membrane
+    normal = _membrane_normal(frame, focus)
+    if normal @ toward < 0.0:  # both panels look at the same side
+        normal = -normal
+    forward = _cutting_direction(frame, focus)
+    forward = forward - (forward @ normal) * normal
+    if np.linalg.norm(forward) < 1e-6:
+        forward = np.cross(normal, np.roll(normal, 1))
+    forward /= np.linalg.norm(forward)
+    elevation, bearing = np.radians(close_view)
+    level = np.cos(bearing) * forward + np.sin(bearing) * np.cross(normal, forward)
+    axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * normal, normal)
+    length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
+    if close_width is None:
+        # Of what does not change in a run, so that the pictures of one run make a film.
+        whole = np.ptp(frame.reference, axis=0).max()
+        close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * edge_length(frame))
+    height, width = (OVERSAMPLING * n for n in shape)
+    # The way already cut is what there is to see: the edge stands off the middle, toward its front.
+    centre = focus - 0.12 * close_width * forward
+    return Camera(axes, centre, width / close_width, (height, width))
+
+
+def tooth_edge(frame: Frame, tooth: int) -> Floats:
+    """Return the segments of the cutting edge of a tooth, shape (n, 2, 3), [mm]."""
+    label = teeth_of(frame.edge_points)
+    if not 0 <= tooth <= label.max():
+        raise ValueError(f"tooth must be in 0..{label.max()}, got {tooth}")
+    return np.asarray(frame.edge_points[label == tooth])
+
+
+def _membrane_normal(frame: Frame, focus: Floats) -> Floats:
+    # Of the reference, where flaps do not yet hang, over some ten quads around the edge.
+    near = np.argsort(np.linalg.norm(frame.points[frame.quads].mean(axis=1) - focus, axis=1))[:12]
+    p = frame.reference[frame.quads[near]]
+    normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]).sum(axis=0)
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def _cutting_direction(frame: Frame, focus: Floats) -> Floats:
+    # Out of the wedge: the mean of the outward normals of the two faces that share the edge.
+    if not len(frame.tool_triangles):
+        return np.zeros(3)
+    p = frame.tool_points[frame.tool_triangles]
+    along = np.roll(p, -1, axis=1) - p
+    s = ((focus - p) * along).sum(axis=2) / (along**2).sum(axis=2).clip(1e-30)
+    foot = p + s.clip(0.0, 1.0)[..., np.newaxis] * along
+    distance = np.linalg.norm(foot - focus, axis=2).min(axis=1)
+    faces = p[distance <= distance.min() + 1e-6 * np.ptp(p)]
+    normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True).clip(1e-30)
+    return np.asarray(normal.sum(axis=0))

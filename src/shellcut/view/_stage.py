@@ -1,0 +1,158 @@
+"""PyVista's side of a scene: a plotter that is set up once and shows one frame after the other.
+
+A new plotter compiles its shaders anew, which takes longer than the picture; so the actors stay and
+are given the next frame's surfaces and lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.frame import Floats, Frame, Ints
+
+from ._panel import (
+    CABLE_COLORS,
+    EDGE_COLOR,
+    FLANK_COLOR,
+    MESH_COLOR,
+    TOOL_COLOR,
+    edge_length,
+    tool_creases,
+)
+from ._raster import Camera
+from .renderer import quiet_vtk
+
+_TOOL_OPACITY = 0.4  # that what it does can be seen through it
+_CREASE_COLOR = (0.3, 0.3, 0.33)
+
+Part = tuple[str, Any, dict[str, Any]]
+"""Name, PyVista's mesh, and its look as options of ``Plotter.add_mesh``."""
+
+
+class Stage:
+    """Show frames by one camera; to be used only where :func:`why_not_pyvista` says None.
+
+    Parameters
+    ----------
+    camera : Camera
+        Where from.
+    reach : float
+        Distance of the camera from its centre, beyond all there is to see [mm].
+    scale : ScalarMappable
+        From stress [MPa] to colour.
+    shape : (int, int)
+        Height and width of the pictures [pixel].
+    """
+
+    def __init__(self, camera: Camera, reach: float, scale: Any, shape: tuple[int, int]) -> None:
+        import pyvista
+
+        self._scale = scale
+        self._actors: dict[str, Any] = {}
+        with quiet_vtk():
+            p: Any = pyvista.Plotter(off_screen=True, window_size=[shape[1], shape[0]])
+            p.background_color = "white"
+            p.enable_anti_aliasing("ssaa")
+            p.enable_depth_peeling(8)
+            p.camera.focal_point = camera.centre
+            p.camera.position = camera.centre + reach * camera.axes[2]
+            p.camera.up = camera.axes[1]
+            p.camera.parallel_projection = True
+            p.camera.parallel_scale = 0.5 * camera.shape[0] / camera.scale
+        self._plotter = p
+
+    def picture(self, frame: Frame, stress: Floats) -> npt.NDArray[np.uint8]:
+        """Return the frame, its film coloured by stresses of the quads [MPa]."""
+        parts = list(_parts(frame, stress))
+        with quiet_vtk():
+            if [name for name, _, _ in parts] == list(self._actors):
+                for name, mesh, _ in parts:
+                    self._actors[name].mapper.SetInputData(mesh)
+            else:  # something came or went: all anew, so that the order is always the same
+                self._plotter.clear_actors()
+                self._actors = {name: self._added(mesh, look) for name, mesh, look in parts}
+            self._plotter.reset_camera_clipping_range()
+            self._plotter.render()  # does nothing the first time: then the next line does
+            return np.asarray(self._plotter.screenshot(return_img=True))[..., :3]
+
+    def close(self) -> None:
+        """Release the window."""
+        self._plotter.close()
+
+    def _added(self, mesh: Any, look: dict[str, Any]) -> Any:
+        if mesh.cell_data:
+            look = look | {"cmap": self._scale.cmap, "clim": self._scale.get_clim()}
+        actor = self._plotter.add_mesh(mesh, render=False, reset_camera=False, **look)
+        if "Normals" in mesh.point_data:
+            actor.prop.interpolation = "Phong"
+        return actor
+
+
+def _parts(frame: Frame, stress: Floats) -> Iterator[Part]:
+    yield (
+        "film",
+        _film(frame, stress),
+        {
+            "scalars": "stress",
+            "show_scalar_bar": False,
+            "ambient": 0.35,
+            "diffuse": 0.65,
+            "specular": 0.0,
+            "show_edges": True,
+            "edge_color": MESH_COLOR,
+            "edge_opacity": 0.35,
+        },
+    )
+    # Tubes, as thick as a part of a quad: lines of pixels vanish in the film they lie on.
+    thick = 0.03 * edge_length(frame)
+    if len(frame.crack_edges):
+        flanks = _segments(frame.points, frame.crack_edges.reshape(-1, 2))
+        yield "flanks", flanks.tube(radius=thick), {"color": FLANK_COLOR}
+    for state, color in CABLE_COLORS.items():
+        chosen = frame.cable_segments[frame.cable_state == state]
+        if len(chosen):
+            yield f"cables {state}", _tubes(chosen, 1.3 * thick), {"color": color, **_BRIGHT}
+    if len(frame.edge_points):
+        yield "edges", _tubes(frame.edge_points, 1.6 * thick), {"color": EDGE_COLOR, **_BRIGHT}
+    if len(frame.tool_triangles):
+        tool = _surface(frame.tool_points, frame.tool_triangles)
+        yield "tool", tool, {"color": TOOL_COLOR, "opacity": _TOOL_OPACITY, "ambient": 0.45}
+        creases = tool_creases(frame)
+        if len(creases):
+            lines = _segments(frame.tool_points, creases)
+            yield "creases", lines, {"color": _CREASE_COLOR, "line_width": 1}
+
+
+_BRIGHT = {"lighting": False}
+
+
+def _film(frame: Frame, stress: Floats) -> Any:
+    # With normals at the points: else the two triangles of a warped quad differ.
+    film = _surface(frame.points, frame.quads).compute_normals(
+        cell_normals=False, split_vertices=False
+    )
+    film.cell_data["stress"] = stress
+    return film
+
+
+def _surface(points: Floats, faces: Ints) -> Any:
+    import pyvista
+
+    count = np.full((len(faces), 1), faces.shape[1])
+    return pyvista.PolyData(np.asarray(points), np.hstack((count, faces)))
+
+
+def _segments(points: Floats, ids: Ints) -> Any:
+    import pyvista
+
+    cells = np.column_stack((np.full(len(ids), 2), ids))
+    return pyvista.PolyData(np.asarray(points), lines=cells)
+
+
+def _tubes(segments: Floats, radius: float) -> Any:
+    ids = np.arange(2 * len(segments)).reshape(-1, 2)
+    return _segments(segments.reshape(-1, 3), ids).tube(radius=radius)

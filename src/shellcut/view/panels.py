@@ -1,0 +1,132 @@
+"""Pictures of frames without a word in them, for figures and pages that have their own."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.frame import Floats, Frame
+
+from ._close_camera import close_camera
+from ._panel import (
+    OVERSAMPLING,
+    eight_bit,
+    picture,
+    round_length,
+    round_limits,
+    stress_colors,
+    stress_scale,
+    whole_camera,
+)
+from ._raster import Camera
+
+VIEW = (48.0, -60.0)
+"""Elevation above the x-y plane and azimuth from the x axis, of the camera of the whole [deg]."""
+CLOSE_VIEW = (40.0, 50.0)
+"""Elevation above the membrane and bearing from the cut, of the camera of a tooth [deg]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One picture, and the camera that it is seen by."""
+
+    image: Floats
+    """Red, green, blue in 0..1, shape (height, width, 3)."""
+    camera: Camera
+
+    @property
+    def bar(self) -> tuple[float, float]:
+        """A round length of about a sixth of the width [mm], and its share of the width."""
+        whole = self.image.shape[1] * OVERSAMPLING / self.camera.scale
+        length = round_length(whole / 6.0)
+        return length, length / whole
+
+    def png(self) -> bytes:
+        """Return the picture as the bytes of a PNG."""
+        from PIL import Image
+
+        file = io.BytesIO()
+        Image.fromarray(eight_bit(self.image)).save(file, "PNG", optimize=True)
+        return file.getvalue()
+
+
+class Panels:
+    """Panels of the frames of a run: the whole by one camera, a tooth by one that goes with it.
+
+    Parameters
+    ----------
+    seen : sequence of Frame
+        All that the camera of the whole must hold.
+    shape : (int, int)
+        Height and width of the picture of the whole [pixel].
+    close_shape : (int, int), optional
+        The same of the picture of the tooth.
+    view, close_view, close_width, tooth, stress_limits
+        As :func:`draw_snapshot`.
+    """
+
+    def __init__(
+        self,
+        seen: Sequence[Frame],
+        *,
+        shape: tuple[int, int],
+        close_shape: tuple[int, int] | None = None,
+        view: tuple[float, float] = VIEW,
+        close_view: tuple[float, float] = CLOSE_VIEW,
+        close_width: float | None = None,
+        tooth: int = 0,
+        stress_limits: tuple[float, float] | None = None,
+    ) -> None:
+        if stress_limits is None:
+            stress_limits = round_limits(np.concatenate([f.quad_principal[:, 0] for f in seen]))
+        self.stress_limits = stress_limits
+        self.scale = stress_scale(stress_limits)
+        self._camera = whole_camera(seen, view, shape)
+        self._close_shape, self._close_view = close_shape or shape, close_view
+        self._close_width, self._tooth = close_width, tooth
+
+    def whole(self, frame: Frame) -> Panel:
+        """Return the picture of the whole."""
+        return self._panel(frame, self._camera)
+
+    def close(self, frame: Frame) -> Panel | None:
+        """Return the picture of the tooth; None if there is no edge.
+
+        Raises
+        ------
+        ValueError
+            If there are edges, but no such tooth.
+        """
+        if not len(frame.edge_points):
+            return None
+        toward = self._camera.axes[2]
+        camera = close_camera(
+            frame, self._tooth, self._close_view, toward, self._close_width, self._close_shape
+        )
+        return self._panel(frame, camera)
+
+    def mark(self, close: Panel) -> tuple[float, float, float]:
+        """Return where in the picture of the whole a close one was taken: a circle.
+
+        Returns
+        -------
+        x, y, radius : float
+            From the upper left [pixel].
+        """
+        x, y, _ = self._camera.project(close.camera.centre) / OVERSAMPLING
+        radius = 0.5 * close.camera.shape[0] / close.camera.scale * self._camera.scale
+        return float(x), float(y), radius / OVERSAMPLING
+
+    def _panel(self, frame: Frame, camera: Camera) -> Panel:
+        return Panel(picture(frame, camera, stress_colors(frame, self.scale)), camera)
+
+
+def height_over_width(frames: Sequence[Frame], view: tuple[float, float] = VIEW) -> float:
+    """Return the shape of what there is to see, within what still looks like a frame of a film."""
+    camera = whole_camera(frames, view, (1000, 1000))
+    at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
+    extent = np.ptp(at, axis=0)
+    return float(np.clip(extent[1] / extent[0] + 0.06, 0.4, 1.0))

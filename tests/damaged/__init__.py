@@ -1,0 +1,1 @@
+"""Damaged files and nonsense numbers: what becomes of them. ``python -m damaged`` counts it."""

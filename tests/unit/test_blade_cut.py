@@ -1,0 +1,157 @@
+"""Where the blade-cut rule finds nodes cut: where the blade is, and nowhere else."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from naive import cases
+from shellcut.blade_cut import BladeCut
+from shellcut.cable import CableSet
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.meshing import rectangle
+from shellcut.models.opening import opening_test
+from shellcut.state import JOINTED, initial_state
+from shellcut.tool_file import read_tool
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+REACH = 0.3  # of a whole node of unit squares, beside the edge and behind it [mm]
+NO_RIM = np.zeros(0, np.bool_)
+HERE = np.eye(3), np.zeros(3)
+RADIUS = 9.4
+
+
+@cache
+def _sheet(n):
+    return rectangle(float(n), float(n), n_x=n, n_y=n)
+
+
+def cut_of(tool, points):
+    """Return which of these places a node inside the sheet is pierced at."""
+    n = int(np.ceil(np.sqrt(len(points))))
+    _, state = cases.set_up(_sheet(n))
+    state.node.contact_area[:] = 0.25
+    state.node.x[: state.n_node] = 1e3
+    state.node.x[: len(points)] = points
+    found = BladeCut(tool, 1.0).cut_nodes(state, [], NO_RIM, *HERE)
+    cut = np.zeros(len(points), np.bool_)
+    cut[list(found)] = True
+    return cut
+
+
+def cables_met(tool, points, across):
+    """Return which of the cables, ends at these places plus and minus ``across``, are met."""
+    n = len(points)
+    state = initial_state(rectangle(2.0 * n, 1.0, n_x=2 * n - 1, n_y=1))
+    for k in range(n):
+        state.cable.append_blank()
+        state.cable.ends[k] = 2 * k, 2 * k + 1
+        state.node.x[2 * k : 2 * k + 2] = points[k] - across[k], points[k] + across[k]
+        state.cable.m[k] = across[k] / np.linalg.norm(across[k])
+        state.cable.area[k] = 0.03
+    CableSet(CohesiveLaw(), tool).add_forces(state, *HERE)
+    return state.cable.status[:n] == JOINTED
+
+
+class Tooth:
+    """A tooth in its straight coordinates, 0.02 mm off which is too near to be sure."""
+
+    def __init__(self, eta_deg, relief_deg, height):
+        self.eta, self.relief, self.height = np.radians(eta_deg), np.radians(relief_deg), height
+
+    def regions(self, s, z):
+        """Return where an edge that has come to all of this has surely cut, and surely not."""
+        d = z / np.tan(self.eta) - s  # behind the edge, level
+        depth, along = d * np.sin(self.eta), s * np.cos(self.eta) + z * np.sin(self.eta)
+        over = (z + s * np.tan(self.relief)) * np.cos(self.relief)  # the relief
+        cut = (depth > 0.02) & (depth < REACH - 0.02) & (along > 0.02) & (over > 0.6 * depth)
+        cut &= z < self.height - 0.2
+        whole = (depth < -0.02) | (depth > REACH + 0.02) | (over < -0.02)
+        return cut, whole | (z > self.height + 0.02)
+
+
+def grid(low, high):
+    s, z = np.meshgrid(np.arange(-1.2, 0.8, 0.08), np.arange(low, high, 0.08))
+    return s.ravel() + 0.003, z.ravel() + 0.004
+
+
+def wrapped(s, n, z):
+    angle = s / RADIUS
+    return np.stack(
+        [(RADIUS + n) * np.cos(angle), (RADIUS + n) * np.sin(angle), 0.02 + z + 0.0 * s], axis=1
+    )
+
+
+@pytest.mark.parametrize(
+    ("from_file", "half_thickness"), [(False, 0.35), (True, 0.35), (False, 0.03)], ids=str
+)
+@pytest.mark.parametrize(
+    ("eta", "relief"),
+    [(30, 0), (60, 0), (60, 60), (75, 30), (85, 5), (89, 30)],
+)
+def test_nodes_are_cut_where_the_tooth_is(eta, relief, half_thickness, from_file, tmp_path):
+    tool = tooth_ring(
+        n_teeth=1,
+        edge_inclination_deg=eta,
+        relief_deg=relief,
+        half_thickness=half_thickness,
+        height=3.0,
+    )
+    if from_file:
+        tool.write(tmp_path / "tooth.stl")
+        tool = read_tool(tmp_path / "tooth.stl", unit="mm")
+        # Corners of its back turn by 100 degrees: found by angle, they would cut too.
+        tool = tool.without_cutting(*range(1, tool.n_chain)) if tool.n_chain > 1 else tool
+    s, z = grid(-1.0, 1.2)
+    cut, whole = Tooth(eta, relief, 3.0).regions(s, z)
+    assert cut.sum() > 20
+    assert ((z < 0.0) & whole).sum() > 50
+    # On the mid-plane, and well beside a thin tooth: the faces have pushed the node there.
+    for n in (0.0, 0.2, -0.2):
+        found = cut_of(tool, wrapped(s, n, z))
+        assert found[cut].all()
+        assert not found[whole].any()
+    s, z, cut = s[::3], z[::3], cut[::3]
+    places = wrapped(s, 0.0, z)
+    across = 0.05 * places * [1.0, 1.0, 0.0] / RADIUS
+    met = cables_met(tool, places, across)
+    assert met[cut].all()
+    # Deeper than a whole node's reach a cable is met as well, but only inside the tooth.
+    outside = z < -np.tan(np.radians(relief)) * s - 0.02
+    assert not met[outside | (z / np.tan(np.radians(eta)) - s < -0.02)].any()
+
+
+@pytest.mark.parametrize("edge_angle", [40.0, 60.0, 90.0])
+def test_nodes_are_cut_where_a_straight_blade_is(edge_angle):
+    blade = straight_blade(edge_angle_deg=edge_angle, length=0.8, height=1.0)
+    x, z = grid(-1.2, 1.2)
+    d = z / np.tan(np.radians(edge_angle)) - x
+    depth = d * np.sin(np.radians(edge_angle))
+    found = cut_of(blade, np.stack([x, 0.1 + 0.0 * x, z], axis=1))
+    inside = (depth > 0.005) & (depth < REACH - 0.005) & (abs(z) < 0.5 - 0.25 * depth - 0.01)
+    # Within the strip: at a slanted edge's upper end that leaves the blade, at its lower end not.
+    along = np.sin(np.radians(edge_angle)) * (z + 0.5) + np.cos(np.radians(edge_angle)) * (
+        x + 0.5 / np.tan(np.radians(edge_angle))
+    )
+    inside &= (along > 0.0) & (along < 1.0 / np.sin(np.radians(edge_angle)))
+    assert inside.sum() > 20
+    assert found[inside].all()
+    assert not found[(abs(z) > 0.5) | (depth < -1e-9) | (depth > REACH + 1e-9)].any()
+
+
+def test_film_that_presses_on_a_relief_is_not_cut():
+    # Contact yields by some thousandths of a millimetre; 0.02 mm here.
+    tool = tooth_ring(n_teeth=1, relief_deg=10.0, edge_inclination_deg=85.0)
+    s = -np.linspace(0.15, 1.2, 30)
+    assert not cut_of(tool, wrapped(s, 0.0, -s * np.tan(np.radians(10.0)) + 0.02)).any()
+
+
+@pytest.mark.parametrize("eta", [75.0, 85.0])
+def test_a_steep_tooth_splits_nothing_behind_its_tip(eta):
+    # The tips stand 0.02 mm over nodes of the ring and pass between them when they come down: the
+    # first node that the edges reach is the next one, at 4.8 degrees.
+    sim = opening_test("quick", tool=tooth_ring(edge_inclination_deg=eta)).simulation
+    while np.degrees(sim.motion.coordinate(sim.state.time)) < 1.5:
+        sim.step()
+    assert sim.state.split_log == []
+    assert sim.ledger.tool_work == 0.0

@@ -1,0 +1,118 @@
+"""What a run shows of its cut, of records put together by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from notched_strip import cutting
+from shellcut import StraightMotion, Support
+from shellcut.checks import Sweep
+from shellcut.cut_evidence import cut_evidence
+from shellcut.meshing import rectangle
+from shellcut.models import free_cut, guillotine
+from shellcut.state import SplitRecord
+from shellcut.tool_shapes import straight_blade
+from shellcut.verdict import verdict
+
+
+@pytest.fixture
+def cut():
+    """A guillotine of 1 mm quads at its start, and the way of its blade."""
+    case = guillotine(1.0, length=8.0, width=4.0, notch=1.0, travel=4.0)
+    sim = case.simulation
+    return sim, Sweep.of(sim.mesh, sim.tool, sim.motion, case.duration)
+
+
+def record(sim, place):
+    node = int(np.argmin(np.linalg.norm(sim.mesh.nodes - place, axis=1)))
+    return SplitRecord(0.0, node, node, place, place, "blade", 1.0, 0.0)
+
+
+def test_splits_on_another_row_are_counted(cut):
+    sim, sweep = cut
+    on, near, off = (2.0, 0.0, 0.0), (3.0, 0.14, 0.0), (3.0, 1.0, 0.0)
+    # the blade stands at 4 mm at last: cracks may run 3 mm ahead, no more, and not behind
+    ahead, too_far = (6.9, 0.0, 0.0), (8.0, 0.0, 0.0)
+    sim.state.split_log += [record(sim, place) for place in (on, near, off, ahead, too_far)]
+    figures = cut_evidence(sim, sweep)
+    assert figures["n_split"] == 5
+    assert figures["n_split_off_path"] == 2
+    assert figures["off_path_mm"] == pytest.approx(1.05, abs=0.03)
+    assert figures["edge_length_mm"] == 1.0
+
+
+def test_where_no_edge_comes_by_nothing_is_compared(cut):
+    sim, sweep = cut
+    sim.state.split_log.append(record(sim, (2.0, 0.0, 0.0)))
+    empty = replace(
+        sweep,
+        **{
+            name: getattr(sweep, name)[:0]
+            for name in ("chain", "time", "place", "quad", "velocity", "back", "normal")
+        },
+        along_edge=sweep.along_edge[:0],
+    )
+    assert "n_split" not in cut_evidence(sim, empty)
+    assert "n_split" not in cut_evidence(sim, None)
+
+
+def test_what_joints_missed_and_cables_took(cut):
+    sim, sweep = cut
+    assert not {"overshoot_rel", "cables_rel"} & cut_evidence(sim, sweep).keys()
+    for _ in range(3):
+        sim.state.cable.append_blank()
+    sim.state.cable.overshoot[:3] = 0.1, 0.3, 0.0
+    sim.n_joint_made, sim.n_cable_broken = 2, 1
+    book = sim.ledger
+    book.cohesive_work, book.cohesive_start_work = 7.0, 1.0
+    book.damping_stiffness, book.contact_work = 1.5, -0.5
+    figures = cut_evidence(sim, sweep)
+    assert figures["overshoot_rel"] == pytest.approx(0.2 / 2.0)  # of half of 4 mm
+    assert figures["cables_rel"] == pytest.approx(8.0 / 10.0)
+    book.damping_stiffness = np.nan  # of a film that blew up
+    assert "cables_rel" not in cut_evidence(sim, sweep)
+
+
+def test_a_film_that_does_not_tear_shows_nothing():
+    sim = cutting()
+    sim.law = None
+    assert list(cut_evidence(sim, None)) == ["edge_length_mm"]
+
+
+def test_a_cut_on_rows_beside_the_blade_is_told_by_the_run_itself():
+    # The blade goes midway between two rows of a strip: both are cut.
+    case = free_cut(
+        rectangle(8.0, 4.8, size=0.8),
+        tool=straight_blade(length=8.0, height=3.0).translated((-0.05, 0.4, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), 12000.0, ramp=1e-4),
+        duration=4e-4,
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        imprint=False,
+    )
+    case.simulation.run(case.duration)
+    figures = cut_evidence(case.simulation, case.check.sweep)
+    assert figures["n_split_off_path"] == figures["n_split"] > 2
+    assert figures["off_path_mm"] == pytest.approx(0.4, abs=0.01)
+    (line,) = [line for line in verdict(figures) if "splits" in line.text]
+    assert line.kind == "doubt"
+
+
+def test_a_blade_driven_backwards_is_told_by_the_run_itself():
+    # Its back, 0.6 mm wide, comes in over the end of the strip; the edge follows 2 mm behind.
+    case = free_cut(
+        rectangle(8.0, 4.8, size=0.8),
+        tool=straight_blade(length=2.0, height=3.0).translated((10.05, 0.0, 0.0)),
+        motion=StraightMotion((-1.0, 0.0, 0.0), 12000.0, ramp=1e-4),
+        duration=5e-4,
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+    )
+    case.simulation.run(case.duration)
+    figures = cut_evidence(case.simulation, case.check.sweep)
+    doubts = [line.text for line in verdict(figures) if line.kind == "doubt"]
+    for said in (
+        "reverse the motion",
+        "the tool presses on film that does not part",
+        "cracks left",
+    ):
+        assert any(said in text for text in doubts), (said, figures)

@@ -1,0 +1,285 @@
+"""Runs that fail on the way: what they end with, what they leave, how they go on."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import shellcut
+import shellcut.recorder
+from notched_strip import cutting
+from shellcut.command_line import main
+from shellcut.hooks import StopWhen
+from shellcut.models import Case
+from shellcut.recorder import Recorder, RunEnded
+from shellcut.run_files import FolderLost
+from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
+
+MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
+MODEL += ["--set", "membrane.width=4", "--set", "output.rows=200", "--frames", "20"]
+MODEL += ["--no-pictures"]
+
+RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 0, "progress": False}
+END = 2e-5
+
+
+@pytest.fixture(autouse=True)
+def _no_pictures(monkeypatch):
+    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The run by the command, undisturbed."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        assert main(["run", *MODEL, "-o", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    """A run by Python, undisturbed."""
+    out = tmp_path_factory.mktemp("uninterrupted")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        Case("cut", cutting(), END).run(out, **RECORDS)
+    return out
+
+
+def assert_same_run(out, other):
+    """Compare all files; those whose bytes hold a time of day or a wall time, by what they tell."""
+    mine, theirs = ({p.name for p in one.iterdir()} for one in (out, other))
+    assert mine == theirs
+    for name in ("history.csv", "splits.csv", "run.files"):
+        assert (out / name).read_bytes() == (other / name).read_bytes(), name
+    a, b = shellcut.read(out), shellcut.read(other)
+    assert a.times.tolist() == b.times.tolist()
+    for one, two in zip(a.frames(), b.frames(), strict=True):
+        np.testing.assert_array_equal(one.points, two.points)
+        np.testing.assert_array_equal(one.quads, two.quads)
+    wall = ("wall_s", "ns_per_quad_step", "pictures_s")
+    figures = [{k: v for k, v in one.summary.items() if k not in wall} for one in (a, b)]
+    assert figures[0] == figures[1]
+
+
+# ------------------------------------------------------------------ disk full
+
+
+def test_a_full_disk_has_its_own_code_and_the_run_goes_on(whole, tmp_path, capsys):
+    disk = tmp_path / "disk"
+    with small_disk(disk, 330):
+        out = disk / "out"
+        assert main(["run", *MODEL, "-o", str(out)]) == 4
+        said = capsys.readouterr().err
+        assert "No space left on device" in said
+        assert f"free space, then: shellcut resume {out}" in said
+        assert "failed at path " in said
+        assert "Traceback" not in said
+        # What there is can be read, and nothing says that the run had ended.
+        results = shellcut.read(out)
+        assert results.n_frame >= 1
+        assert results.summary == {}
+        assert not (out / "run.lock").exists()
+        # Still full: nothing was run, and nothing lost.
+        enlarge(disk, 20_000)
+        assert main(["resume", str(out)]) == 0
+        shutil.copytree(out, tmp_path / "copy")
+    assert_same_run(tmp_path / "copy", whole)
+
+
+def test_files_that_may_not_grow(whole, tmp_path, capsys, monkeypatch):
+    go, out = Case.go, tmp_path / "out"
+
+    def limited(case, recorder):
+        with files_of_at_most(220_000):
+            go(case, recorder)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Case, "go", limited)
+        assert main(["run", *MODEL, "-o", str(out)]) == 4
+    said = capsys.readouterr().err
+    assert f"File too large: '{out / 'guillotine.vtkhdf'}'" in said
+    assert f"free space, then: shellcut resume {out}" in said
+    assert "failed at path " in (out / "run.log").read_text()
+    assert main(["resume", str(out)]) == 0
+    assert_same_run(out, whole)
+    capsys.readouterr()
+
+
+def test_a_disk_too_small_to_begin_with(tmp_path, capsys):
+    disk = tmp_path / "disk"
+    with small_disk(disk, 12):
+        out = disk / "out"
+        assert main(["run", *MODEL, "-o", str(out)]) == 2
+        said = capsys.readouterr().err
+        assert "No space left on device" in said
+        assert "Traceback" not in said
+        assert list(out.iterdir()) == []
+
+
+def test_a_row_that_does_not_fit_is_written_when_it_goes_on(uninterrupted, tmp_path):
+    case = Case("cut", cutting(), END)
+    recorder = Recorder(case.simulation, tmp_path, until=END, name="cut", **RECORDS)
+    append, refused = recorder._files.history.append, []
+
+    def full(row):
+        if case.simulation.state.step > 150 and not refused:
+            refused.append(row)
+            recorder._files.frames.settle()  # the limit is one of the process
+            size = (tmp_path / "history.csv").stat().st_size
+            with files_of_at_most(size + 7):
+                append(row)
+        append(row)
+
+    recorder._files.history.append = full
+    with pytest.raises(OSError, match=REFUSAL):
+        case.go(recorder)
+    assert refused
+    # Saved where it failed: nothing is done twice but the row.
+    again = Case("cut", cutting(), END)
+    gone_on = Recorder(again.simulation, tmp_path, until=END, name="cut", resume=True, **RECORDS)
+    assert again.simulation.state.step == case.simulation.state.step
+    again.go(gone_on)
+    assert_same_run(tmp_path, uninterrupted)
+
+
+# ------------------------------------------------------------------ hooks
+
+
+def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, capsys, monkeypatch):
+    out, record = tmp_path / "out", Recorder._record
+
+    def failing(recorder, sim, now, mark):
+        record(recorder, sim, now, mark)
+        if sim.state.step > 300:
+            raise KeyError("no such figure")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Recorder, "_record", failing)
+        assert main(["run", *MODEL, "-o", str(out)]) == 4
+    said = capsys.readouterr().err
+    assert "Traceback" in said
+    assert "KeyError: 'no such figure'" in said
+    assert f"remove the cause, then: shellcut resume {out}" in said
+    assert not (out / "summary.json").exists()
+    assert main(["resume", str(out)]) == 0
+    assert_same_run(out, whole)
+    capsys.readouterr()
+
+
+def test_an_error_of_another_hook_leaves_everything_and_goes_on(uninterrupted, tmp_path):
+    class Failing:
+        def due(self, sim):
+            return sim.state.step == 137
+
+        def __call__(self, sim):
+            raise ZeroDivisionError
+
+        def close(self):
+            pass
+
+    sim = cutting()
+    recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
+    with pytest.raises(ZeroDivisionError):
+        sim.run(END, [recorder, Failing()])
+    assert json.loads((tmp_path / "summary.json").read_text())["n_step"] == 137
+    Case("cut", cutting(), END).run(tmp_path, resume=True, progress=False)
+    assert_same_run(tmp_path, uninterrupted)
+
+
+# ------------------------------------------------------------------ the folder goes
+
+
+def moved(folder):
+    folder.rename(folder.with_name("elsewhere"))
+
+
+def emptied(folder):
+    for path in folder.iterdir():
+        path.unlink()
+
+
+def replaced(folder):
+    shutil.rmtree(folder)
+    folder.mkdir()
+    (folder / "history.csv").write_text("another's")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="open files cannot be removed there")
+@pytest.mark.parametrize("take_away", [shutil.rmtree, moved, emptied, replaced])
+def test_a_folder_taken_away_ends_the_run(tmp_path, capsys, monkeypatch, take_away):
+    out, call = tmp_path / "out", Recorder.__call__
+    steps = []
+
+    def robbed(recorder, sim):
+        call(recorder, sim)
+        steps.append(sim.state.step)
+        if sim.state.step == 100:
+            take_away(out)
+
+    monkeypatch.setattr(shellcut.recorder, "_LOOK_EVERY", 0.0)
+    monkeypatch.setattr(Recorder, "__call__", robbed)
+    assert main(["run", *MODEL, "-o", str(out)]) == 4
+    assert steps[-1] == 100  # the next call has ended it
+    said = capsys.readouterr().err
+    assert f"{out} has been removed, moved or emptied while guillotine was written there" in said
+    assert "Traceback" not in said
+    if take_away is moved:
+        monkeypatch.setattr(Recorder, "__call__", call)
+        assert main(["resume", str(tmp_path / "elsewhere")]) == 0
+    elif take_away is replaced:
+        assert {p.name for p in out.iterdir()} == {"history.csv"}
+    capsys.readouterr()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="open files cannot be removed there")
+def test_a_folder_that_goes_at_the_last_step_is_noticed(tmp_path):
+    out, sim = tmp_path / "out", cutting()
+    recorder = Recorder(sim, out, until=END, name="cut", **RECORDS)
+    with pytest.raises(FolderLost):
+        sim.run(END, [recorder, StopWhen(lambda: sim.state.step == 55 and not shutil.rmtree(out))])
+    assert not out.exists()
+
+
+# ------------------------------------------------------------------ killed at its end
+
+KILLED = """
+import os, signal, sys
+sys.path.insert(0, {tests!r})
+from notched_strip import cutting
+from shellcut.models import Case
+from shellcut.results import Results
+
+def kill(*_, **__):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+Results.plot_energy = kill
+Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0, progress=False)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    monkeypatch.undo()
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
+    script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
+    assert (part / "force.png").exists()
+    assert not (part / "energy.png").exists()
+    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
+    assert_same_run(part, whole)
+    for picture in whole.glob("*.png"):
+        assert (part / picture.name).read_bytes() == picture.read_bytes(), picture.name
+    # Now it has ended.
+    with pytest.raises(RunEnded):
+        Recorder(cutting(), part, until=8e-6, name="cut", resume=True, progress=False)

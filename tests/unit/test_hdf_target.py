@@ -1,0 +1,135 @@
+"""HDF5 on a disk that fills up: the frames before are there, and the process lives on."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from opening_frame import opening_frame
+from shellcut.hdf_target import HdfTarget
+from shellcut.vtkhdf import VtkHdfWriter
+from shellcut.vtkhdf_reader import VtkHdfReader
+from small_disk import REFUSAL, files_of_at_most, small_disk
+
+
+def frames(n):
+    return [opening_frame(2.0 * k, n_side=4, time=1e-4 * (k + 1)) for k in range(n)]
+
+
+def append_all(writer, wanted):
+    for frame in wanted:
+        writer.append(frame)
+
+
+def fill(path, wanted):
+    """Write frames until the system refuses; return how many went in."""
+    with VtkHdfWriter(path) as writer:
+        with pytest.raises(OSError, match=REFUSAL) as refusal:
+            append_all(writer, wanted)
+        assert str(path) in str(refusal.value)
+        n = writer.n_frame
+        with pytest.raises(OSError, match=REFUSAL):
+            writer.append(wanted[-1])
+        assert writer.n_frame == n
+        return n
+
+
+def assert_goes_on(path, wanted, n):
+    reader = VtkHdfReader(path)
+    assert reader.times.tolist() == [frame.time for frame in wanted[:n]]
+    for k in range(n):
+        np.testing.assert_array_equal(reader.frame(k).quads, wanted[k].quads)
+    with VtkHdfWriter(path, mode="a", until=wanted[n].time) as writer:
+        assert writer.n_frame == n
+        writer.append(wanted[n])
+    np.testing.assert_array_equal(VtkHdfReader(path).frame(n).quads, wanted[n].quads)
+
+
+def fill_up_to_many_sizes(folder):
+    """Run in a process of its own, which HDF5 would end."""
+    wanted = frames(12)
+    counts = []
+    for size in range(40_000, 290_000, 24_000):
+        path = Path(folder) / f"{size}.vtkhdf"
+        with files_of_at_most(size):
+            n = fill(path, wanted)
+        assert_goes_on(path, wanted, n)
+        counts.append(n)
+    assert counts == sorted(counts)
+    assert counts[0] == 0
+    assert counts[-1] > 5
+
+
+def test_whatever_the_size_the_frames_before_are_there(tmp_path):
+    pytest.importorskip("resource", reason="needs limits on the size of files")
+    script = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+    script += "from test_hdf_target import fill_up_to_many_sizes\n"
+    script += f"fill_up_to_many_sizes({str(tmp_path)!r})"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_disk_that_is_full(tmp_path):
+    wanted = frames(12)
+    disk = tmp_path / "disk"
+    with small_disk(disk, 300):
+        n = fill(disk / "run.vtkhdf", wanted)
+        assert n > 0
+        stored = (disk / "run.vtkhdf").read_bytes()
+    (tmp_path / "run.vtkhdf").write_bytes(stored)
+    assert_goes_on(tmp_path / "run.vtkhdf", wanted, n)
+
+
+def test_a_file_that_fails_is_what_it_was_and_hdf5_finds_its_own(tmp_path):
+    path, rows = tmp_path / "a.h5", np.arange(30_000.0)
+    target = HdfTarget(path, "w")
+    with h5py.File(target, "w") as file:
+        file["first"] = rows[:100]
+        file.flush()
+        target.keep()
+        good = path.read_bytes()
+        with files_of_at_most(len(good) + 50_000):
+            file["first"][:] = -1.0
+            file["second"] = rows
+            file.flush()
+        assert path.read_bytes() == good
+        np.testing.assert_array_equal(file["second"], rows)
+        assert (file["first"][:] == -1.0).all()
+        # What comes later, with room again, is not on the disk either: it would not fit.
+        file["third"] = rows[:10]
+        file.flush()
+        with pytest.raises(OSError, match=REFUSAL):
+            target.keep()
+    target.close()
+    with h5py.File(path, "r") as file:
+        assert list(file) == ["first"]
+        np.testing.assert_array_equal(file["first"], rows[:100])
+
+
+def test_who_closes_is_told_what_nobody_was_told(tmp_path):
+    target = HdfTarget(tmp_path / "a.h5", "w")
+    with files_of_at_most(1000), h5py.File(target, "w") as file:
+        file["a"] = np.arange(1000.0)
+    with pytest.raises(OSError, match=REFUSAL):
+        target.close()
+    target.close()
+
+
+def test_it_is_a_file_like_any_other(tmp_path):
+    target = HdfTarget(tmp_path / "a", "w")
+    assert target.write(b"abcdef") == 6
+    assert target.seek(-2, 2) == 4
+    assert target.read(10) == b"ef"
+    target.truncate(3)
+    target.keep()
+    target.close()
+    again = HdfTarget(tmp_path / "a", "r+")
+    again.seek(5)
+    again.write(b"x")
+    again.close()
+    assert (tmp_path / "a").read_bytes() == b"abc\0\0x"

@@ -1,0 +1,116 @@
+"""When a run is given up because its energies do not add up any more."""
+
+import json
+
+import numpy as np
+import pytest
+
+import shellcut.recorder
+from notched_strip import cutting
+from shellcut.checkpoint import load_checkpoint
+from shellcut.energy import Ledger
+from shellcut.instability import CHECK_EVERY, BalanceGuard, BalanceLost, UnstableStep
+from shellcut.recorder import Recorder
+from shellcut.results import read
+
+
+def guard():
+    """Whose least energy is 1e-4 N·mm: 100 N/mm times 0.01 mm² times a strain of 1 % squared."""
+    return BalanceGuard(stretching=100.0, quad_area=0.01)
+
+
+def test_a_few_per_cent_are_for_the_verdict_and_most_of_it_is_lost():
+    assert not guard().lost(Ledger(tool_work=1.0, strain=0.6))
+    assert guard().lost(Ledger(tool_work=1.0, strain=0.4))
+    assert guard().lost(Ledger(tool_work=1.0, kinetic_translation=3.0))
+    assert guard().lost(Ledger(tool_work=np.nan))
+    assert guard().lost(Ledger(tool_work=1.0, kinetic_translation=np.inf))
+
+
+def test_next_to_no_energy_is_not_compared():
+    assert not guard().lost(Ledger(tool_work=4e-5))
+    assert guard().lost(Ledger(tool_work=6e-5, contact_work=-6e-5))
+
+
+def test_what_a_split_or_two_leave_open_is_not_compared():
+    # 0.1 of what tears an edge of 0.1 mm at 2 N: 0.02 N·mm.
+    watch = BalanceGuard(stretching=100.0, quad_area=0.01, tearing=2.0)
+    assert not watch.lost(Ledger(tool_work=0.009))
+    assert watch.lost(Ledger(tool_work=0.011))
+
+
+def test_what_was_put_in_by_hand_before_the_run_is_no_loss():
+    # A strained film, say: the ledger does not know where its energy has come from.
+    watch = guard()
+    watch.begin(Ledger(strain=1.0))
+    assert not watch.lost(Ledger(strain=0.3, kinetic_translation=0.65))
+    assert watch.lost(Ledger(strain=1.0, kinetic_translation=3.0))
+    again = guard()
+    again.restore(watch.saved())
+    assert again.missing(Ledger(strain=1.5)) == -0.5
+    assert not again.lost(Ledger(strain=2.4))  # of the 3 N·mm there were
+
+
+def test_what_was_there_before_counts():
+    # A film that has sprung back has given its energy away again; what is missing is compared with
+    # the largest there was.
+    watch = guard()
+    assert not watch.lost(Ledger(tool_work=10.0, strain=9.9))
+    assert not watch.lost(Ledger(tool_work=0.1, strain=0.0))
+    assert not guard().lost(Ledger(initial=10.0, damping_mass=9.9))
+
+
+class FirstSplit:
+    """Keeps the step after which the film was first split."""
+
+    step = 0
+
+    def due(self, sim):
+        return not self.step and bool(sim.state.split_log)
+
+    def __call__(self, sim):
+        self.step = sim.state.step
+
+    def close(self):
+        pass
+
+
+def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(tmp_path, monkeypatch):
+    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    sim = cutting(strength=18e6)
+    records = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
+    # A check refuses it before the run, which somebody may force.
+    recorder = Recorder(sim, tmp_path, until=8e-5, name="cut", force=True, **records)
+    first = FirstSplit()
+    with pytest.raises(BalanceLost) as failure:
+        sim.run(8e-5, [recorder, first])
+    assert 0 < sim.state.step - first.step <= 100
+    text = str(failure.value)
+    assert isinstance(failure.value, UnstableStep)
+    assert f"{sim.ledger.imbalance:.4g} N·mm are missing" in text
+    assert f"t = {sim.state.time:.6g} s" in text
+    assert "1.8e+07 MPa, is above Young's modulus of the film, 1678 MPa: is it in Pa?" in text
+    # What there was can be read, the frame of the end too.
+    results = read(tmp_path)
+    assert results.history["time"].size > 2
+    assert np.isfinite(results.frame(-1).points).all()
+    assert json.loads((tmp_path / "summary.json").read_text())["n_step"] == sim.state.step
+    assert any("broke off" in line.text for line in recorder.verdict)
+    # What there is to go on from is not the lost state.
+    again = cutting(strength=18e6)
+    load_checkpoint(again, tmp_path / "checkpoint.h5")
+    assert again.state.step < first.step
+
+
+def take_steps(sim, n):
+    for _ in range(n):
+        sim.step()
+
+
+def test_a_user_who_steps_by_hand_is_told_too():
+    sim = cutting()
+    take_steps(sim, CHECK_EVERY + 3)
+    sim.state.node.velocity_half[: sim.mesh.n_node, 2] += 1e5  # 100 m/s from nowhere
+    with pytest.raises(BalanceLost, match="changed by hand"):
+        take_steps(sim, CHECK_EVERY)
+    assert not sim.between_steps

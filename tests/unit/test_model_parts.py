@@ -1,0 +1,100 @@
+"""The parts of a model by themselves: those of the case that is built, and those there are."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shellcut import ModelFileError, read_model
+
+FREE = """model = "free"
+[membrane]
+length = 6.0
+width = 4.0
+size = 0.5
+clamp = ["bottom"]
+notch = 1.0
+[tool]
+kind = "blade"
+length = 6.0
+height = 3.0
+shift = [-0.05, 0.0, 0.0]
+[motion]
+direction = [1, 0, 0]
+speed = "6 m/s"
+ramp = "0.1 ms"
+duration = "0.5 ms"
+[[supports]]
+nodes = "top"
+"""
+
+
+@pytest.fixture
+def free(tmp_path):
+    path = tmp_path / "free.toml"
+    path.write_text(FREE)
+    return path
+
+
+@pytest.mark.parametrize("name", ["opening", "guillotine", "free"])
+def test_they_are_those_of_the_case(name, free):
+    overrides = {"opening": {"mesh": "quick"}, "guillotine": {"size": 0.5}, "free": {}}[name]
+    model = read_model(free if name == "free" else name, overrides)
+    case, parts = model.build(), model.parts()
+    sim = case.simulation
+    # A notch is cut last, along a path that was in the mesh: it appends nodes.
+    assert np.array_equal(parts.mesh.nodes, sim.mesh.nodes[: parts.mesh.n_node])
+    held = np.flatnonzero(sim.state.node.supported[: sim.mesh.n_node])
+    assert parts.held.tolist() == held.tolist()
+    assert np.array_equal(parts.tool.vertices, sim.tool.vertices)
+    assert parts.duration == case.duration
+    for at in (0.0, 0.4 * case.duration, case.duration):
+        for ours, theirs in zip(parts.motion.pose(at), sim.motion.pose(at), strict=True):
+            assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize(
+    "wrong", ["[cohesive]\nstrength = -1", "[material]\ndensity = 1", "[output]\nframes = 0", "[a]"]
+)
+def test_what_is_wrong_elsewhere_takes_nothing_away(tmp_path, wrong):
+    path = tmp_path / "opening.toml"
+    path.write_text(f'model = "opening"\n[membrane]\nmesh = "quick"\n{wrong}\n')
+    with pytest.raises(ModelFileError) as refusal:
+        read_model(path)
+    parts = refusal.value.partial.parts()
+    assert None not in (parts.mesh, parts.tool, parts.motion, parts.duration)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "there"),
+    [
+        ("length = 6.0\nwidth", "width", {"tool", "motion"}),
+        ("height = 3.0", "height = -3.0", {"mesh", "motion"}),
+        ("[1, 0, 0]", "[0, 0, 0]", {"mesh", "tool"}),
+        ('clamp = ["bottom"]', 'clamp = ["botom"]', {"mesh", "tool", "motion"}),
+        ('nodes = "top"', 'nodes = "tip"', {"mesh", "tool", "motion"}),
+    ],
+)
+def test_what_is_wrong_is_left_out(free, old, new, there):
+    text = Path(free).read_text()
+    assert text.count(old) == 1
+    Path(free).write_text(text.replace(old, new))
+    try:
+        model = read_model(free)
+        with pytest.raises(ModelFileError):
+            model.build()
+    except ModelFileError as problem:
+        model = problem.partial
+    parts = model.parts()
+    made = {name for name in ("mesh", "tool", "motion") if getattr(parts, name) is not None}
+    assert made == there
+    if "botom" in new:  # the other set is held still
+        assert parts.held.tolist() == sorted(parts.mesh.node_set("top").tolist())
+
+
+def test_a_file_without_a_model_has_no_parts(tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text('model = "closing"\n')
+    with pytest.raises(ModelFileError) as refusal:
+        read_model(path)
+    assert refusal.value.partial is None

@@ -1,0 +1,125 @@
+"""Numbers typed in another unit are told, those of the film are not."""
+
+import pytest
+
+from shellcut.checks.plausible import check_numbers
+from shellcut.checks.steps import check_steps
+from shellcut.cohesive_law import CohesiveLaw
+from shellcut.material import Elastic, Layer, ShellMaterial
+from shellcut.meshing import rectangle
+from shellcut.tool_file import read_tool
+from shellcut.tool_shapes import straight_blade
+
+MESH = rectangle(20.0, 8.0, size=0.4)
+FILM = ShellMaterial.homogeneous()
+BLADE = straight_blade()
+
+
+def found(film=FILM, law=None, tool=BLADE, **numbers):
+    if numbers:
+        film = ShellMaterial.homogeneous(**numbers)
+    return [(f.severity, str(f)) for f in check_numbers(MESH, film, law or CohesiveLaw(), tool)]
+
+
+def test_the_film_of_the_paper_is_plausible():
+    assert found() == []
+
+
+@pytest.mark.parametrize(
+    ("numbers", "severity", "said"),
+    [
+        ({"thickness": 74.0}, "refuse", "thin beside its size, got thickness 74 mm"),
+        ({"thickness": 2.0}, "doubt", "thinner than 0.1 of its size"),
+        ({"thickness": 0.5}, "doubt", "thickness 0.5 mm and edges of 0.4 mm"),
+        ({"thickness": 7.4e-5}, "doubt", "thicker than 0.0001 mm"),  # in m
+        ({"young": 1.678}, "refuse", "a strain of 10.7"),  # in GPa
+        ({"young": 1.678e9}, "doubt", "young 1.678e+09 MPa"),  # in Pa
+        ({"density": 1e-12}, "doubt", "density 1e-12 t/mm³"),  # in t/mm³ by a slip of g/m³
+        ({"density": 5e-8}, "doubt", "osmium"),
+    ],
+)
+def test_a_film_in_another_unit(numbers, severity, said):
+    findings = found(**numbers)
+    assert any(level == severity and said in text for level, text in findings), findings
+
+
+@pytest.mark.parametrize(
+    ("law", "severity", "said"),
+    [
+        ({"strength": 18e6, "plateau": 12e6}, "refuse", "a strain of 1.07e+04"),  # in Pa
+        ({"strength": 0.018, "plateau": 0.012}, "doubt", "a strain of 1.07e-05"),  # in GPa
+        ({"strength": 400.0}, "doubt", "a strain of 0.238"),
+        ({"opening_a": 500, "opening_p": 3e3, "opening_u": 4e3}, "doubt", "opening_u 4000 mm"),
+    ],
+)
+def test_a_law_in_another_unit(law, severity, said):
+    ((level, text),) = found(law=CohesiveLaw(**law))
+    assert level == severity
+    assert said in text
+
+
+def test_all_in_pascal_is_told_by_the_speed_of_waves():
+    law = CohesiveLaw(strength=18e6, plateau=12e6)
+    said = [text for _, text in found(law=law, young=1678e6)]
+    assert any("1.295e+06 m/s" in text for text in said), said
+
+
+def test_what_is_wrong_in_one_layer_of_several_is_told_once():
+    polymer, foil = Elastic(800.0, 0.4, 0.92e-9), Elastic(69e9, 0.33, 2.7e-9)
+    film = ShellMaterial([Layer(foil, 0.005), Layer(polymer, 0.06), Layer(foil, 0.005)])
+    said = [text for _, text in found(film, tool=None)]
+    assert sum("a modulus should lie" in text for text in said) == 1
+
+
+def test_a_tool_of_another_scale(tmp_path):
+    BLADE.write(tmp_path / "blade.stl")
+    small = read_tool(tmp_path / "blade.stl", unit="um")
+    ((level, text),) = found(tool=small)
+    assert level == "doubt"
+    assert "between them the tooth passes unfelt" in text
+    large = read_tool(tmp_path / "blade.stl", unit="m")
+    ((level, text),) = found(tool=large)
+    assert level == "doubt"
+    assert "of one scale, got a tool of 67" in text
+
+
+# --- the steps -----------------------------------------------------------------------------------
+
+STEPS = {
+    "dt": 1.5e-7,
+    "fixed": None,
+    "bound": 1.6e-7,
+    "check_every": 10,
+    "duration": 6e-3,
+    "speed": 2700.0,
+    "wave": 1.3e6,
+    "edge_length": 0.4,
+}
+
+
+def steps(**changed):
+    return [(f.severity, str(f)) for f in check_steps(**{**STEPS, **changed})]
+
+
+def test_the_steps_of_the_opening_test_follow_its_teeth():
+    assert steps() == []
+
+
+@pytest.mark.parametrize(
+    ("changed", "severity", "said"),
+    [
+        ({"speed": 1e9}, "refuse", "got 150 mm a step"),
+        ({"dt": 1e-3, "fixed": 1e-3}, "refuse", "leave time.fixed out"),
+        # 0.3 edges of 0.4 mm in ten steps of 1.5e-7 s are 8e4 mm/s
+        ({"speed": 8.1e4}, "doubt", "two looks for splits"),
+        ({"speed": 7.9e4, "wave": 5e5}, "doubt", "slower than 0.1 of the film's waves"),
+        ({"dt": 2e-7, "fixed": 2e-7}, "doubt", "must not exceed the safe one, 1.6e-07 s"),
+        ({"duration": 6.0}, "note", "about 4e+07 steps"),
+    ],
+)
+def test_a_step_that_does_not_follow(changed, severity, said):
+    assert [level for level, text in steps(**changed) if said in text] == [severity]
+
+
+def test_looking_more_often_follows_a_faster_blade():
+    assert steps(speed=8.1e4, check_every=5) == []

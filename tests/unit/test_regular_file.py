@@ -1,0 +1,80 @@
+"""What is no file, or too much of one, is refused at once: nothing here may wait or fill memory."""
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+import shellcut.formats.errors
+from shellcut import TableMotion, read_film, read_measured_curve, read_model, read_tool
+from shellcut.regular_file import read_regular
+
+needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+needs_devices = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")
+
+READERS = {
+    "film.inp": read_film,
+    "film.k": read_film,
+    "film.msh": read_film,
+    "film.vtu": read_film,
+    "film.vtk": read_film,
+    "tool.stl": read_tool,
+    "tool.obj": read_tool,
+    "tool.ply": read_tool,
+    "curve.csv": read_measured_curve,
+    "motion.csv": TableMotion.read_csv,
+    "model.toml": read_model,
+}
+
+
+def test_a_file_is_read_whole(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"0123456789")
+    assert read_regular(path, 10) == b"0123456789"
+    with pytest.raises(OSError, match="must hold 0 MB at most, got 0 MB or more"):
+        read_regular(path, 9)
+
+
+def test_a_file_whose_size_the_system_does_not_tell(tmp_path):
+    path = Path("/proc/self/status")
+    if not path.exists():
+        pytest.skip("needs /proc")
+    assert path.stat().st_size == 0
+    assert read_regular(path, 10_000).startswith(b"Name:")
+    with pytest.raises(OSError, match="at most"):
+        read_regular(path, 10)
+
+
+@needs_pipes
+@pytest.mark.parametrize("name", READERS)
+def test_a_pipe_is_not_waited_for(tmp_path, name):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a pipe; save it"):
+        READERS[name](tmp_path / name)
+
+
+@needs_devices
+@pytest.mark.parametrize("name", READERS)
+def test_a_device_is_not_read(tmp_path, name):
+    (tmp_path / name).symlink_to("/dev/zero")
+    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a device; save it"):
+        READERS[name](tmp_path / name)
+
+
+@pytest.mark.parametrize("name", [name for name in READERS if name != "model.toml"])
+def test_a_folder_of_that_name_is_told(tmp_path, name):
+    (tmp_path / name).mkdir()
+    with pytest.raises(ValueError, match=f"{name}.*must be a regular file, got a folder"):
+        READERS[name](tmp_path / name)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_file_too_large_is_not_read(tmp_path, name):
+    # as long as the limit and one byte more, and empty: no system keeps its zeros
+    limit = 10_000_000 if name == "model.toml" else shellcut.formats.errors.LARGEST_FILE
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(limit + 1)
+    told = re.escape(f"must hold {limit // 10**6:,} MB at most, got {limit // 10**6:,} MB or more")
+    with pytest.raises(ValueError, match=told):
+        READERS[name](tmp_path / name)

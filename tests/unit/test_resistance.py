@@ -1,0 +1,216 @@
+"""What the drive has to overcome, for every kind of motion: the figure's work is the tool's."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+
+from notched_strip import cutting
+from shellcut import compare
+from shellcut.measured_curve import MeasuredCurve
+from shellcut.models import Case
+from shellcut.motion import ScrewMotion, StraightMotion
+from shellcut.resistance import COMPONENTS, Resistance
+from shellcut.results import read
+from shellcut.screw_axis import Axis, Line, kept_axis
+from shellcut.table_motion import TableMotion
+from shellcut.trapezoid import integral
+
+END = 1.0
+WRENCHES = np.random.default_rng(5).normal(size=(4, 6))
+
+
+def table(pose, n=19):
+    """Tabulate a motion, given by its rotation vector and place of the body's origin."""
+    times = np.linspace(0.0, END, n)
+    vectors, places = zip(*[pose(t) for t in times.tolist()], strict=True)
+    return TableMotion(times, places, vectors)
+
+
+def screw_table(*, pitch=6.0, point=(0.0, 0.0), n=19):
+    """Turn by 2 rad about z through a point and go down, as a table."""
+
+    def pose(t):
+        a, (px, py) = 2.0 * t, point
+        place = (px - px * cos(a) + py * sin(a), py - px * sin(a) - py * cos(a))
+        return (0.0, 0.0, a), (*place, -pitch * a / (2.0 * pi))
+
+    return table(pose, n)
+
+
+class Own:
+    """A motion of a user's own: no class of the library, its coordinate in the unit given."""
+
+    def __init__(self, motion, unit="rad", coordinate=None):
+        self.motion, self.coordinate_unit = motion, unit
+        self._coordinate = coordinate or motion.coordinate
+
+    def coordinate(self, time):
+        return self._coordinate(time)
+
+    def pose(self, time):
+        return self.motion.pose(time)
+
+    def twist(self, time):
+        return tuple(part.tolist() for part in self.motion.twist(time))
+
+
+def power(motion, wrench, time):
+    """Return what the tool puts in, the wrench being that on the tool."""
+    spin, velocity = motion.twist(time)
+    return -float(wrench[:3] @ velocity + wrench[3:] @ spin)
+
+
+def figures(r, motion, wrench, time):
+    return r.of(wrench, motion.pose(time)[1], time)
+
+
+def test_a_table_of_a_screw_is_a_screw():
+    screw = ScrewMotion(angular_speed=2.0, pitch=6.0)
+    exact = Resistance(screw, END)
+    for motion in (screw_table(), Own(screw)):
+        r = Resistance(motion, END)
+        assert r.columns == [("torque", "N*mm"), ("axial_force", "N")]
+        assert r.meaning == "torque about the axis (0, 0, 1) through (0, 0, 0) mm"
+        for wrench in WRENCHES:
+            # Round-off: the splines of the table pass through straight and linear data exactly.
+            found = figures(r, motion, wrench, 0.4)
+            assert found == pytest.approx(figures(exact, screw, wrench, 0.4), abs=1e-12)
+
+
+def test_the_axis_of_a_table_is_found_where_it_is():
+    motion = screw_table(point=(7.0, -3.0), pitch=0.0)
+    kept = kept_axis(motion, END)
+    assert isinstance(kept, Axis)
+    assert kept.direction == (0.0, 0.0, 1.0)
+    # Cubic spline through a circle, 6.4 degrees apart: 1e-4 of the radius at its ends.
+    assert kept.point == pytest.approx((7.0, -3.0, 0.0), abs=1e-3 * np.hypot(7.0, 3.0))
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, -1.0), (3.0, 0.0, -4.0), (1.0, 2.0, 2.0)])
+def test_a_straight_way_has_the_force_along_it(direction):
+    straight = StraightMotion(direction, speed=5.0)
+    exact = Resistance(straight, END)
+    there = straight.pose(END)[1]
+    # Not at constant speed: it is the way that must be straight.
+    uneven = TableMotion(np.linspace(0.0, END, 5), np.outer([0.0, 0.15, 0.35, 0.65, 1.0], there))
+    for motion in (uneven, Own(straight, "mm")):
+        assert isinstance(kept_axis(motion, END), Line)
+        r = Resistance(motion, END)
+        assert r.columns == [("force", "N")]
+        assert r.meaning == exact.meaning
+        for wrench in WRENCHES:
+            found = figures(r, motion, wrench, 0.3)
+            assert found == pytest.approx(figures(exact, straight, wrench, 0.3), abs=1e-12)
+
+
+def test_a_screw_that_advances_at_an_angle_gives_its_power():
+    motion = ScrewMotion(2.0, pitch=5.0, axis_point=(1.0, 2.0, 0.0), advance=(1.0, 0.0, -1.0))
+    r = Resistance(motion, END)
+    assert "which moves" in r.meaning
+    for wrench in WRENCHES:
+        torque, force = figures(r, motion, wrench, 0.8)
+        by_figures = 2.0 * (torque + force * 5.0 / (2.0 * pi))
+        assert by_figures == pytest.approx(power(motion, wrench, 0.8), rel=1e-12)
+
+
+def tumbling(t):
+    return (0.3 * t, sin(t), 1.2 * t), (4.0 * t, t * t, -2.0 * sin(t))
+
+
+GENERAL = {
+    "turns about no axis": (table(tumbling), "torque"),
+    "goes around a bend": (
+        table(lambda t: ((0.0, 0.0, 0.0), (3.0 * sin(t), 3.0 * cos(t), -t))),
+        "force",
+    ),
+    "turns back": (table(lambda t: ((0.0, 0.0, sin(4.0 * t)), (0.0, 0.0, 0.0))), "torque"),
+    "goes and comes": (table(lambda t: ((0.0, 0.0, 0.0), (sin(4.0 * t), 0.0, 0.0))), "force"),
+    "a crank": (
+        Own(StraightMotion((1.0, 0.0, 0.0), 5.0), "rad", lambda t: 0.2 + t + 0.5 * t * t),
+        "torque",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GENERAL)
+def test_what_keeps_nothing_has_the_generalised_force_of_its_coordinate(name):
+    motion, figure = GENERAL[name]
+    assert kept_axis(motion, END) is None
+    r = Resistance(motion, END)
+    assert r.columns == [(figure, "N*mm" if figure == "torque" else "N")]
+    assert r.meaning.startswith(f"generalised {figure}: work of the tool per ")
+    for t in (0.11, 0.52, 0.93):
+        # The rate by other means and a hundred times farther apart: 1e-8 of it, squared steps.
+        d = 1e-4
+        rate = (motion.coordinate(t + d) - motion.coordinate(t - d)) / (2.0 * d)
+        for wrench in WRENCHES:
+            (found,) = figures(r, motion, wrench, t)
+            assert found * rate == pytest.approx(power(motion, wrench, t), rel=1e-5, abs=1e-9)
+
+
+def test_where_it_rests_the_figure_stays_that_of_when_it_moves():
+    motion = table(tumbling)
+    r = Resistance(motion, 1.5 * END)
+    for wrench in WRENCHES:
+        at_rest = figures(r, motion, wrench, 1.4 * END)
+        # The wrench turns with no tool: of the nearest instant looked at, 3 ms before the end.
+        at_end = r.of(wrench, motion.pose(END)[1], END - 1e-3)
+        assert at_rest == pytest.approx(at_end, rel=0.05, abs=0.05)
+    still = TableMotion([0.0, 1.0], [[1.0, 0.0, 0.0]] * 2)
+    assert figures(Resistance(still, END), still, WRENCHES[0], 0.5) == [0.0]
+
+
+def test_the_wrench_is_whole_and_about_the_worlds_origin():
+    assert [name for name, _ in COMPONENTS] == [
+        f"{p}_{c}" for p in ("force", "moment") for c in "xyz"
+    ]
+    motion, t = table(tumbling), 0.6
+    r = Resistance(motion, END)
+    spin, velocity = motion.twist(t)
+    origin = motion.pose(t)[1]
+    at_world_origin = velocity - np.cross(spin, origin)
+    for wrench in WRENCHES:
+        whole = np.array(r.components(wrench, origin))
+        by_whole = whole[:3] @ at_world_origin + whole[3:] @ spin
+        assert by_whole == pytest.approx(power(motion, wrench, t), rel=1e-12)
+    assert not np.signbit(r.components(np.zeros(6), origin)).any()
+
+
+@pytest.fixture(scope="module")
+def turned(tmp_path_factory):
+    """Return a run in which a table turns the blade about a point far beside the strip."""
+    # 20 mm from the axis the blade goes nearly straight: 1.6 mm in 0.08 ms.
+    times, radius = np.linspace(0.0, 1e-4, 41), 20.0
+    a = 2e4 / radius * times
+    way = np.stack([radius * np.sin(a), radius - radius * np.cos(a), 0.0 * a], axis=1)
+    motion = TableMotion(times, way, np.stack([0.0 * a, 0.0 * a, a], axis=1))
+    folder = tmp_path_factory.mktemp("turned")
+    sim = cutting(motion=motion)
+    Case("turned", sim, 8e-5).run(folder, n_row=400, n_frame=2, n_snapshot=0, progress=False)
+    return sim, read(folder)
+
+
+def test_a_turning_table_is_told_by_its_torque(turned):
+    sim, results = turned
+    h = results.history
+    assert (results.coordinate_name, results.resistance_name) == ("angle", "torque")
+    assert results.resistance_unit == "N*mm"
+    assert {name for name, _ in COMPONENTS} <= h.keys()
+    work = integral(np.radians(h["angle"]), h["torque"])
+    # Discretisation: the rows are ten steps apart, the ledger sums every step, and contact forces
+    # at the first touch last for a few steps only: measured 1.4e-2.
+    assert work == pytest.approx(sim.ledger.tool_work, rel=3e-2)
+    assert np.abs(h["torque"]).max() > 1.0
+    # About z, 20 mm beside the world's origin.
+    torque = h["moment_z"] + 20.0 * h["force_x"]
+    assert torque == pytest.approx(h["torque"], rel=1e-3, abs=1e-3 * np.abs(h["torque"]).max())
+
+
+def test_a_turning_table_is_compared_by_its_torque(turned):
+    _, results = turned
+    h = results.history
+    measured = MeasuredCurve(h["angle"], h["torque"], x_unit="deg", y_unit="N*mm")
+    found = compare(results, measured, y="torque")
+    assert (found.y_name, found.y_unit, found.work_unit) == ("torque", "N*mm", "N*mm")
+    assert found.rms == 0.0

@@ -1,0 +1,161 @@
+"""The steady window is where the history says that every edge cuts steadily, or nowhere."""
+
+import numpy as np
+import pytest
+
+from notched_strip import cutting
+from shellcut.models import Case
+from shellcut.results import read
+from shellcut.steady_window import steady_figures, steady_window
+from steady_cut import ARC, SPACING, edge, edge_columns
+
+ANGLE, PATH = ("angle", "deg"), ("path", "mm")
+
+
+def history(x, edges, coordinate=ANGLE, **columns):
+    named = {"time": np.linspace(0.0, 1e-3, len(x)), coordinate[0]: x}
+    return named | edge_columns(edges) | columns
+
+
+X = np.linspace(0.0, 95.0, 1901)
+
+
+def test_from_the_renewed_zone_to_the_neighbourhood_of_the_next_cut():
+    window = steady_window(history(X, [edge(X)] * 4), ANGLE)
+    assert window
+    # The cut is 2.4 mm long when the first cable has broken (a spacing behind 2 mm): from 4.8 mm on
+    # until 1.2 mm are left ahead of the tip, in steps of the spacing.
+    assert window.low == pytest.approx(4.8 / 0.18, abs=0.06)
+    assert window.high == pytest.approx((ARC - 0.4 - 1.2) // 0.4 * 0.4 / 0.18, abs=0.06)
+    assert window.text("deg") == f"{window.low:.3g} to {window.high:.3g} deg"
+    assert (X[window.rows][[0, -1]] == (window.low, window.high)).all()
+
+
+def test_the_mean_is_of_whole_periods():
+    sawtooth = 140.0 + 20.0 * np.mod(0.18 * X, SPACING) / SPACING
+    work = np.radians(X) * 135.2
+    h = history(X, [edge(X)] * 4, torque=sawtooth, cohesive_work=work, tool_work=2.0 * work)
+    h["axial_force"] = 0.1 * sawtooth
+    figures = steady_figures(h, ANGLE, ("torque", "N*mm"))
+    # Rows 0.05 degrees apart of teeth 2.2 degrees long: 2 % of the tooth at each end.
+    assert figures["torque_plateau_Nmm"] == pytest.approx(150.0, rel=1e-3)
+    assert figures["axial_force_plateau_N"] == pytest.approx(15.0, rel=1e-3)
+    assert figures["dWcoh_dtheta_Nmm"] == pytest.approx(135.2, rel=1e-12)
+    assert figures["dW_dtheta_Nmm"] == pytest.approx(270.4, rel=1e-12)
+    window = steady_window(h, ANGLE)
+    assert (figures["window_from_deg"], figures["window_to_deg"]) == (window.low, window.high)
+
+
+def test_a_straight_way_has_its_figures_a_millimetre():
+    x = np.linspace(0.0, 20.0, 1001)
+    straight = edge(x, rate=1.0, arc=18.0)
+    h = history(x, [straight], PATH, force=0.0 * x + 3.2, cohesive_work=3.1 * x, tool_work=3.2 * x)
+    figures = steady_figures(h, PATH, ("force", "N"))
+    assert figures["force_plateau_N"] == pytest.approx(3.2, rel=1e-12)
+    assert figures["dWcoh_ds_N"] == pytest.approx(3.1, rel=1e-12)
+    assert figures["window_to_mm"] == pytest.approx(16.4, abs=0.03)
+
+
+def test_teeth_that_enter_late_are_waited_for():
+    window = steady_window(history(X, [edge(X), edge(X, begins=20.0)]), ANGLE)
+    assert window.low == pytest.approx(20.0 + 4.8 / 0.18, abs=2.3)
+
+
+def test_an_edge_that_meets_a_cable_by_the_way_is_not_waited_for():
+    alone = steady_window(history(X, [edge(X)]), ANGLE)
+    by_the_way = edge(X, arc=0.8)
+    assert steady_window(history(X, [edge(X), by_the_way]), ANGLE) == alone
+
+
+def test_the_window_ends_where_the_tool_has_left_the_film():
+    window = steady_window(history(X, [edge(X, leaves=45.0)]), ANGLE)
+    assert 45.0 - 0.4 / 0.18 <= window.high <= 45.0
+
+
+def test_the_window_ends_where_a_cable_is_met_at_the_end_of_an_edge():
+    met, zone, ahead, _ = edge(X)
+    window = steady_window(history(X, [(met, zone, ahead, np.where(X < 45.0, 1.0, 0.0))]), ANGLE)
+    assert 45.0 - 2.0 * 0.4 / 0.18 <= window.high < 45.0
+
+
+def test_it_begins_when_the_motion_is_up_to_speed():
+    # Over half of the way the speed rises, as fast as time; then it stays.
+    time = np.linspace(0.0, 2.0, 1901)
+    x = np.where(time < 1.0, 0.5 * time**2, time - 0.5) * 60.0
+    h = history(x, [edge(x, rate=0.3, arc=40.0)]) | {"time": time}
+    assert steady_window(h, ANGLE).low >= 0.5 * 0.95**2 * 60.0
+
+
+def test_a_crossing_of_an_earlier_cut_parts_the_window():
+    met, zone, ahead, spare = edge(X, arc=40.0)
+    # Another cut lies across the way at 5.6 mm.
+    ahead = np.where(met < 5.2, 5.6 - met - SPACING, ahead)
+    window = steady_window(history(X, [(met, zone, np.maximum(ahead, 0.0), spare)]), ANGLE)
+    assert window.low >= 5.2 / 0.18
+
+
+@pytest.mark.parametrize("n_row", [700, 900, 1100, 1300, 1500])
+def test_a_run_cut_short_says_the_same_of_what_it_has(n_row):
+    whole = steady_window(history(X, [edge(X)] * 4), ANGLE)
+    x = X[:n_row]
+    part = steady_window(history(x, [edge(x)] * 4), ANGLE)
+    assert part.low == whole.low
+    assert part.high == whole.high or part.high > x[-1] - SPACING / 0.18 - 0.06
+
+
+def why(edges, x=X):
+    window = steady_window(history(x, edges), ANGLE)
+    assert not window
+    assert np.isnan(window.low)
+    assert np.isnan(window.high)
+    assert window.text("deg") == f"none: {window.reason}"
+    return window.reason
+
+
+def test_where_there_is_none_the_reason_is_said():
+    assert why([]) == "the history does not say what each cutting edge has cut"
+    assert why([(0.0 * X,) * 4]) == "no cable was bent around a cutting edge"
+    short = X[X < 10.0]
+    assert why([edge(short)], short) == (
+        "cutting edge 1 has cut 1.6 mm, and none of its cables has broken"
+    )
+    short = X[X < 20.0]
+    assert why([edge(short)], short) == (
+        "cutting edge 1 has cut 3.2 mm; its process zone is renewed after 4.8 mm only"
+    )
+    assert why([edge(X, arc=4.9)] * 12) == (
+        "when the process zones had been renewed, at 26.7 deg, cutting edge 1 had 0 mm to go to "
+        "the next cut or the film's edge"
+    )
+    short = X[X < 30.0]
+    assert "26.7 to 30 deg only, less than 2 spacings of the nodes" in why([edge(short)], short)
+    # One leaves the film before the other's zone is renewed.
+    assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (
+        "a cutting edge had left the film, or stopped, before 46.7 deg"
+    )
+
+
+def test_a_history_of_no_rows_has_none():
+    empty = np.zeros(0)
+    assert why([(empty,) * 4], empty) == "no cable was bent around a cutting edge"
+
+
+def test_a_small_run_says_what_it_cut(tmp_path):
+    """The front as the history has it, against the cables and the mesh at the end."""
+    sim = cutting()
+    Case("cut", sim, 8e-5).run(tmp_path, n_row=200, n_frame=2, n_snapshot=0, progress=False)
+    h = read(tmp_path).history
+    cable, n = sim.state.cable, sim.state.n_cable
+    met = cable.overshoot[:n] > 0.0
+    assert h["cut_length_edge_1"][-1] == pytest.approx(cable.half_edge[:n][met].sum(), rel=1e-15)
+    holds = cable.status[:n] == 1
+    zone = cable.half_edge[:n][holds].sum()
+    assert h["process_zone_edge_1"][-1] == pytest.approx(zone, rel=1e-15)
+    assert (np.diff(h["cut_length_edge_1"]) >= 0.0).all()
+    # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm; its tip is at 1.2
+    # when the first cable is met.
+    ahead = h["uncut_ahead_edge_1"]
+    assert ahead[ahead > 0.0][0] == pytest.approx(2.0, abs=1e-12)
+    assert (np.diff(ahead[ahead > 0.0]) <= 0.0).all()
+    assert ahead / 0.4 == pytest.approx(np.round(ahead / 0.4), abs=1e-9)
+    assert ahead[-1] == 0.0

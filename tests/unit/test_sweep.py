@@ -1,0 +1,187 @@
+"""Where cutting edges pass through the film: against the geometry, worked out by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from shellcut import ScrewMotion, StraightMotion, TableMotion
+from shellcut.checks import Sweep
+from shellcut.mesh import Mesh
+from shellcut.meshing import annulus, cylinder, opening_disc, rectangle
+from shellcut.tool import Tool
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+SHEET = rectangle(10.0, 4.0, size=0.5)
+DOWN = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # x to -z
+
+
+def along(speed=1000.0, direction=(1.0, 0.0, 0.0)):
+    return StraightMotion(direction, speed=speed)
+
+
+def blade(x=0.0, y=0.0, z=0.0, **shape):
+    return straight_blade(**{"length": 2.0, "height": 3.0, **shape}).translated((x, y, z))
+
+
+def turned(tool, rotation):
+    return Tool.from_triangles(
+        tool.vertices @ np.asarray(rotation).T,
+        tool.triangles,
+        edges=tool.edges,
+        flank_angle_deg=tool.flank_angle_deg,
+    )
+
+
+def test_a_blade_goes_along_a_line_at_its_speed():
+    sweep = Sweep.of(SHEET, blade(x=-1.0, y=0.2), along(), 8e-3)
+    place = sweep.place[sweep.within]
+    # round-off of the line, at most 1e-3 of an edge before the rim
+    assert np.abs(place[:, 1:] - [0.2, 0.0]).max() < 1e-12
+    assert -5e-4 <= place[0, 0] < 0.25
+    assert place[-1, 0] == pytest.approx(7.0, abs=1e-9)
+    assert np.allclose(sweep.place[:, 0], -1.0 + 1000.0 * sweep.time, atol=1e-9)
+    assert np.allclose(sweep.velocity, [1000.0, 0.0, 0.0])
+    assert np.allclose(sweep.back, [-1.0, 0.0, 0.0])
+    assert np.allclose(sweep.quad_normal, [0.0, 0.0, 1.0])
+    assert sweep.top_speed == pytest.approx(1000.0)
+    (fate,) = sweep.fates
+    assert fate.stays
+    assert not fate.passed_out
+    assert fate.first == pytest.approx(1e-3, abs=sweep.duration / sweep.n_time)
+    corner = SHEET.nodes[SHEET.quads[sweep.quad]]
+    assert (corner.min(axis=1) <= sweep.place + 1e-9).all()
+    assert (corner.max(axis=1) >= sweep.place - 1e-9).all()
+
+
+def test_the_distance_from_the_path_is_that_from_its_line_and_a_crack_may_run_ahead():
+    sweep = Sweep.of(SHEET, blade(x=-1.0, y=0.2), along(), 6e-3)
+    points = np.array([[2.5, 0.2, 0.0], [2.53, 0.7, 0.0], [6.5, 0.1, 0.0], [9.5, 0.2, 0.0]])
+    # the path ends at x = 5, 3 mm may be run ahead; 0.05 edges between its points
+    assert sweep.distance(points) == pytest.approx([0.0, 0.5, 0.1, 1.5], abs=0.03)
+
+
+def test_a_motion_that_stops_is_led_straight_on():
+    motion = TableMotion([0.0, 6e-3], [[-1.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
+    sweep = Sweep.of(SHEET, blade(), motion, 6e-3)
+    assert sweep.time.max() <= 6e-3
+    assert sweep.distance(np.array([[7.9, 0.0, 0.0], [9.0, 0.0, 0.0]])) == pytest.approx(
+        [0.0, 1.0], abs=0.03
+    )
+
+
+def test_an_edge_that_comes_down_flat_is_in_the_film_along_all_its_length_at_once():
+    # The blade lies on its back: its edge, 3 mm long, along x, looks down.
+    tool = turned(straight_blade(length=2.0, height=3.0), DOWN).translated((5.0, 0.0, 1.0))
+    sweep = Sweep.of(SHEET, tool, along(500.0, (0.0, 0.0, -1.0)), 4e-3)
+    assert sweep.time == pytest.approx(2e-3, abs=1e-12)
+    assert np.ptp(sweep.place[:, 0]) == pytest.approx(3.0)
+    (fate,) = sweep.fates
+    assert fate.first == fate.last == pytest.approx(2e-3)
+    # it is through, but the tool does not go on along the film
+    assert not fate.stays
+    assert not fate.passed_out
+
+
+def test_teeth_pass_out_where_the_screw_has_gone_down_by_their_height():
+    disc = opening_disc("quick")
+    motion = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0)
+    sweep = Sweep.of(disc, tooth_ring(height=2.0), motion, 6e-3)
+    angle = 360.0 * (2.0 + 0.02) / 12.0
+    for fate in sweep.fates:
+        assert fate.passed_out
+        assert np.degrees(motion.coordinate(fate.last)) == pytest.approx(angle, abs=0.5)
+    tall = Sweep.of(disc, tooth_ring(height=5.0), motion, 6e-3)
+    assert all(fate.stays for fate in tall.fates)
+
+
+def test_teeth_that_leave_through_a_second_edge_have_not_passed_out():
+    # Two chains on one tooth: where the lower one ends the upper one begins.
+    ring = tooth_ring(height=5.0, n_teeth=1)
+    low = ring.vertices[ring.edges].mean(axis=1)[:, 2] < 2.0
+    halves = replace(ring, edge_chain=np.where(low, 0, 1))
+    motion = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0)
+    one, two = Sweep.of(opening_disc("quick"), halves, motion, 6e-3).fates
+    assert not one.stays
+    assert not one.passed_out
+    assert two.stays
+
+
+def test_a_tool_that_goes_down_and_up_is_withdrawn():
+    motion = TableMotion(
+        [0.0, 1e-3, 2e-3, 3e-3],
+        [[2.0, 0.0, 4.0], [3.0, 0.0, 1.0], [5.0, 0.0, 1.0], [6.0, 0.0, 4.0]],
+    )
+    (fate,) = Sweep.of(SHEET, blade(), motion, 3e-3).fates
+    assert fate.meets
+    assert not fate.stays
+    assert not fate.passed_out
+
+
+def test_a_blade_may_leave_over_the_rim_and_come_back_after_a_hole():
+    (fate,) = Sweep.of(SHEET, blade(x=-1.0), along(), 15e-3).fates
+    assert fate.last == pytest.approx(11e-3, abs=1e-4)
+    assert not fate.stays
+    assert not fate.passed_out
+    ring = annulus(2.0, 5.0, n_around=40, n_radial=6)
+    sweep = Sweep.of(ring, blade(x=-6.0), along(), 9e-3)
+    radius = np.linalg.norm(sweep.place, axis=1)
+    # chords of the rims, and the border's width
+    assert radius.min() > 2.0 * np.cos(np.pi / 40) - 1e-3
+    assert radius.max() < 5.0 + 1e-3
+    assert sweep.fates[0].stays
+
+
+def test_an_edge_of_very_many_vertices_is_met_where_one_of_few_is():
+    # 60,000 segments over 3 mm of an edge of 0.5 mm quads
+    blade_ = blade(x=-1.0, y=0.2)
+    t = np.linspace(0.0, 1.0, 60_001)[:, None]
+    low, high = blade_.vertices[blade_.edges[0]]
+    fine = replace(
+        blade_,
+        vertices=low + t * (high - low),
+        edges=np.column_stack([np.arange(60_000), np.arange(1, 60_001)]),
+        **{
+            name: np.repeat(getattr(blade_, name), 60_000, axis=0)
+            for name in ("edge_body", "edge_chain", "edge_normal", "edge_back")
+        },
+    )
+    few, many = (Sweep.of(SHEET, tool, along(), 8e-3) for tool in (blade_, fine))
+    assert many.place[many.along_edge] == pytest.approx(few.place[few.along_edge], abs=1e-9)
+    assert many.fates[0].stays
+
+
+def test_an_edge_that_stays_above_never_meets_the_film():
+    sweep = Sweep.of(SHEET, blade(z=2.0), along(), 8e-3)
+    assert not sweep.fates[0].meets
+    assert len(sweep.place) == 0
+    assert np.isinf(sweep.distance(SHEET.nodes[:3])).all()
+
+
+def test_a_curved_film_is_met_where_it_is():
+    # A knife upright on the top line of a roof, which moves along it, in y.
+    roof = cylinder(5.0, 20.0, n_around=30, n_along=40, arc_deg=90.0)
+    knife = turned(straight_blade(length=2.0, height=3.0), [[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    sweep = Sweep.of(roof, knife.translated((0.0, -11.0, 5.0)), along(1e3, (0.0, 1.0, 0.0)), 8e-3)
+    assert sweep.fates[0].stays
+    assert sweep.fates[0].first == pytest.approx(1e-3, abs=5e-5)
+    assert np.abs(sweep.place[:, 0]).max() < 1e-9
+    assert np.allclose(sweep.place[:, 1], -11.0 + 1e3 * sweep.time, atol=1e-9)
+    # the top line is a line of nodes
+    assert np.abs(sweep.place[:, 2] - 5.0).max() < 1e-9
+
+
+def test_between_two_films_nothing_is_crossed():
+    low, high = SHEET.nodes, SHEET.nodes + np.array([0.0, 0.0, 1.0])
+    n = SHEET.n_node
+    both = Mesh.from_arrays(
+        np.concatenate([low, high]), np.concatenate([SHEET.quads, SHEET.quads + n])
+    )
+    sweep = Sweep.of(both, blade(x=-1.0, z=0.5), along(), 6e-3)
+    assert sorted(set(sweep.place[:, 2].round(9))) == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("size", [0.5, 0.25])
+def test_places_lie_no_farther_apart_than_the_quads_are_long(size):
+    sweep = Sweep.of(rectangle(10.0, 4.0, size=size), blade(x=-1.0), along(), 8e-3)
+    assert np.diff(sweep.place[:, 0]).max() <= 0.5 * size

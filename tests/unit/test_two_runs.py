@@ -1,0 +1,163 @@
+"""Two runs in one folder: the second is refused, by whatever way it comes, the first goes on."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+
+import shellcut
+import shellcut.recorder
+from notched_strip import cutting
+from shellcut import read_model
+from shellcut.command_line import main
+from shellcut.folder_lock import FolderInUse
+from shellcut.models import Case
+from shellcut.recorder import Recorder
+
+SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
+SHORT += ["--set", "travel=0.6", "--set", "output.rows=40", "--frames", "4", "--no-pictures"]
+
+# A run that says when it is well on its way, and then waits to be killed.
+GOING = """
+import sys, time
+import shellcut.recorder
+from shellcut.command_line import main
+
+real = shellcut.recorder.Recorder.__call__
+
+shellcut.recorder._matplotlib_is_there = lambda: False
+
+def slow(recorder, sim):
+    real(recorder, sim)
+    if sim.state.step >= 300:
+        print("going", flush=True)
+        time.sleep(600)
+
+shellcut.recorder.Recorder.__call__ = slow
+main(sys.argv[1:])
+"""
+
+
+@pytest.fixture(autouse=True)
+def _no_pictures(monkeypatch):
+    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+
+
+@pytest.fixture(scope="module")
+def going(tmp_path_factory):
+    """A folder that a process of its own is writing a run into, and the process."""
+    out = tmp_path_factory.mktemp("going") / "out"
+    command = [sys.executable, "-c", GOING, "run", "guillotine", "-o", str(out), *SHORT]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        for line in process.stdout:
+            if line == "going\n":
+                break
+        assert process.poll() is None
+        yield out, process
+        process.kill()
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def case_of(out):
+    return read_model(out / "used.toml").build()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["resume", None],
+        ["run", "guillotine", "-o", None, "--overwrite", *SHORT],
+        ["run", "guillotine", "-o", None, *SHORT],
+    ],
+    ids=["resume", "overwrite", "run"],
+)
+def test_the_command_refuses(going, capsys, arguments):
+    out, process = going
+    before = contents(out)
+    assert main([str(out) if a is None else a for a in arguments]) == 2
+    said = capsys.readouterr().err
+    assert f"{out} is being written by process {process.pid} on " in said
+    assert " since 20" in said
+    assert "Traceback" not in said
+    assert contents(out) == before
+
+
+@pytest.mark.parametrize("resume", [False, True], ids=["anew", "resumed"])
+def test_python_refuses(going, resume):
+    out, process = going
+    before = contents(out)
+    with pytest.raises(FolderInUse, match=f"process {process.pid} on"):
+        case_of(out).run(out, resume=resume, progress=False)
+    sim = cutting()
+    with pytest.raises(FolderInUse):
+        Recorder(sim, out, until=1e-5, name="cut", resume=resume, progress=False)
+    assert contents(out) == before
+
+
+def test_a_second_run_that_looked_before_the_first_began_is_refused_too(going, capsys, monkeypatch):
+    # Both looked, both built their model: the folder is taken when it comes to writing.
+    out, _ = going
+    before = contents(out)
+    monkeypatch.setattr("shellcut.folder_lock.refuse_if_in_use", lambda _: None)
+    assert main(["run", "guillotine", "-o", str(out), "--overwrite", *SHORT]) == 2
+    assert "is being written by process" in capsys.readouterr().err
+    assert contents(out) == before
+
+
+def test_readers_are_not_disturbed_and_disturb_nobody(going, capsys):
+    out, _ = going
+    lock = (out / "run.lock").read_bytes()
+    results = shellcut.read(out)
+    assert results.n_frame >= 1
+    assert len(results.history["time"]) >= 2
+    assert results.summary == {}
+    assert main(["report", str(out)]) == 0
+    (out / "report.html").unlink()
+    assert (out / "run.lock").read_bytes() == lock
+    with pytest.raises(FolderInUse):
+        case_of(out).run(out, resume=True, progress=False)
+    capsys.readouterr()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_after_kill_9_it_goes_on_as_if_nothing_had_been(going, tmp_path, capsys):
+    # Last of this file: the process is gone then.
+    out, process = going
+    process.kill()
+    process.wait()
+    assert (out / "run.lock").exists()
+    assert main(["resume", str(out)]) == 0
+    assert main(["run", "guillotine", "-o", str(tmp_path / "whole"), *SHORT]) == 0
+    assert (out / "history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+    assert (out / "splits.csv").read_bytes() == (tmp_path / "whole/splits.csv").read_bytes()
+    assert {p.name for p in out.iterdir()} == {p.name for p in (tmp_path / "whole").iterdir()}
+    assert not (out / "run.lock").exists()
+    capsys.readouterr()
+
+
+def test_two_recorders_in_one_process(tmp_path):
+    options = {"until": 4e-6, "name": "cut", "progress": False, "n_snapshot": 0}
+    first = Recorder(cutting(), tmp_path, **options)
+    before = contents(tmp_path)
+    with pytest.raises(FolderInUse, match="this very process"):
+        Recorder(cutting(), tmp_path, **options)
+    assert contents(tmp_path) == before
+    first.close()
+    # Refused or broken off, a recorder holds nothing.
+    with pytest.raises(ValueError, match="name must be the stem of a file"):
+        Recorder(cutting(), tmp_path, **options | {"name": "a/b"})
+    Recorder(cutting(), tmp_path, **options).close()
+
+
+def test_a_hook_that_fails_gives_the_folder_back(tmp_path):
+    def fail(_):
+        raise RuntimeError("no log")
+
+    with pytest.raises(RuntimeError, match="no log"):
+        Case("cut", cutting(), 4e-6).run(tmp_path, log=fail, n_row=10, n_frame=2)
+    assert not (tmp_path / "run.lock").exists()
+    Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
