@@ -14,7 +14,8 @@ import numpy as np
 
 from ._jit import Floats, Ints
 from .connected_parts import connected_parts
-from .mesh_checks import corner_vectors, norm, place, some
+from .mesh_checks import place, some
+from .quad_geometry import corner_vectors, norm
 
 if TYPE_CHECKING:
     from .mesh import Mesh

@@ -200,10 +200,16 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
 
 
 def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, monkeypatch):
-    first = [*SHORT[:-1], "--pvd", "--set", "name=other", "--set", "output.snapshots=1"]
+    first = [*SHORT[:-1], "--pvd", "--set", "name=former", "--set", "output.snapshots=1"]
     assert main(["run", "guillotine", "-o", str(tmp_path), *first]) == 0
     written = {path.name for path in tmp_path.iterdir()}
-    assert {"other.vtkhdf", "other.pvd", "other_frames", "snapshot_01.png", "force.png"} <= written
+    assert {
+        "former.vtkhdf",
+        "former.pvd",
+        "former_frames",
+        "snapshot_01.png",
+        "force.png",
+    } <= written
     mine = {"force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "notes.txt"}
     for name in mine:
         (tmp_path / name).write_text("mine")
@@ -215,7 +221,7 @@ def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, mon
         *("summary.json", "splits.csv"),
     }
     assert {(tmp_path / name).read_text() for name in mine} == {"mine"}
-    assert "other" not in (tmp_path / "run.log").read_text()
+    assert "former" not in (tmp_path / "run.log").read_text()
     # Of two result files it is known which one is the run's.
     assert shellcut.read(tmp_path).name == "guillotine"
     capsys.readouterr()
