@@ -10,35 +10,35 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 
 from importlib.metadata import version
 
-from .checkpoint import load_checkpoint, save_checkpoint
+from .cables.cohesive_law import CohesiveLaw
 from .checks import check_model
-from .cohesive_law import CohesiveLaw
-from .comparison import Comparison, compare
-from .criterion import Fracture
-from .film_file import read_film
+from .contact.settings import Contact
+from .fracture.criterion import Fracture
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
-from .load import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
-from .material import ShellMaterial
-from .measured_curve import MeasuredCurve, read_measured_curve
-from .mesh import Mesh
+from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
+from .loads.supports import Support
+from .material.shell_material import ShellMaterial
+from .mesh.film_file import read_film
+from .mesh.mesh import Mesh
+from .mesh.outline import mesh_from_outline
+from .mitc4.mesh_quality import mesh_quality
 from .model_file import ModelFileError, read_model
 from .models import guillotine, opening_test
-from .motion import ScrewMotion, StraightMotion
-from .outline_mesh import mesh_from_outline
-from .penalty import Contact
-from .preview import preview
-from .quality import mesh_quality
-from .recorder import Recorder
+from .models.preview import preview
+from .models.warmup import warmup
+from .recording.checkpoint import load_checkpoint, save_checkpoint
+from .recording.recorder import Recorder
 from .report import report
-from .results import Results, read
-from .simulation import Simulation
-from .statics import Statics
-from .support import Support
-from .table_motion import TableMotion
-from .time_step import Stepping
-from .tool import Tool
-from .tool_file import read_tool
-from .warmup import warmup
+from .results.comparison import Comparison, compare
+from .results.measured_curve import MeasuredCurve, read_measured_curve
+from .results.run_results import Results, read
+from .simulation.simulation import Simulation
+from .simulation.stable_step import Stepping
+from .statics.statics import Statics
+from .tool.motion import ScrewMotion, StraightMotion
+from .tool.table_motion import TableMotion
+from .tool.tool import Tool
+from .tool.tool_file import read_tool
 
 __version__ = version("shellcut")
 

@@ -1,8 +1,7 @@
 """One picture of a run: the plain arrays that writers and views share.
 
 Who simulates fills a `Frame`; who writes a file or draws a picture reads it and nothing else.
-Reading results therefore needs no compiler, hence the array names are defined here once more
-instead of being taken from ``_jit``, which imports Numba.
+Reading results therefore needs no compiler: nothing here imports Numba.
 """
 
 from __future__ import annotations
@@ -10,15 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-Floats: TypeAlias = npt.NDArray[np.float64]
-Ints: TypeAlias = npt.NDArray[np.int64]
-SmallInts: TypeAlias = npt.NDArray[np.int8]
-Bools: TypeAlias = npt.NDArray[np.bool_]
+from .arrays import Bools, Floats, Ints, SmallInts
 
 STRAIGHT = 0
 """State of a cable that the cutting edge has not met."""

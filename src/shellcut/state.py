@@ -13,21 +13,20 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import Bools, Floats, Ints, SmallIds, SmallInts
-from .lanes import aligned_zeros
-from .mesh import MAX_VALENCE, Mesh
+from .arrays import Bools, Floats, Ints, SmallIds, SmallInts
+from .numerics.lanes import aligned_zeros
 
 
 def columns(rows: int, count: int) -> Floats:
     """Return zeros of shape (rows, count), one column after the other.
 
-    Eight consecutive nodes of a column are one vector (:mod:`shellcut.lanes`).
+    Eight consecutive nodes of a column are one vector (:mod:`shellcut.numerics.lanes`).
     """
     return np.asarray(aligned_zeros((count, rows)).T)
 
 
-# A split adds one node; the reserve spares most runs a reallocation.
-_RESERVE = 256
+RESERVE = 256
+"""Rows allocated ahead: a split adds a node, and most runs never need another allocation."""
 
 STRAIGHT, JOINTED, BROKEN = 0, 1, 2
 
@@ -97,7 +96,7 @@ class _Table:
 
 @dataclass
 class NodeTable(_Table):
-    """Nodes; positions at t_n, velocities at t_{n+1/2} (see :mod:`shellcut.integrator`)."""
+    """Nodes; positions at t_n, velocities at t_{n+1/2} (see :mod:`shellcut.central_difference`)."""
 
     X: Floats
     """Reference position [mm], shape (n, 3)."""
@@ -226,7 +225,7 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.criterion`."""
+    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`."""
     measure: float
     """Of the criterion; due at 1."""
     force_jump: float
@@ -248,7 +247,7 @@ class State:
     history: Floats
     """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, width)."""
     strain_forms: tuple[float, float] = (0.0, 0.0)
-    """A and B of :mod:`shellcut.quad_forces` at the last evaluation [N·mm]."""
+    """A and B of :mod:`shellcut.mitc4.forces` at the last evaluation [N·mm]."""
     time: float = 0.0
     """t_n [s]."""
     dt: float = 0.0
@@ -301,101 +300,3 @@ class State:
             SplitRecord(**dict(zip(splits, row, strict=True)))
             for row in zip(*splits.values(), strict=True)
         ]
-
-
-def initial_state(mesh: Mesh) -> State:
-    """Allocate the state of an unloaded mesh at rest; the shell lays out strains and history."""
-    n, cap = mesh.n_node, mesh.n_node + _RESERVE
-
-    def rows(*shape: int) -> Floats:
-        return np.zeros((cap, *shape))
-
-    X, x, t = columns(cap, 3), columns(cap, 3), columns(cap, 3)
-    X[:n] = mesh.nodes
-    x[:n], t[:n] = mesh.nodes, mesh.directors
-    origin = np.zeros(cap, np.int64)
-    origin[:n] = mesh.origin
-    halved = np.zeros(cap, np.bool_)
-    halved[:n] = np.bincount(mesh.origin, minlength=n)[mesh.origin] > 1
-    quads_at, n_quad_at = quads_of_nodes(mesh.quads, cap)
-    node = NodeTable(
-        count=n,
-        X=X,
-        x=x,
-        t=t,
-        velocity_half=columns(cap, 3),
-        spin_half=columns(cap, 3),
-        force_rows=aligned_zeros((cap, 8)),
-        mass=rows(),
-        inertia=rows(),
-        push=columns(cap, 2),
-        contact_area=rows(),
-        origin=origin,
-        halved=halved,
-        quads=quads_at,
-        n_quad_at=n_quad_at,
-        supported=np.zeros(cap, np.bool_),
-        support=np.zeros((cap, 6), np.bool_),
-        support_rate=rows(6),
-        reaction=rows(6),
-        load_force=rows(3),
-        contact_side=np.zeros(cap, np.int8),
-        contact_depth=rows(),
-        contact_offset=rows(),
-        contact_work=rows(),
-        contact_force=rows(3),
-    )
-    cable = CableTable(
-        count=0,
-        **{
-            f.name: np.zeros((_RESERVE, *shape), dtype)
-            for f, (shape, dtype) in zip(
-                [f for f in fields(CableTable) if f.name != "count"], _CABLE_ROWS, strict=True
-            )
-        },
-    )
-    return State(
-        node=node,
-        cable=cable,
-        quads=mesh.quads.astype(np.int32),
-        strain=np.zeros((0, 0, 0)),
-        strain_before=np.zeros((0, 0, 0)),
-        history=np.zeros((0, 0, 0)),
-    )
-
-
-# Shape and type of a row, in the order of CableTable's fields.
-_CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
-    ((2,), np.int64),
-    ((), np.int8),
-    ((), np.float64),
-    ((2,), np.float64),
-    ((2,), np.int64),
-    ((3,), np.float64),
-    ((3,), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-    ((), np.int64),
-    ((3,), np.float64),
-    ((3,), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-    ((2, 3), np.float64),
-    ((2, 3), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-    ((), np.float64),
-]
-
-
-def quads_of_nodes(quads: Ints, capacity: int) -> tuple[SmallIds, SmallIds]:
-    """Return the quads at every node, ascending, shape (capacity, MAX_VALENCE), and their count."""
-    n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int32)
-    table = np.zeros((capacity, MAX_VALENCE), np.int32)
-    order = np.argsort(quads.ravel(), kind="stable")
-    start = np.concatenate([[0], np.cumsum(n_quad_at)[:-1]])
-    rank = np.arange(order.size) - np.repeat(start, n_quad_at)
-    table[quads.ravel()[order], rank] = order // 4
-    return table, n_quad_at

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.mesh import Mesh
+from shellcut.mesh.mesh import Mesh
 
 Array = np.ndarray[Any, Any]
 

@@ -6,9 +6,9 @@ import inspect
 from typing import Any
 
 from shellcut import Pressure, ShellMaterial, Simulation, Stepping, Support
-from shellcut.material import Elastic, Layer
-from shellcut.mesh import Mesh
-from shellcut.meshing import disc, opening_disc
+from shellcut.material.shell_material import Elastic, Layer
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import disc, opening_disc
 
 RADIUS = 10.2
 

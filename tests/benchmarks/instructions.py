@@ -17,9 +17,9 @@ import numba
 
 from benchmarks.discs import build_mesh, pressurised_disc
 from benchmarks.machine import Machine
-from shellcut._jit import _OPTIONS
-from shellcut.lane_instructions import WIDTH
-from shellcut.quad_forces import add_flat_quads
+from shellcut.mitc4.forces import add_flat_quads
+from shellcut.numerics.jit import _OPTIONS
+from shellcut.numerics.lane_instructions import WIDTH
 
 _KINDS = {
     "arithmetic": r"v(fn?m(add|sub)\w*|add|sub|mul|div)p[ds]",

@@ -26,8 +26,8 @@ from benchmarks.calculix_disc import run_calculix
 from benchmarks.discs import RADIUS, accepts_threads
 from benchmarks.harness import child
 from shellcut import Pressure, ShellMaterial, Simulation, Support
-from shellcut.mesh import Mesh
-from shellcut.meshing import disc
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import disc
 
 Array = np.ndarray[Any, Any]
 

@@ -19,7 +19,7 @@ from benchmarks.discs import SINGLE, SIZES, accepts_threads, build_mesh, pressur
 from benchmarks.harness import child
 from benchmarks.traffic import bytes_per_step
 from shellcut import Simulation, Stepping
-from shellcut.mesh import Mesh
+from shellcut.mesh.mesh import Mesh
 
 # Arithmetic of the shortest exact path, METHOD's count.
 FLOPS_A_QUAD, FLOPS_A_NODE = 565, 66

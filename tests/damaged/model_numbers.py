@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.account import start_lines
-from shellcut.instability import UnstableStep
 from shellcut.model_file import ModelFileError
 from shellcut.model_file.build import build
 from shellcut.model_file.reader import _Reading
-from shellcut.model_file.run_settings import Head
+from shellcut.model_file.run_sections import Head
 from shellcut.model_file.source import parse
-from shellcut.resistance import Resistance
+from shellcut.recording.status_line import start_lines
+from shellcut.recording.tool_resistance import Resistance
+from shellcut.simulation.instability import UnstableStep
 
 NAN, INF = float("nan"), float("inf")
 NUMBERS = (

@@ -4,8 +4,8 @@ import logging
 
 import numpy as np
 
-from shellcut.film_file import read_film
-from shellcut.tool_file import read_tool
+from shellcut.mesh.film_file import read_film
+from shellcut.tool.tool_file import read_tool
 
 
 class Said(logging.Handler):

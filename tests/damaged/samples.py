@@ -8,8 +8,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from shellcut.meshing import disc
-from shellcut.tool_shapes import tooth_ring
+from shellcut.mesh.structured import disc
+from shellcut.tool.shapes import tooth_ring
 
 
 @functools.cache

@@ -1,4 +1,5 @@
-"""Cable forces by the formulae in the docstring of shellcut.cable, one cable at a time."""
+"""Cable forces by the formulae in the docstring of shellcut.cables.directional_cable, one cable at
+a time."""
 
 import numpy as np
 

@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import cylinder, rectangle
-from shellcut.shell import MITC4Shell
-from shellcut.state import initial_state
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import cylinder, rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
 
 FILM = ShellMaterial.homogeneous()
 

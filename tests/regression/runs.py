@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.history import read_history
 from shellcut.models.case import Case
+from shellcut.results.history import read_history
 
 
 def run(case: Case, folder: Path) -> tuple[dict[str, float], dict[str, np.ndarray]]:

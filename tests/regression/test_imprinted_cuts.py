@@ -6,19 +6,11 @@ import pytest
 from films import unstructured_disc, unstructured_strip
 from gmsh_films import DISCS, gmsh_disc
 from runs import mean_force, run
-from shellcut import (
-    Mesh,
-    PathCurve,
-    StraightMotion,
-    Support,
-    guillotine,
-    imprint,
-    opening_test,
-)
-from shellcut.meshing import rectangle
+from shellcut import Mesh, PathCurve, StraightMotion, Support, guillotine, imprint, opening_test
+from shellcut.mesh.structured import rectangle
 from shellcut.models.free_cut import free_cut
 from shellcut.models.opening import steady_work_per_radian
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
 
 GH = 43.5 * 0.074
 TORQUE_M1 = 143.5

@@ -7,7 +7,7 @@ from films import unstructured_disc
 from runs import broken_ratio, run
 from shellcut import Fracture, opening_test
 from shellcut.models.opening import steady_work_per_radian
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
 
 BOUND = 43.5 * 0.074 * 2.0 * np.pi * 9.4
 N_RING = {"quick": 72, "M1": 152, "M2": 276}

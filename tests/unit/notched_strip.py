@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture
-from shellcut.load import EdgeTraction, Gravity, NodalForce, Pressure
-from shellcut.material import ShellMaterial
-from shellcut.meshing import rectangle
-from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.tool_shapes import straight_blade
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
 
 
 def cutting(

@@ -3,8 +3,8 @@
 import numpy as np
 
 from opening_frame import opening_frame
-from shellcut.history import HistoryWriter
-from shellcut.vtkhdf import VtkHdfWriter
+from shellcut.results.history import HistoryWriter
+from shellcut.results.vtkhdf import VtkHdfWriter
 
 
 def write_run(folder, name, angle, torque, **lengths):

@@ -16,8 +16,8 @@ from known_film import (
     check_geometry,
     rows_in,
 )
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
+from shellcut.mesh.film_file import read_film
 
 
 def nodes(scale=1.0, shift=(0.0, 0.0, 0.0)):

@@ -5,8 +5,8 @@ import re
 import pytest
 
 from notched_strip import cutting
-from shellcut.account import account_line, start_lines
-from shellcut.resistance import Resistance
+from shellcut.recording.status_line import account_line, start_lines
+from shellcut.recording.tool_resistance import Resistance
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.blade_cut import BladeCut
-from shellcut.cable import CableSet
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.meshing import rectangle
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.directional_cable import CableSet
+from shellcut.fracture.blade_cut import BladeCut
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
 from shellcut.models.opening import opening_test
-from shellcut.state import JOINTED, initial_state
-from shellcut.tool_file import read_tool
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.state import JOINTED
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool_file import read_tool
 
 REACH = 0.3  # of a whole node of unit squares, beside the edge and behind it [mm]
 NO_RIM = np.zeros(0, np.bool_)

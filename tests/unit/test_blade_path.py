@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from shellcut import ImprintError, ScrewMotion, StraightMotion, TableMotion, blade_path
-from shellcut.meshing import opening_disc, rectangle
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 DISC = opening_disc("quick")
 SHEET = rectangle(20.0, 8.0, size=0.5)

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from naive import cable as naive
-from shellcut.cable import SHORT_BRANCH, START_OPENING, CableSet
-from shellcut.cohesive_law import CohesiveLaw, area_below
-from shellcut.meshing import rectangle
-from shellcut.motion import ScrewMotion
-from shellcut.state import BROKEN, JOINTED, STRAIGHT, initial_state
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.cables.cohesive_law import CohesiveLaw, area_below
+from shellcut.cables.directional_cable import SHORT_BRANCH, START_OPENING, CableSet
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.state import BROKEN, JOINTED, STRAIGHT
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 LAW = CohesiveLaw()
 AREA = 0.03

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 
 from notched_strip import cutting
-from shellcut.capture import Exposure
+from shellcut.recording.frame_capture import Exposure
 
 
 def differing(one, other):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.centre_stress import CentreStress
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.mesh import Mesh
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.centre_stress import CentreStress
 
 LAMINATE = ShellMaterial(
     [Layer(Elastic(5000.0, 0.35, 2e-9), 0.01), Layer(Elastic(800.0, 0.4, 1e-9), 0.06)]

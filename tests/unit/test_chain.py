@@ -8,7 +8,7 @@ from shellcut import ImprintError, PathCurve
 from shellcut.imprinting.chain import find_chain
 from shellcut.imprinting.course import find_courses
 from shellcut.imprinting.film_plane import FilmPlane
-from shellcut.meshing import opening_disc, rectangle
+from shellcut.mesh.structured import opening_disc, rectangle
 
 
 def chain_of(mesh, curve, taken=()):

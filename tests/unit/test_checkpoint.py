@@ -14,28 +14,28 @@ import h5py
 import numpy as np
 import pytest
 
-import shellcut.checkpoint
-import shellcut.recorder
+import shellcut.recording.checkpoint
+import shellcut.recording.recorder
 from notched_strip import cutting
 from open_files import is_open
-from shellcut.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
-from shellcut.criterion import Fracture
-from shellcut.cut_front import CutFront
-from shellcut.history import read_history
-from shellcut.hooks import StopWhen
-from shellcut.instability import UnstableStep
-from shellcut.load import Pressure
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.meshing import rectangle
+from shellcut.fracture.candidate_splits import partings_of
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
-from shellcut.motion import ScrewMotion, StraightMotion
-from shellcut.parting import partings_of
-from shellcut.recorder import Recorder, RunEnded
-from shellcut.simulation import Simulation
+from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.recording.cut_front import CutFront
+from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.results.history import read_history
+from shellcut.simulation.hooks import StopWhen
+from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
 from shellcut.state import BROKEN
-from shellcut.support import Support
-from shellcut.table_motion import TableMotion
-from shellcut.time_step import Stepping
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.table_motion import TableMotion
 
 END = 8e-5
 
@@ -434,7 +434,7 @@ def test_a_full_disk_leaves_the_last_good_one(tmp_path, monkeypatch):
     def full(_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(shellcut.checkpoint.os, "fsync", full)
+    monkeypatch.setattr(shellcut.recording.checkpoint.os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
         save_checkpoint(sim, tmp_path / "c.h5")
     assert (tmp_path / "c.h5").read_bytes() == good
@@ -456,7 +456,7 @@ def test_a_step_half_done_is_not_saved(tmp_path):
 
 @pytest.fixture
 def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
 
 
 RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 3, "progress": False}
@@ -519,7 +519,7 @@ def summary_of(folder):
 def uninterrupted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("uninterrupted")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
         case().run(folder, checkpoint_every=None, **RECORDS)
     return folder
 
@@ -534,7 +534,7 @@ def interrupted_at(step, patch):
             raised.append(step)
             signal.raise_signal(signal.SIGINT)
 
-    patch.setattr(shellcut.recorder, "save_checkpoint", save)
+    patch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
 
 
 @pytest.mark.usefixtures("_no_pictures")
@@ -574,8 +574,8 @@ def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog
 _KILLED = """
 import os, signal, sys
 sys.path.insert(0, {tests!r})
-import shellcut.recorder
-from shellcut.checkpoint import save_checkpoint
+import shellcut.recording.recorder
+from shellcut.recording.checkpoint import save_checkpoint
 from test_checkpoint import RECORDS, case
 
 killed = []
@@ -587,8 +587,8 @@ def save(sim, path, *, extra):
         killed.append(520)
         os.kill(os.getpid(), {signal})
 
-shellcut.recorder.save_checkpoint = save
-shellcut.recorder._matplotlib_is_there = lambda: False
+shellcut.recording.recorder.save_checkpoint = save
+shellcut.recording.recorder._matplotlib_is_there = lambda: False
 case().run({folder!r}, checkpoint_every=0.0, **RECORDS)
 """
 
@@ -652,7 +652,9 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     whole, part = tmp_path / "whole", tmp_path / "part"
     # Deepest at the first frame: the summary of both parts shall know.
     monkeypatch.setattr(
-        shellcut.recorder, "unfelt_penetration", lambda _, state, *__: (1, 1.0 / (1 + state.step))
+        shellcut.recording.recorder,
+        "unfelt_penetration",
+        lambda _, state, *__: (1, 1.0 / (1 + state.step)),
     )
     Case("cut", cutting(), 8e-6).run(whole, **records)
     first = cutting()
@@ -753,7 +755,7 @@ def test_a_full_disk_is_said_once_and_the_run_goes_on(tmp_path, monkeypatch, cap
     def full(_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(shellcut.checkpoint.os, "fsync", full)
+    monkeypatch.setattr(shellcut.recording.checkpoint.os, "fsync", full)
     short = Case("cut", cutting(), 5e-6)
     short.run(tmp_path, checkpoint_every=0.0, **RECORDS)
     assert short.simulation.state.time >= 5e-6

@@ -7,10 +7,10 @@ import h5py
 import numpy as np
 import pytest
 
-import shellcut.checkpoint
+import shellcut.recording.checkpoint
 from damaged.mutations import mutated
 from notched_strip import cutting
-from shellcut.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def as_if_written_so(path):
     """Make the digest of a checkpoint right again, as of one that another program wrote."""
     content = path.read_bytes()
     digest = hashlib.sha256(content[512:]).hexdigest()
-    path.write_bytes(shellcut.checkpoint._header(digest) + content[512:])
+    path.write_bytes(shellcut.recording.checkpoint._header(digest) + content[512:])
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from naive import cable as naive
-from shellcut.cohesive_law import CohesiveLaw, area_below, envelope
+from shellcut.cables.cohesive_law import CohesiveLaw, area_below, envelope
 
 LAWS = {
     "secant": CohesiveLaw(),

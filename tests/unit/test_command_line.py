@@ -18,14 +18,14 @@ import pytest
 
 import shellcut
 from shellcut import read_model
-from shellcut._jit import on_compilation
 from shellcut.command_line import main
 from shellcut.command_line.exit_code import MEANINGS
 from shellcut.command_line.run_log import RunLog
 from shellcut.models import Case
+from shellcut.numerics.jit import on_compilation
 from shellcut.report import report
-from shellcut.tool_shapes import tooth_ring
-from shellcut.verdict import LOGGER, Line
+from shellcut.results.verdict import LOGGER, Line
+from shellcut.tool.shapes import tooth_ring
 
 
 def test_warmup_says_where_the_cache_is(capsys):
@@ -213,7 +213,7 @@ def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, mon
     mine = {"force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "notes.txt"}
     for name in mine:
         (tmp_path / name).write_text("mine")
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
     assert main(["run", "guillotine", "-o", str(tmp_path), "--overwrite", *SHORT]) == 0
     left = {path.name for path in tmp_path.iterdir()}
     assert left - mine == {
@@ -283,7 +283,7 @@ def test_a_verdict_is_said_last_or_when_the_process_may_end(capsys):
     log = RunLog()
     with log.library_said():
         LOGGER.warning("distrust: it")
-        logging.getLogger("shellcut.recorder").warning("stopped")
+        logging.getLogger("shellcut.recording.recorder").warning("stopped")
         assert capsys.readouterr() == ("", "stopped\n")
         for handler in logging.getLogger("shellcut").handlers:
             handler.flush()
@@ -347,7 +347,7 @@ def test_a_run_that_has_ended_is_left_as_it_is(out, capsys):
 
 def test_nobody_needs_to_listen(tmp_path, monkeypatch):
     # A pipe that is closed at the other end: the run goes on, and run.log has all lines.
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
     reading, writing = os.pipe()
     os.close(reading)
     with open(writing, "wb", buffering=0) as pipe:

@@ -9,7 +9,7 @@ import pytest
 import shellcut
 from run_folder import write_run
 from shellcut.command_line import main
-from shellcut.measured_curve import MeasuredCurve
+from shellcut.results.measured_curve import MeasuredCurve
 from steady_cut import edge, edge_columns
 
 ANGLE = np.linspace(0.0, 90.0, 1801)

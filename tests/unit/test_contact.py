@@ -5,13 +5,13 @@ import pytest
 
 from naive import cases
 from naive import contact as naive
-from shellcut.contact import PenaltyContact
-from shellcut.material import ShellMaterial
-from shellcut.meshing import rectangle
-from shellcut.motion import ScrewMotion
-from shellcut.penalty import Contact, smoothed, smoothed_integral
-from shellcut.state import initial_state
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.settings import Contact, smoothed, smoothed_integral
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 HERE = np.eye(3), np.zeros(3)
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)

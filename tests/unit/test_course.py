@@ -4,7 +4,7 @@ import pytest
 from shellcut import ImprintError, PathCurve
 from shellcut.imprinting.course import check_room, find_courses
 from shellcut.imprinting.film_plane import FilmPlane
-from shellcut.meshing import annulus, disc, rectangle
+from shellcut.mesh.structured import annulus, disc, rectangle
 
 
 def courses(mesh, *curves):

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture, SplitCriterion
-from shellcut.fan import boundary_edges, crack_tips, open_edges
-from shellcut.load import LoadSet, Pressure
-from shellcut.meshing import rectangle
-from shellcut.tool_shapes import straight_blade
-from shellcut.topology import split_node
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture, SplitCriterion
+from shellcut.fracture.quad_fans import boundary_edges, crack_tips, open_edges
+from shellcut.fracture.split_node import split_node
+from shellcut.loads.loads import LoadSet, Pressure
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.shapes import straight_blade
 
 H = 0.074
 STRENGTH = 18.0

@@ -8,12 +8,12 @@ import pytest
 from notched_strip import cutting
 from shellcut import StraightMotion, Support
 from shellcut.checks import Sweep
-from shellcut.cut_evidence import cut_evidence
-from shellcut.meshing import rectangle
+from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut, guillotine
+from shellcut.recording.cut_evidence import cut_evidence
+from shellcut.results.verdict import verdict
 from shellcut.state import SplitRecord
-from shellcut.tool_shapes import straight_blade
-from shellcut.verdict import verdict
+from shellcut.tool.shapes import straight_blade
 
 
 @pytest.fixture

@@ -7,12 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from opening_frame import RADIUS, disc, opening_frame
-from shellcut.cut_quality import UNITS, cut_quality
-from shellcut.fan import open_edge_copies
+from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.state import initial_state
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.results.cut_quality import UNITS, cut_quality
 
 N_X, N_Y = 10, 8  # quads of 1 mm
 EXACT = 1e-12  # round-off of lengths of some mm and angles of some degrees

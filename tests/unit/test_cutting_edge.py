@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut.cutting_edge import (
+from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     CuttingEdges,
     edge_point,
@@ -12,8 +12,8 @@ from shellcut.cutting_edge import (
     to_space,
     turn,
 )
-from shellcut.motion import ScrewMotion
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 

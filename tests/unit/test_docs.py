@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from shellcut.model_file.layout import LISTS, SECTIONS
+from shellcut.model_file.section_table import LISTS, SECTIONS
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -88,12 +88,26 @@ def test_the_site_has_every_page_and_the_start_page_leads_to_it():
     assert linked == stored - {"index"}
 
 
-def test_the_import_table_is_the_contract():
-    layers = re.search(r"\nlayers = \[\n(.*?)\n\]", (ROOT / "pyproject.toml").read_text(), re.S)
-    contract = [set(re.findall(r"\w+", row)) for row in re.findall(r'"(.+?)"', layers[1])]
-    page = (ROOT / "docs/architecture.md").read_text().split("| row |\n|---|\n")[1]
-    table = [set(re.findall(r"`(\w+)`", row)) for row in page.split("\n\n")[0].splitlines()]
-    assert table == contract
+def test_rooms_picture_table_and_folders_are_the_contract():
+    sys.path.insert(0, str(ROOT / "docs"))
+    import rooms_picture
+
+    rows = rooms_picture.rows()
+    assert len(rows) <= 10
+    assert rooms_picture.PICTURE.read_text(encoding="utf-8") == rooms_picture.picture()
+    assert rooms_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    rooms = [room for row in rows for room in row]
+    package = ROOT / "src" / "shellcut"
+    folders = {p.parent.name for p in package.glob("*/__init__.py")}
+    files = {p.stem for p in package.glob("*.py")} - {"__init__", "__main__"}
+    doors = {"cut_quality", "history", "meshing", "tool_shapes"}
+    assert sorted(rooms) == sorted(folders | (files - doors))
+    for folder in folders:
+        doc = ast.get_docstring(ast.parse((package / folder / "__init__.py").read_text("utf-8")))
+        assert "import" in doc.lower(), f"{folder} must say what it may import"
+    for door in doors:
+        body = ast.parse((package / f"{door}.py").read_text("utf-8")).body
+        assert {type(node) for node in body} == {ast.Expr, ast.ImportFrom, ast.Assign}
 
 
 def test_the_readmes_models_run(tmp_path):

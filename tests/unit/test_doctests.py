@@ -13,7 +13,7 @@ WITHOUT = {"Recorder", "Results"}
 
 MODULES = sorted(
     {inspect.getmodule(getattr(shellcut, name)).__name__ for name in shellcut.__all__}
-    | {"shellcut.unit", "shellcut.length_unit", "shellcut.formats.number_table"}
+    | {"shellcut.unit", "shellcut.formats.length_unit", "shellcut.formats.number_table"}
 )
 
 

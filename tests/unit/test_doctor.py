@@ -76,11 +76,11 @@ def test_a_compiler_that_fails(lines, monkeypatch):
 
 
 def test_the_cache_is_empty_or_closed(lines, monkeypatch, tmp_path):
-    monkeypatch.setattr(doctor, "_cache_folder", lambda: str(tmp_path / "cache"))
+    monkeypatch.setattr(doctor, "_cache_folders", lambda: [tmp_path / "cache"])
     _, said = lines()
     assert "none yet" in said["compiled code"]
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr(doctor, "_cache_folder", lambda: str(tmp_path / "file" / "cache"))
+    monkeypatch.setattr(doctor, "_cache_folders", lambda: [tmp_path / "file" / "cache"])
     code, said = lines()
     assert code == 0
     assert "NUMBA_CACHE_DIR" in said["compiled code"]

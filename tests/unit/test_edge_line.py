@@ -4,7 +4,7 @@ import pytest
 from films import unstructured_disc
 from shellcut import ImprintError, Mesh, PathCurve, imprint
 from shellcut.imprinting.edge_line import IN_THE_MESH
-from shellcut.meshing import annulus, opening_disc, rectangle
+from shellcut.mesh.structured import annulus, opening_disc, rectangle
 
 # nodes at x = 0, 0.5, .. 10 and y = -3, -2.5, .. 3; the edge length is 0.5 everywhere
 SHEET = rectangle(10.0, 6.0, size=0.5)

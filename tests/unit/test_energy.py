@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from shellcut.energy import Ledger, tool_work
+from shellcut.simulation.ledger import Ledger, tool_work
 
 
 def numbered():

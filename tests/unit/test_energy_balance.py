@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut.energy_balance import energy_shares, largest_shares, trusted_rows, work_put_in
+from shellcut.results.energy_balance import energy_shares, largest_shares, trusted_rows, work_put_in
 
 NAMES = (
     *("tool_work", "load_work", "support_work", "cohesive_work", "cohesive_start_work"),

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import shellcut
-import shellcut.recorder
+import shellcut.recording.recorder
 from notched_strip import cutting
 from shellcut.command_line import main
-from shellcut.hooks import StopWhen
 from shellcut.models import Case
-from shellcut.recorder import Recorder, RunEnded
-from shellcut.run_files import FolderLost
+from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.run_files import FolderLost
+from shellcut.simulation.hooks import StopWhen
 from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
 
 MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
@@ -30,7 +30,7 @@ END = 2e-5
 
 @pytest.fixture(autouse=True)
 def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def whole(tmp_path_factory):
     """The run by the command, undisturbed."""
     out = tmp_path_factory.mktemp("whole") / "out"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
         assert main(["run", *MODEL, "-o", str(out)]) == 0
     return out
 
@@ -48,7 +48,7 @@ def uninterrupted(tmp_path_factory):
     """A run by Python, undisturbed."""
     out = tmp_path_factory.mktemp("uninterrupted")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
         Case("cut", cutting(), END).run(out, **RECORDS)
     return out
 
@@ -224,7 +224,7 @@ def test_a_folder_taken_away_ends_the_run(tmp_path, capsys, monkeypatch, take_aw
         if sim.state.step == 100:
             take_away(out)
 
-    monkeypatch.setattr(shellcut.recorder, "_LOOK_EVERY", 0.0)
+    monkeypatch.setattr(shellcut.recording.recorder, "_LOOK_EVERY", 0.0)
     monkeypatch.setattr(Recorder, "__call__", robbed)
     assert main(["run", *MODEL, "-o", str(out)]) == 4
     assert steps[-1] == 100  # the next call has ended it

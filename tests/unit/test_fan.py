@@ -4,7 +4,7 @@ import numpy as np
 
 from naive import cases
 from naive import topology as naive
-from shellcut.fan import (
+from shellcut.fracture.quad_fans import (
     arriving,
     boundary_edges,
     crack_tips,
@@ -13,8 +13,8 @@ from shellcut.fan import (
     open_edges,
     origin_edge,
 )
-from shellcut.meshing import rectangle
-from shellcut.state import initial_state
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
 
 # Six by four squares; node j * 7 + i is the i-th of row j.
 MESH = rectangle(6.0, 4.0, n_x=6, n_y=4)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from known_film import LEFT, NODES, QUADS, check_geometry
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
-from shellcut.mesh import MeshError
+from shellcut.mesh.film_file import read_film
+from shellcut.mesh.mesh import MeshError
 
 LINES = np.stack([LEFT[:-1], LEFT[1:]], axis=1)
 

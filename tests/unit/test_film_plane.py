@@ -3,7 +3,7 @@ import pytest
 
 from shellcut import ImprintError, Mesh
 from shellcut.imprinting.film_plane import FilmPlane
-from shellcut.meshing import annulus, cylinder, disc, rectangle
+from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
 
 
 def tilted(mesh, shift=(1.0, -2.0, 3.0)):

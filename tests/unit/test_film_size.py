@@ -4,13 +4,13 @@ import time
 
 import pytest
 
-from shellcut import film_size
-from shellcut.film_file import read_film
-from shellcut.mesh import MeshError
-from shellcut.meshing import annulus, cylinder, disc, rectangle
-from shellcut.outline_mesh import mesh_from_outline
-from shellcut.tool import ToolError
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.mesh import film_size
+from shellcut.mesh.film_file import read_film
+from shellcut.mesh.mesh import MeshError
+from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import ToolError
 
 SHEET = [(0, 0), (10, 0), (10, 6), (0, 6)]
 LONG = [(0, 0), (1e5, 0), (1e5, 0.5), (0, 0.5)]

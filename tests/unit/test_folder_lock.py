@@ -11,8 +11,8 @@ import threading
 
 import pytest
 
-import shellcut.folder_lock
-from shellcut.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
+import shellcut.files.folder_lock
+from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, refuse_if_in_use
 
 HOLDER = """
 import importlib.util, sys
@@ -30,7 +30,7 @@ sys.stdin.readline()
 @pytest.fixture
 def holder(tmp_path):
     """A process that holds the folder."""
-    command = [sys.executable, "-c", HOLDER, str(tmp_path), shellcut.folder_lock.__file__]
+    command = [sys.executable, "-c", HOLDER, str(tmp_path), shellcut.files.folder_lock.__file__]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdout.readline() == b"held\n"
         yield process
@@ -154,7 +154,7 @@ def test_a_file_system_without_locks_is_told_of(tmp_path, monkeypatch, caplog):
     def without(*_):
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(shellcut.folder_lock.fcntl, "flock", without)
+    monkeypatch.setattr(shellcut.files.folder_lock.fcntl, "flock", without)
     FolderLock(tmp_path).close()
     assert "has no locks" in caplog.text
     assert "no second run" in caplog.text

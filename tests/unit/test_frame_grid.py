@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from opening_frame import opening_frame
-from shellcut.frame_grid import FLANK, KEPT_BITS, Counts, array_name, frame_of, grid_of, series_of
+from shellcut.results.frame_grid import (
+    FLANK,
+    KEPT_BITS,
+    Counts,
+    array_name,
+    frame_of,
+    grid_of,
+    series_of,
+)
 from test_vtkhdf import assert_same
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from shellcut import Mesh, ShellMaterial, Support
-from shellcut.freedoms import Freedoms
-from shellcut.meshing import cylinder, disc, rectangle
-from shellcut.shell import MITC4Shell
-from shellcut.state import initial_state
-from shellcut.support import SupportSet
+from shellcut.loads.supports import SupportSet
+from shellcut.mesh.structured import cylinder, disc, rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.statics.freedoms import Freedoms
 
 EPS = np.finfo(float).eps
 

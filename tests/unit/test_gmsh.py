@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from known_film import check_film, rows_in
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
 from shellcut.formats.gmsh import read_gmsh
+from shellcut.mesh.film_file import read_film
 
 DATA = Path(__file__).parent / "data"
 NAMES = ["gmsh_2.2.msh", "gmsh_2.2_binary.msh", "gmsh_4.1.msh", "gmsh_4.1_binary.msh"]

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from shellcut.hdf_columns import Columns, fletcher32
+from shellcut.results.hdf_columns import Columns, fletcher32
 
 RNG = np.random.default_rng(7)
 BLOCKS = {

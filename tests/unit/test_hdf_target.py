@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from opening_frame import opening_frame
-from shellcut.hdf_target import HdfTarget
-from shellcut.vtkhdf import VtkHdfWriter
-from shellcut.vtkhdf_reader import VtkHdfReader
+from shellcut.files.hdf_target import HdfTarget
+from shellcut.results.vtkhdf import VtkHdfWriter
+from shellcut.results.vtkhdf_reader import VtkHdfReader
 from small_disk import REFUSAL, files_of_at_most, small_disk
 
 

@@ -9,7 +9,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from shellcut.history import HistoryWriter, read_history
+from shellcut.results.history import HistoryWriter, read_history
 from small_disk import REFUSAL, files_of_at_most
 
 COLUMNS = (("time", "s"), ("angle", "deg"), ("torque", "N*mm"))
@@ -112,7 +112,7 @@ def test_a_killed_run_leaves_whole_lines(tmp_path):
     path = tmp_path / "history.csv"
     script = textwrap.dedent(f"""
         import os, signal
-        from shellcut.history import HistoryWriter
+        from shellcut.results.history import HistoryWriter
         history = HistoryWriter({str(path)!r}, [("time", "s"), ("angle", "deg")])
         for k in range(1000):
             history.append({{"time": k / 7, "angle": k / 3}})

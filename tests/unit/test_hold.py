@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from shellcut.checks.hold import check_hold, free_motions
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
 
 MESH = rectangle(4.0, 2.0, size=1.0)
 ALL = np.arange(MESH.n_node)

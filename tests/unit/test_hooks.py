@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from shellcut.hooks import Sampler, Trigger
+from shellcut.simulation.hooks import Sampler, Trigger
 
 
 def test_trigger_is_due_at_zero_and_past_every_multiple():

@@ -11,7 +11,7 @@ import pytest
 import shellcut
 from run_folder import write_run
 from shellcut import guillotine, opening_test
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
 DATA = Path(__file__).parent / "data"

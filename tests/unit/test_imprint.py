@@ -13,9 +13,9 @@ from shellcut import (
     imprint,
     opening_test,
 )
-from shellcut.meshing import annulus, cylinder, opening_disc, rectangle
+from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
 from shellcut.models.free_cut import free_cut
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
 
 CIRCLE = PathCurve.circle((0.0, 0.0, 0.0), 9.4)
 

@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 
-import shellcut.recorder
+import shellcut.recording.recorder
 from notched_strip import cutting
-from shellcut.checkpoint import load_checkpoint
-from shellcut.energy import Ledger
-from shellcut.instability import CHECK_EVERY, BalanceGuard, BalanceLost, UnstableStep
-from shellcut.recorder import Recorder
-from shellcut.results import read
+from shellcut.recording.checkpoint import load_checkpoint
+from shellcut.recording.recorder import Recorder
+from shellcut.results.run_results import read
+from shellcut.simulation.instability import CHECK_EVERY, BalanceGuard, BalanceLost, UnstableStep
+from shellcut.simulation.ledger import Ledger
 
 
 def guard():
@@ -76,7 +76,7 @@ class FirstSplit:
 
 
 def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(tmp_path, monkeypatch):
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
     sim = cutting(strength=18e6)
     records = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
     # A check refuses it before the run, which somebody may force.

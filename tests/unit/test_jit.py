@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import _jit
-from shellcut._jit import bound, bound_once, kernel
+from shellcut.numerics import jit as _jit
+from shellcut.numerics.jit import bound, bound_once, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 

@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from shellcut._jit import kernel
-from shellcut.lane_instructions import SIXTEEN
-from shellcut.lanes import (
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.lane_instructions import SIXTEEN
+from shellcut.numerics.lanes import (
     add_row_columns,
     align_stack,
     aligned_zeros,

@@ -6,7 +6,7 @@ import pytest
 from shellcut import PathCurve, imprint
 from shellcut.imprinting.film_plane import FilmPlane
 from shellcut.imprinting.leads import with_room
-from shellcut.meshing import annulus, rectangle
+from shellcut.mesh.structured import annulus, rectangle
 
 SHEET = rectangle(20.0, 10.0, n_x=40, n_y=21)  # no line of edges on y = 0
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from shellcut.length_unit import MILLIMETRES, unit_in_mm
+from shellcut.formats.length_unit import MILLIMETRES, unit_in_mm
 
 
 @pytest.mark.parametrize("unit", list(MILLIMETRES))

@@ -5,11 +5,11 @@ import pytest
 
 from naive import cases
 from naive import load as naive
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.load import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
-from shellcut.meshing import cylinder, rectangle
-from shellcut.state import initial_state
-from shellcut.topology import split_node
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.split_node import split_node
+from shellcut.loads.loads import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
+from shellcut.mesh.structured import cylinder, rectangle
+from shellcut.mitc4.initial_state import initial_state
 from test_topology import SEQUENCE, prepared, wanted_split
 
 EPS = np.finfo(float).eps

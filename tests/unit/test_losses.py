@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from damaged import samples
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
 from shellcut.formats.losses import gap_note, is_numbers, ragged_note, repeat_note
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
+from shellcut.mesh.film_file import read_film
 
 
 @pytest.fixture

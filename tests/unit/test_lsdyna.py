@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from known_film import LEFT, NODE_ID, NODES, QUAD_ID, QUADS, RIGHT_PART, check_film, rows_in
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
+from shellcut.mesh.film_file import read_film
 
 WIDTHS = {  # id of a node, coordinate, entry of a shell, entry of other cards
     "": (8, 16, 8, 10),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut.material import POINTS_PER_LAYER, Elastic, Layer, ShellMaterial
+from shellcut.material.shell_material import POINTS_PER_LAYER, Elastic, Layer, ShellMaterial
 
 FOIL, POLYMER = Elastic(70e3, 0.33, 2.7e-9), Elastic(200.0, 0.4, 0.92e-9)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shellcut.formats.errors import FileError
-from shellcut.measured_curve import MeasuredCurve, read_measured_curve
+from shellcut.results.measured_curve import MeasuredCurve, read_measured_curve
 
 ANGLE = [0.0, 0.5, 1.0, 1.5]
 TORQUE = [0.0, 13.2, 26.0, 25.5]  # N*mm

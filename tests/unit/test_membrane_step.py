@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from shellcut.imprinting.membrane_step import membrane_steps
-from shellcut.material import Elastic
+from shellcut.material.shell_material import Elastic
 
 FILM = Elastic(young=1678.0, poisson=0.3, density=1e-9)
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -30,7 +30,7 @@ def test_rigid_motion_and_scale():
 def test_it_is_the_step_of_a_run():
     """Without contact, cables and damping the step of a run is this one: same quads and masses."""
     from shellcut import ShellMaterial, Simulation, Stepping
-    from shellcut.meshing import opening_disc
+    from shellcut.mesh.structured import opening_disc
 
     mesh = opening_disc("quick")
     sim = Simulation(

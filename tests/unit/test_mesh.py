@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.mesh import MAX_VALENCE, Mesh, MeshError
-from shellcut.meshing import annulus, cylinder, rectangle
+from shellcut.mesh.mesh import MAX_VALENCE, Mesh, MeshError
+from shellcut.mesh.structured import annulus, cylinder, rectangle
 
 # two unit squares side by side:   3 - 4 - 5
 #                                  |   |   |

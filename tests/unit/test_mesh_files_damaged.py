@@ -19,7 +19,7 @@ from damaged.mutations import mutated as damaged_content
 from damaged.outcomes import film_of, read_quietly, tool_of
 from damaged.outcomes import outcome as outcome_of
 from damaged.samples import FILMS, TOOLS
-from shellcut.film_file import read_film
+from shellcut.mesh.film_file import read_film
 from test_lsdyna import deck
 from test_vtk import write_by_vtk
 

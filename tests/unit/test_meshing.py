@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from shellcut.mesh import MeshError
-from shellcut.meshing import annulus, cylinder, disc, opening_disc, rectangle
+from shellcut.mesh.mesh import MeshError
+from shellcut.mesh.structured import annulus, cylinder, disc, opening_disc, rectangle
 
 # name: quads, nodes on the ring, floor of the smallest edge [mm], radii of the exact circles
 # (measured edges 0.5815, 0.2757, 0.1643; the time step of every run follows from them)

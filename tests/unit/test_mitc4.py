@@ -5,9 +5,8 @@ import pytest
 
 from naive import cases
 from naive import shell as naive
-from shellcut._jit import kernel
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.mitc4 import (
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mitc4.element import (
     N_FULL,
     N_STRAIN,
     flat_resultants,
@@ -16,8 +15,9 @@ from shellcut.mitc4 import (
     nodal_forces,
     products,
 )
-from shellcut.section import flat_moduli, flat_stiffness, full_stiffness, strain_map
-from shellcut.tangent import reference_products
+from shellcut.mitc4.section import flat_moduli, flat_stiffness, full_stiffness, strain_map
+from shellcut.mitc4.tangent import reference_products
+from shellcut.numerics.jit import kernel
 
 EPS = np.finfo(float).eps
 

@@ -9,11 +9,11 @@ import pytest
 import shellcut
 from shellcut import CohesiveLaw, Mesh, ScrewMotion, ShellMaterial, StraightMotion, Support
 from shellcut.checks import RefusedModel, check_model
-from shellcut.meshing import opening_disc, rectangle
+from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut, guillotine, opening_test
-from shellcut.simulation import Simulation
-from shellcut.table_motion import TableMotion
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.table_motion import TableMotion
 
 SIDES = (Support.clamped("bottom"), Support.clamped("top"))
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -223,7 +223,7 @@ def test_a_duration_too_short_for_the_steps_is_refused():
 
 
 def test_a_fixed_step_is_compared_with_the_safe_one():
-    from shellcut.time_step import Stepping
+    from shellcut.simulation.stable_step import Stepping
 
     sim = opening_test("quick").simulation
     safe = sim.dt / 0.95
@@ -255,7 +255,7 @@ def test_a_film_without_a_tool_is_asked_for_its_numbers_only():
 
 
 def test_checking_changes_nothing():
-    from shellcut.time_step import Stepping
+    from shellcut.simulation.stable_step import Stepping
 
     one, two = (opening_test("quick", stepping=Stepping(fixed=1e-7)) for _ in range(2))
     check_model(one.simulation, one.duration)

@@ -13,12 +13,12 @@ import pytest
 import shellcut
 from shellcut import ModelFileError, guillotine, opening_test, read_model
 from shellcut.model_file import shipped_models
-from shellcut.model_file.cutter import Teeth
-from shellcut.model_file.layout import LISTS, SECTIONS
-from shellcut.model_file.run_settings import Head
+from shellcut.model_file.run_sections import Head
+from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.model_file.source import parse
+from shellcut.model_file.tool_sections import Teeth
 from shellcut.model_file.writer import is_as_written, model_text
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 
 from shellcut import read_model
-from shellcut.material import ShellMaterial
-from shellcut.meshing import disc, opening_disc, rectangle
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build
-from shellcut.model_file.film import Homogeneous, Ply
-from shellcut.model_file.layout import LISTS, SECTIONS
-from shellcut.model_file.run_settings import Head, Output, SupportSection
+from shellcut.model_file.film_sections import Homogeneous, Ply
+from shellcut.model_file.run_sections import Head, Output, SupportSection
+from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.model_file.writer import written
 from shellcut.models import Case
-from shellcut.outline_mesh import mesh_from_outline
-from shellcut.simulation import Simulation
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
 # What a kind needs to be there at all.

@@ -5,8 +5,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from shellcut.motion import Motion, ScrewMotion, StraightMotion
-from shellcut.table_motion import TableMotion
+from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
+from shellcut.tool.table_motion import TableMotion
 
 DURATION = 6.0e-3
 

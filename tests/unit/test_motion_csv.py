@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from shellcut.formats.errors import FileError
-from shellcut.motion import ScrewMotion
-from shellcut.table_motion import TableMotion
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.table_motion import TableMotion
 
 
 def table(tmp_path, text, encoding="utf-8"):

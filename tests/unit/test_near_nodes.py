@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from shellcut.meshing import rectangle
-from shellcut.motion import ScrewMotion
-from shellcut.near_nodes import NearNodes
-from shellcut.state import initial_state
+from shellcut.contact.near_nodes import NearNodes
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.tool.motion import ScrewMotion
 
 LOW, HIGH = (
     np.array([[0.0, 0.0, -1.0], [3.0, 1.0, -0.5]]),

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 import pytest
 
-from shellcut.mesh import MeshError
-from shellcut.outline_mesh import mesh_from_outline
+from shellcut.mesh.mesh import MeshError
+from shellcut.mesh.outline import mesh_from_outline
 
 L_SHAPE = [[0, 0], [10, 0], [10, 4], [4, 4], [4, 9], [0, 9]]
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
@@ -96,4 +96,4 @@ def test_a_missing_gmsh_is_named(monkeypatch):
 
 
 def test_the_package_does_not_import_gmsh():
-    assert "gmsh" not in vars(sys.modules["shellcut.outline_mesh"])
+    assert "gmsh" not in vars(sys.modules["shellcut.mesh.outline"])

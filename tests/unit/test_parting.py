@@ -5,12 +5,18 @@ import pytest
 
 from naive import cases
 from naive import topology as naive
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Split
-from shellcut.load import EdgeTraction, LoadSet, Pressure
-from shellcut.meshing import rectangle
-from shellcut.parting import PartingTable, cable_shares, owns_flank, partings_of, weigh_partings
-from shellcut.topology import split_node
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.candidate_splits import (
+    PartingTable,
+    cable_shares,
+    owns_flank,
+    partings_of,
+    weigh_partings,
+)
+from shellcut.fracture.criterion import Split
+from shellcut.fracture.split_node import split_node
+from shellcut.loads.loads import EdgeTraction, LoadSet, Pressure
+from shellcut.mesh.structured import rectangle
 
 ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
 NONE = frozenset()

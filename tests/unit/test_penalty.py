@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from naive import contact as naive
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.penalty import (
+from shellcut.contact.settings import (
     NOTICED,
     SOFTEST,
     STEEPEST,
@@ -19,7 +18,8 @@ from shellcut.penalty import (
     smoothed,
     smoothed_integral,
 )
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 BLADE = straight_blade()
 G_M = 0.074 / 4

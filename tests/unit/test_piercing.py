@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.motion import ScrewMotion
-from shellcut.piercing import ToolWires, unfelt_penetration
-from shellcut.state import initial_state
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 

@@ -8,7 +8,7 @@ from shellcut.imprinting.chain import find_chain
 from shellcut.imprinting.course import find_courses
 from shellcut.imprinting.film_plane import FilmPlane
 from shellcut.imprinting.pillow import pillow, pillowed_mesh
-from shellcut.meshing import disc, rectangle
+from shellcut.mesh.structured import disc, rectangle
 
 
 def pillowed(mesh, curve):

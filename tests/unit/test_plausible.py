@@ -2,13 +2,13 @@
 
 import pytest
 
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.plausible import check_numbers
 from shellcut.checks.steps import check_steps
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.meshing import rectangle
-from shellcut.tool_file import read_tool
-from shellcut.tool_shapes import straight_blade
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool_file import read_tool
 
 MESH = rectangle(20.0, 8.0, size=0.4)
 FILM = ShellMaterial.homogeneous()

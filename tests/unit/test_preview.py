@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from naive import cases
+from shellcut.loads.supports import Support
+from shellcut.mitc4.mesh_quality import mesh_quality
 from shellcut.models import opening_test
-from shellcut.preview import ModelParts, preview, preview_parts
-from shellcut.quality import mesh_quality
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.time_step import Stepping
-from shellcut.tool import Tool
-from shellcut.tool_shapes import tooth_ring
+from shellcut.models.preview import ModelParts, preview, preview_parts
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.shapes import tooth_ring
+from shellcut.tool.tool import Tool
 
 
 def test_a_picture_of_both_poses_and_a_report(tmp_path):

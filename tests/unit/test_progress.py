@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from shellcut import progress
-from shellcut.progress import Progress
+from shellcut.view import progress
+from shellcut.view.progress import Progress
 
 UNITS = {"angle": "deg", "torque": "N*mm", "imbalance": "%"}
 

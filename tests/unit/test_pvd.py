@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from opening_frame import opening_frame
-from shellcut.frame_grid import grid_of
-from shellcut.pvd import PvdWriter
+from shellcut.results.frame_grid import grid_of
+from shellcut.results.pvd import PvdWriter
 
 
 def frames(n=4):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.meshing import cylinder, rectangle
-from shellcut.quad_blocks import build_blocks
+from shellcut.mesh.structured import cylinder, rectangle
+from shellcut.mitc4.blocks import build_blocks
 
 
 def some_flat(mesh, seed=1):

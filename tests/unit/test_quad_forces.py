@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut._jit import kernel
-from shellcut.lane_instructions import mxcsr
-from shellcut.load import Pressure
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.meshing import disc, rectangle
-from shellcut.shell import MITC4Shell
-from shellcut.simulation import Simulation
-from shellcut.state import initial_state
-from shellcut.support import Support
-from shellcut.time_step import Stepping
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.structured import disc, rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.lane_instructions import mxcsr
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
 
 LAYERED = [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]
 MATERIALS = {

@@ -5,12 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from naive import cases
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import opening_disc, rectangle
-from shellcut.quad_frequency import bound_largest_eigenvalues, growth_rates
-from shellcut.shell import MITC4Shell
-from shellcut.state import initial_state
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.mitc4.frequency import bound_largest_eigenvalues, growth_rates
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
 
 
 def exact(shell, x, t, quads):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.quad_split import split_in_quads
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.mesh.triangles_to_quads import split_in_quads
 
 NONE = np.empty((0, 3), np.int64)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import opening_disc, rectangle
-from shellcut.quality import mesh_quality
-from shellcut.simulation import Simulation
-from shellcut.time_step import Stepping
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.mitc4.mesh_quality import mesh_quality
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
 
 
 def test_the_step_is_that_of_the_run():

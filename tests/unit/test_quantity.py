@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from shellcut.model_file.layout import LISTS, SECTIONS
 from shellcut.model_file.quantity import quantity
+from shellcut.model_file.section_table import LISTS, SECTIONS
 
 
 @pytest.mark.parametrize(

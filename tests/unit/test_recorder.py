@@ -8,27 +8,27 @@ from functools import partial
 import numpy as np
 import pytest
 
-import shellcut.frame_output
-import shellcut.progress
-import shellcut.recorder
+import shellcut.recording.recorder
+import shellcut.results.frame_writer
+import shellcut.view.progress
 from notched_strip import cutting
 from open_files import is_open
 from opening_frame import opening_frame
 from shellcut.checks import RefusedModel
-from shellcut.frame_output import FrameOutput
-from shellcut.history import read_history
-from shellcut.hooks import StopWhen
-from shellcut.instability import UnstableStep
-from shellcut.material import ShellMaterial
+from shellcut.files.run_folder import snapshot, snapshots
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.models import Case
-from shellcut.motion import StraightMotion
-from shellcut.recorder import Recorder
-from shellcut.results import read
-from shellcut.run_folder import snapshot, snapshots
-from shellcut.run_summary import run_summary
-from shellcut.table_motion import TableMotion
-from shellcut.time_step import Stepping
-from shellcut.verdict import Line
+from shellcut.recording.recorder import Recorder
+from shellcut.recording.run_summary import run_summary
+from shellcut.results.frame_writer import FrameOutput
+from shellcut.results.history import read_history
+from shellcut.results.run_results import read
+from shellcut.results.verdict import Line
+from shellcut.simulation.hooks import StopWhen
+from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.table_motion import TableMotion
 from steady_cut import edge, edge_columns
 
 RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
@@ -37,7 +37,7 @@ END = 4e-6
 
 @pytest.fixture(autouse=True)
 def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
 
 
 def contents(folder):
@@ -59,7 +59,7 @@ def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
     case = Case("cut", cutting(), 8e-5)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
         case.run(folder, **RECORDS)
     return case, read(folder)
 
@@ -208,7 +208,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
         [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
     )
     sim = cutting(motion=motion)
-    r = shellcut.recorder.Resistance(motion, 1.0)
+    r = shellcut.recording.recorder.Resistance(motion, 1.0)
     assert r.coordinate_unit == "deg"
     angle = np.linspace(0.0, 80.0, 1601)
     energies = ("tool_work", "cohesive_work", "imbalance", "kinetic_translation")
@@ -231,7 +231,7 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
     def fail(*_):
         raise OSError("no space left")
 
-    monkeypatch.setattr(shellcut.frame_output.VtkHdfWriter, "append", fail)
+    monkeypatch.setattr(shellcut.results.frame_writer.VtkHdfWriter, "append", fail)
     sim = cutting()
     with pytest.raises(OSError, match="no space left"):
         Case("cut", sim, END).run(tmp_path, **RECORDS)
@@ -285,7 +285,7 @@ def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
 
 def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys):
     # The blade starts slowly: a third of the time is a tenth of the way.
-    monkeypatch.setattr(shellcut.progress, "LINE_INTERVAL", 0.0)
+    monkeypatch.setattr(shellcut.view.progress, "LINE_INTERVAL", 0.0)
     sim = cutting(motion=StraightMotion((1, 0, 0), 2e4, ramp=10 * END))
     said = []
     Case("cut", sim, 10 * END).run(tmp_path, log=said.append, **RECORDS | {"progress": True})
@@ -331,7 +331,7 @@ def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
             lacking.append(sim.state.step)
 
     monkeypatch.setattr(FrameOutput, "_write", slow)
-    monkeypatch.setattr(shellcut.recorder, "save_checkpoint", save)
+    monkeypatch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
     Case("cut", cutting(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
     assert len(written) > RECORDS["n_frame"]
     assert not lacking

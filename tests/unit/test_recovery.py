@@ -5,9 +5,9 @@ import pytest
 
 from naive import cases
 from naive import recovery as naive
-from shellcut.meshing import rectangle
-from shellcut.recovery import recover
-from shellcut.state import initial_state
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.nodal_stress import recover
 
 
 class Field:

@@ -8,7 +8,7 @@ import pytest
 
 import shellcut.formats.errors
 from shellcut import TableMotion, read_film, read_measured_curve, read_model, read_tool
-from shellcut.regular_file import read_regular
+from shellcut.files.regular_file import read_regular
 
 needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 needs_devices = pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")

@@ -5,8 +5,8 @@ import pytest
 
 from shellcut import EdgeTraction, Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics
 from shellcut import Support as S
-from shellcut.meshing import cylinder, disc, rectangle
-from shellcut.relaxation import NotAtRest
+from shellcut.mesh.structured import cylinder, disc, rectangle
+from shellcut.simulation.relaxation import NotAtRest
 
 MESH = disc(5.0, n_side=6, n_layer=2)
 FILM = ShellMaterial.homogeneous()

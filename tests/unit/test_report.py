@@ -13,8 +13,9 @@ import pytest
 from PIL import Image
 
 import shellcut
-from shellcut import MeasuredCurve, run_folder
+from shellcut import MeasuredCurve
 from shellcut.command_line import main
+from shellcut.files import run_folder
 from shellcut.report import pictures, report
 from shellcut.report.chart import Curve, _columns, _ticks, chart
 from shellcut.report.figures import key_figures, with_unit

@@ -7,14 +7,14 @@ import pytest
 
 from notched_strip import cutting
 from shellcut import compare
-from shellcut.measured_curve import MeasuredCurve
 from shellcut.models import Case
-from shellcut.motion import ScrewMotion, StraightMotion
-from shellcut.resistance import COMPONENTS, Resistance
-from shellcut.results import read
-from shellcut.screw_axis import Axis, Line, kept_axis
-from shellcut.table_motion import TableMotion
-from shellcut.trapezoid import integral
+from shellcut.numerics.trapezoid import integral
+from shellcut.recording.tool_resistance import COMPONENTS, Resistance
+from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.results.run_results import read
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.screw_axis import Axis, Line, kept_axis
+from shellcut.tool.table_motion import TableMotion
 
 END = 1.0
 WRENCHES = np.random.default_rng(5).normal(size=(4, 6))

@@ -15,10 +15,10 @@ import shellcut
 import shellcut.view
 from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
-from shellcut.capture import capture
 from shellcut.frame import JOINTED
-from shellcut.frame_grid import grid_of
-from shellcut.vtkhdf import VtkHdfWriter
+from shellcut.recording.frame_capture import capture
+from shellcut.results.frame_grid import grid_of
+from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import Reading, assert_holds, assert_same
 
 
@@ -174,7 +174,7 @@ def test_a_run_that_another_process_is_writing(tmp_path):
         import dataclasses, sys, time
         sys.path.insert(0, {str(__file__)!r}.rpartition("/")[0])
         from opening_frame import opening_frame
-        from shellcut.vtkhdf import VtkHdfWriter
+        from shellcut.results.vtkhdf import VtkHdfWriter
 
         frames = [opening_frame(a, n_side=8) for a in (0.0, 30.0, 60.0)]
         writer = VtkHdfWriter({str(path)!r})

@@ -11,7 +11,6 @@ import pytest
 import shellcut
 from opening_frame import opening_frame
 from run_folder import write_run
-from shellcut import progress
 from shellcut.command_line import main
 from shellcut.view import (
     _panel,
@@ -19,6 +18,7 @@ from shellcut.view import (
     draw_scene,
     movie,
     panels,
+    progress,
     renderer,
     scene,
     why_not_pyvista,

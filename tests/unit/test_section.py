@@ -5,9 +5,9 @@ import pytest
 
 from naive import cases
 from naive import shell as naive
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.meshing import cylinder
-from shellcut.section import (
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.structured import cylinder
+from shellcut.mitc4.section import (
     cartesian_map,
     flat_quads,
     full_stiffness,

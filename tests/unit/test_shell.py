@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from naive import cases
 from naive import shell as naive
-from shellcut.material import Elastic, Layer, ShellMaterial
-from shellcut.shell import MITC4Shell
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mitc4.shell import MITC4Shell
 
 LAYERED = ShellMaterial(
     [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.hooks import Sampler, StopRun
-from shellcut.instability import UnstableStep
-from shellcut.load import Pressure
-from shellcut.material import ShellMaterial
-from shellcut.meshing import rectangle
-from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.time_step import Stepping
-from shellcut.tool_shapes import straight_blade
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.hooks import Sampler, StopRun
+from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
 
 FILM = ShellMaterial.homogeneous()
 

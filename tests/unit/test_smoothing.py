@@ -3,7 +3,7 @@ import pytest
 
 from shellcut import PathCurve
 from shellcut.imprinting.smoothing import Sliders, Smoother, corner_determinants, quad_cost
-from shellcut.meshing import rectangle
+from shellcut.mesh.structured import rectangle
 
 
 def naive_cost(x, quads, size, weight, eps, power, step_weight):

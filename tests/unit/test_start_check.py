@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.meshing import rectangle
-from shellcut.start_check import check_tool_outside
-from shellcut.tool_grid import ClosestTriangleGrid
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
 MESH = rectangle(8.0, 4.0, n_x=8, n_y=4)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.meshing import rectangle
-from shellcut.state import CableTable, NodeTable, initial_state, quads_of_nodes
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
+from shellcut.state import CableTable, NodeTable
 
 
 def test_rows_are_appended_and_the_old_ones_survive_growth():

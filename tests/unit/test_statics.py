@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Support, load_path
-from shellcut.load import NodalMoment
-from shellcut.meshing import cylinder, rectangle
-from shellcut.statics import NoConvergence, Statics
+from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Support
+from shellcut.loads.loads import NodalMoment
+from shellcut.mesh.structured import cylinder, rectangle
+from shellcut.statics import load_path
+from shellcut.statics.statics import NoConvergence, Statics
 
 LENGTH, WIDTH, THICKNESS, YOUNG, DENSITY = 10.0, 1.0, 0.1, 1.2e6, 1e-9
 BENDING = YOUNG * WIDTH * THICKNESS**3 / 12.0

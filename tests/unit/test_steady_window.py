@@ -5,8 +5,8 @@ import pytest
 
 from notched_strip import cutting
 from shellcut.models import Case
-from shellcut.results import read
-from shellcut.steady_window import steady_figures, steady_window
+from shellcut.results.run_results import read
+from shellcut.results.steady_window import steady_figures, steady_window
 from steady_cut import ARC, SPACING, edge, edge_columns
 
 ANGLE, PATH = ("angle", "deg"), ("path", "mm")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from shellcut.material import ShellMaterial
-from shellcut.meshing import rectangle
-from shellcut.simulation import Simulation
-from shellcut.state import initial_state
-from shellcut.support import Support, SupportSet, choose_nodes
+from shellcut.loads.supports import Support, SupportSet, choose_nodes
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.simulation.simulation import Simulation
 
 MESH = rectangle(2.0, 1.0, n_x=2, n_y=1)
 

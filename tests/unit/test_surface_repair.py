@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut.surface import Surface
-from shellcut.surface_repair import repaired
-from shellcut.tool_shapes import tooth_ring
+from shellcut.tool.shapes import tooth_ring
+from shellcut.tool.surface import Surface
+from shellcut.tool.surface_repair import repaired
 from test_tool import joined, wedge
 
 

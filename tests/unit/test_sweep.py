@@ -7,10 +7,10 @@ import pytest
 
 from shellcut import ScrewMotion, StraightMotion, TableMotion
 from shellcut.checks import Sweep
-from shellcut.mesh import Mesh
-from shellcut.meshing import annulus, cylinder, opening_disc, rectangle
-from shellcut.tool import Tool
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import Tool
 
 SHEET = rectangle(10.0, 4.0, size=0.5)
 DOWN = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # x to -z

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support, read_film
-from shellcut.meshing import rectangle
-from shellcut.symmetry_plane import put_directors_into_planes
+from shellcut.loads.symmetry_plane import put_directors_into_planes
+from shellcut.mesh.structured import rectangle
 
 FILM = ShellMaterial.homogeneous(young=100.0, thickness=0.3)
 N = 4

@@ -2,9 +2,9 @@
 
 import pytest
 
-from shellcut.file_list import FILES, FileList, files_there, names_in
-from shellcut.folder_lock import FolderInUse
-from shellcut.taken_folder import TakenFolder
+from shellcut.files.file_list import FILES, FileList, files_there, names_in
+from shellcut.files.folder_lock import FolderInUse
+from shellcut.files.taken_folder import TakenFolder
 
 
 @pytest.fixture

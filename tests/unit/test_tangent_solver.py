@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
-from shellcut.statics import NoConvergence
-from shellcut.tangent_solver import TangentSolver
+from shellcut.statics.statics import NoConvergence
+from shellcut.statics.tangent_solver import TangentSolver
 
 
 def hemisphere(slenderness, n=16):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut.threads import Workers, in_order
+from shellcut.numerics.threads import Workers, in_order
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -43,7 +43,7 @@ def test_a_small_film_has_one_thread_and_nonsense_is_refused():
 
 
 def test_more_threads_than_cores_are_said(monkeypatch, caplog):
-    monkeypatch.setattr("shellcut.threads.available_cores", lambda: 2)
+    monkeypatch.setattr("shellcut.numerics.threads.available_cores", lambda: 2)
     Workers(10, 2)
     assert not caplog.messages
     assert Workers(10, 3).count == 3

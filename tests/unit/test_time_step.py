@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.cable import CableSet
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.contact import PenaltyContact
-from shellcut.material import ShellMaterial
-from shellcut.penalty import STEEPEST, Contact
-from shellcut.time_step import StableStep, Stepping
-from shellcut.tool_shapes import straight_blade
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.directional_cable import CableSet
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.settings import STEEPEST, Contact
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.simulation.stable_step import StableStep, Stepping
+from shellcut.tool.shapes import straight_blade
 from test_shell import stiffness
 
 LAW = CohesiveLaw()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from shellcut.tool import Tool, ToolError
-from shellcut.tool_shapes import straight_blade
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool import Tool, ToolError
 
 HALF_ANGLE = np.radians(8.0)  # the base of the wedge turns by 98°, below sharp_angle_deg
 

@@ -7,9 +7,9 @@ import pytest
 from shellcut import opening_test
 from shellcut.formats.errors import FileError
 from shellcut.formats.stl import write_stl
-from shellcut.tool import ToolError
-from shellcut.tool_file import read_tool
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import ToolError
+from shellcut.tool.tool_file import read_tool
 from test_mesh_files_damaged import mutated
 from test_surface_files import BOX, CORNERS
 from test_tool import joined, wedge

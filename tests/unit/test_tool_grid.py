@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shellcut.tool_distance import closest_of_side, closest_on_triangle
-from shellcut.tool_grid import ClosestTriangleGrid
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.signed_distance import closest_of_side, closest_on_triangle
 
 
 def distances(points, tool):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from shellcut.tool import Tool, ToolError
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import Tool, ToolError
 
 RADIUS, HALF_THICKNESS, LENGTH, HEIGHT, CLEARANCE = 9.4, 0.35, 1.5, 5.0, 0.02
 SLOPE = np.tan(np.radians(12.0))

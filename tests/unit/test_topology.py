@@ -5,11 +5,11 @@ import pytest
 
 from naive import cases
 from naive import topology as naive
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Split
-from shellcut.fan import arriving, fans_of
-from shellcut.meshing import rectangle
-from shellcut.topology import cable_ends, split_node
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Split
+from shellcut.fracture.quad_fans import arriving, fans_of
+from shellcut.fracture.split_node import cable_ends, split_node
+from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
 H = 0.074

@@ -7,13 +7,13 @@ import sys
 import pytest
 
 import shellcut
-import shellcut.recorder
+import shellcut.recording.recorder
 from notched_strip import cutting
 from shellcut import read_model
 from shellcut.command_line import main
-from shellcut.folder_lock import FolderInUse
+from shellcut.files.folder_lock import FolderInUse
 from shellcut.models import Case
-from shellcut.recorder import Recorder
+from shellcut.recording.recorder import Recorder
 
 SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
 SHORT += ["--set", "travel=0.6", "--set", "output.rows=40", "--frames", "4", "--no-pictures"]
@@ -21,12 +21,12 @@ SHORT += ["--set", "travel=0.6", "--set", "output.rows=40", "--frames", "4", "--
 # A run that says when it is well on its way, and then waits to be killed.
 GOING = """
 import sys, time
-import shellcut.recorder
+import shellcut.recording.recorder
 from shellcut.command_line import main
 
-real = shellcut.recorder.Recorder.__call__
+real = shellcut.recording.recorder.Recorder.__call__
 
-shellcut.recorder._matplotlib_is_there = lambda: False
+shellcut.recording.recorder._matplotlib_is_there = lambda: False
 
 def slow(recorder, sim):
     real(recorder, sim)
@@ -34,14 +34,14 @@ def slow(recorder, sim):
         print("going", flush=True)
         time.sleep(600)
 
-shellcut.recorder.Recorder.__call__ = slow
+shellcut.recording.recorder.Recorder.__call__ = slow
 main(sys.argv[1:])
 """
 
 
 @pytest.fixture(autouse=True)
 def _no_pictures(monkeypatch):
-    monkeypatch.setattr(shellcut.recorder, "_matplotlib_is_there", lambda: False)
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_a_second_run_that_looked_before_the_first_began_is_refused_too(going, c
     # Both looked, both built their model: the folder is taken when it comes to writing.
     out, _ = going
     before = contents(out)
-    monkeypatch.setattr("shellcut.folder_lock.refuse_if_in_use", lambda _: None)
+    monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
     assert main(["run", "guillotine", "-o", str(out), "--overwrite", *SHORT]) == 2
     assert "is being written by process" in capsys.readouterr().err
     assert contents(out) == before

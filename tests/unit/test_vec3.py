@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut import _vec3 as v
+from shellcut.numerics import vec3 as v
 
 RNG = np.random.default_rng(5)
 A, B = RNG.uniform(-1, 1, (2, 3))

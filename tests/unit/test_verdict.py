@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from shellcut.verdict import LOGGER, Line, say, verdict
+from shellcut.results.verdict import LOGGER, Line, say, verdict
 
 
 def test_figures_out_of_their_bands_are_doubted():

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from known_film import LEFT, NODES, QUADS, RIGHT_PART, check_film
-from shellcut.film_file import read_film
 from shellcut.formats.errors import FileError
+from shellcut.mesh.film_file import read_film
 
 LEFT_MASK = np.isin(np.arange(18), LEFT).astype(np.int32)
 RIGHT_MASK = np.isin(np.arange(10), RIGHT_PART).astype(np.int32)

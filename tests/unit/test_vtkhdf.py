@@ -15,10 +15,10 @@ import pytest
 import shellcut
 from opening_frame import opening_frame
 from shellcut.frame import Frame
-from shellcut.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
-from shellcut.hdf_columns import Columns
-from shellcut.vtkhdf import VtkHdfWriter
-from shellcut.vtkhdf_reader import VtkHdfReader
+from shellcut.results.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
+from shellcut.results.hdf_columns import Columns
+from shellcut.results.vtkhdf import VtkHdfWriter
+from shellcut.results.vtkhdf_reader import VtkHdfReader
 
 ROUNDING = 2.0 ** -(KEPT_BITS + 1)  # half of the last bit that is kept
 
@@ -281,7 +281,7 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path, moment):
         import dataclasses, os, signal, sys
         sys.path.insert(0, {str(Path(__file__).parent)!r})
         from opening_frame import opening_frame
-        from shellcut.vtkhdf import VtkHdfWriter
+        from shellcut.results.vtkhdf import VtkHdfWriter
 
         def kill(*_):
             os.kill(os.getpid(), signal.SIGKILL)

@@ -9,17 +9,17 @@ import pytest
 from damaged.mutations import mutated
 from opening_frame import opening_frame
 from shellcut.frame import Frame
-from shellcut.results import read
-from shellcut.vtkhdf import VtkHdfWriter
-from shellcut.vtkhdf_reader import ResultFileError, VtkHdfReader
+from shellcut.results.run_results import read
+from shellcut.results.vtkhdf import VtkHdfWriter
+from shellcut.results.vtkhdf_reader import ResultFileError, VtkHdfReader
 from test_vtkhdf import Reading, frames, write
 
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
     """No run writes these files."""
-    monkeypatch.setattr("shellcut.vtkhdf_reader._TICK_S", 0.0)
-    monkeypatch.setattr("shellcut.vtkhdf_reader._HELD_UP_S", 0.0)
+    monkeypatch.setattr("shellcut.results.vtkhdf_reader._TICK_S", 0.0)
+    monkeypatch.setattr("shellcut.results.vtkhdf_reader._HELD_UP_S", 0.0)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from shellcut.whole_file import aside_of, written_whole
+from shellcut.files.whole_file import aside_of, written_whole
 from small_disk import REFUSAL, files_of_at_most
 
 

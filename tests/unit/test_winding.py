@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from shellcut.meshing import annulus
-from shellcut.winding import common_winding
+from shellcut.mesh.structured import annulus
+from shellcut.numerics.consistent_winding import common_winding
 
 
 def test_a_minority_is_turned_back():

@@ -10,19 +10,19 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.contact import Contact
-from shellcut.criterion import Fracture
-from shellcut.load import EdgeTraction, Gravity, NodalForce, Pressure
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.motion import ScrewMotion, StraightMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.time_step import Stepping
-from shellcut.tool import Tool, ToolError
-from shellcut.tool_shapes import straight_blade
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.penalty_contact import Contact
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool import Tool, ToolError
 
 SHEET = rectangle(4.0, 4.0, size=1.0)  # 25 nodes, node 12 in the middle
 X, QUADS = SHEET.nodes, SHEET.quads

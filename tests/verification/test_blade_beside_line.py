@@ -10,15 +10,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.tool_shapes import straight_blade
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
 
 SIZE = 0.8  # mm
 NOTCH = 1.6  # mm

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import pytest
 
-from shellcut.material import ShellMaterial
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.models import guillotine, opening_test
-from shellcut.simulation import Simulation
-from shellcut.tool_shapes import straight_blade
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.shapes import straight_blade
 
 
 @dataclass(frozen=True)

@@ -12,16 +12,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.load import Pressure
-from shellcut.material import ShellMaterial
-from shellcut.meshing import disc, rectangle
-from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import disc, rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
 from shellcut.state import BROKEN
-from shellcut.support import Support
-from shellcut.time_step import Stepping
-from shellcut.tool_shapes import straight_blade
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
 
 STABLE = 5.4e-7  # s, the library's own step of this disc
 SIZE = 0.8  # mm, of the guillotine's mesh

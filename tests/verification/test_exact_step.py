@@ -10,12 +10,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from shellcut.instability import UnstableStep
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import cylinder, rectangle
-from shellcut.simulation import Simulation
-from shellcut.time_step import Stepping
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import cylinder, rectangle
+from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
 
 DIFFERENCE = 1e-5  # mm and rad: the forces are cubic, the error 1e-10, round-off 1e-11 relative
 KICK = 1e-2  # mm/s, strains of 1e-8: far from any non-linearity, also after growth by GROWN

@@ -12,15 +12,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture
-from shellcut.material import ShellMaterial
-from shellcut.meshing import opening_disc, rectangle
-from shellcut.motion import ScrewMotion, StraightMotion
-from shellcut.simulation import Simulation
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
-from shellcut.support import Support
-from shellcut.tool_shapes import straight_blade, tooth_ring
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
 
 # Round-off: some thousand terms are summed; relative to the sum of their sizes. Measured 6e-16.
 ROUND_OFF = 1e-13

@@ -11,11 +11,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shellcut.load import Pressure
-from shellcut.material import ShellMaterial
-from shellcut.meshing import disc
-from shellcut.simulation import Simulation
-from shellcut.support import Support
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import disc
+from shellcut.simulation.simulation import Simulation
 
 PRESSURE = 0.05  # MPa
 SURFACE_DENSITY = 1.0e-9 * 0.074  # t/mm²

@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.simulation import Simulation
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN
-from shellcut.support import Support
 
 LENGTH, WIDTH, NOTCH = 6.0, 4.0, 1.5  # mm
 SPEED = 4000.0  # mm/s, of each end

@@ -9,14 +9,14 @@ itself, and the run goes on. The strength of the law is taken as the stress divi
 import numpy as np
 import pytest
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.criterion import Fracture
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.topology import split_node
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.split_node import split_node
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
 
 E, NU, THICKNESS = 1678.0, 0.3, 0.074
 LENGTH, WIDTH, SIZE = 4.0, 2.0, 0.25  # short: the fall of the start force is softer than the strip

@@ -2,6 +2,8 @@
 
 :func:`check_model` gathers them; :class:`Sweep` tells where and when the cutting edges pass through
 the film, which the guards at the end of a run ask as well.
+
+May import the physics (``fracture``, ``imprinting`` and rows below).
 """
 
 from .finding import Finding, RefusedModel

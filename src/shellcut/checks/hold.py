@@ -12,9 +12,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.connected_parts import connected_parts
-from shellcut.mesh import Mesh
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.connected_parts import connected_parts
 
 from .finding import DOUBT, Finding
 
@@ -63,7 +63,7 @@ def free_motions(mesh: Mesh, support: Bools, nodes: Ints) -> list[str]:
 
     Examples
     --------
-    >>> from shellcut.meshing import rectangle
+    >>> from shellcut.mesh.structured import rectangle
     >>> mesh = rectangle(2.0, 1.0, size=1.0)
     >>> support = np.zeros((mesh.n_node, 6), bool)
     >>> support[mesh.node_set("left"), 0] = True

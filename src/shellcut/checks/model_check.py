@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import copy
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-
-from shellcut.simulation import Simulation
-from shellcut.time_step import StableStep, Stepping
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_hold
@@ -18,6 +15,9 @@ from .path import Rows, check_path
 from .plausible import check_numbers
 from .steps import check_steps
 from .sweep import Sweep
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _log = logging.getLogger(__name__)
 
@@ -116,7 +116,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     fixed = sim.time_step.stepping.fixed
     bound = np.inf
     if fixed is not None:
-        bound = _safe_step(sim)
+        bound = sim.time_step.largest_safe(sim.state)
     layers = [layer.material for layer in sim.material.layers]
     yield from check_steps(
         dt=sim.dt,
@@ -128,12 +128,3 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         wave=max(np.sqrt(m.young / m.density) for m in layers),
         edge_length=edge,
     )
-
-
-def _safe_step(sim: Simulation) -> float:
-    """Return the safe step at the start [s], which nobody asks for where a step is given."""
-    frequencies = sim.shell.frequencies
-    before = copy.deepcopy(frequencies.saved())
-    safe = StableStep(Stepping(safety=1.0), sim.shell, sim.cables, sim.contact).next(sim.state)
-    frequencies.restore(before)
-    return safe

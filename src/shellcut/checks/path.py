@@ -36,10 +36,10 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.mesh import Mesh
-from shellcut.mesh_checks import some
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.mesh.checks import some
+from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
 from .sweep import Fate, Sweep

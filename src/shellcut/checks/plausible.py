@@ -11,10 +11,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.tool import Tool
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.tool import Tool
 
 from .finding import DOUBT, REFUSE, Finding
 

@@ -1,9 +1,9 @@
 """Whether the time step can follow the tool, and what the steps come to.
 
 A node that the edge pierces is found within 0.3 edge lengths of it
-(:mod:`shellcut.blade_cut`), by a look every ``check_every`` steps. So between two looks the edge
-must move by less; and by less than half an edge in one step, or the tool is on the other side of a
-node before contact or cables have seen it.
+(:mod:`shellcut.fracture.blade_cut`), by a look every ``check_every`` steps. So between two looks
+the edge must move by less; and by less than half an edge in one step, or the tool is on the other
+side of a node before contact or cables have seen it.
 """
 
 from __future__ import annotations

@@ -20,11 +20,11 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.mesh import Mesh
-from shellcut.mesh_checks import some
-from shellcut.motion import Motion
-from shellcut.tool import Tool
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.checks import some
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
 
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
 _FINEST = 0.1  # of an edge length: vertices of a cutting edge that are nearer are not all asked

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from shellcut.comparison import Comparison, compare
+from shellcut.results.comparison import Comparison, compare
 
 from .exit_code import BAD_INPUT, DONE, refuse
 

@@ -7,6 +7,7 @@ import importlib
 import os
 import platform
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,9 +19,9 @@ import h5py
 import llvmlite.binding
 import numba
 import numpy as np
+from numba.core.registry import CPUDispatcher
 
-from shellcut import contact
-from shellcut.threads import Workers, available_cores
+from shellcut.numerics.threads import Workers, available_cores
 from shellcut.view import why_not_pyvista
 
 from .exit_code import BAD_INPUT, DONE
@@ -121,31 +122,36 @@ def _compiler() -> Iterator[Finding]:
 
 
 def _cache() -> Finding:
-    """Report the folder in which Numba keeps machine code, by way of one of the kernels."""
-    folder = Path(_cache_folder())
+    """Report where Numba keeps machine code, by way of the kernels that are imported."""
+    folders = _cache_folders()
     remedy = "set NUMBA_CACHE_DIR to a folder you may write to"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as reason:
-        value = f"{folder} cannot be written ({reason.strerror}): each run compiles anew"
-        return Finding("note", "compiled code", value, remedy)
-    held = [entry.stat() for entry in folder.iterdir() if entry.suffix in (".nbi", ".nbc")]
+    for folder in folders:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as reason:
+            value = f"{folder} cannot be written ({reason.strerror}): each run compiles anew"
+            return Finding("note", "compiled code", value, remedy)
+    entries = (entry for folder in folders for entry in folder.iterdir())
+    held = [entry.stat() for entry in entries if entry.suffix in (".nbi", ".nbc")]
+    common = os.path.commonpath(folders)
     size = sum(entry.st_size for entry in held) / 1e6
-    sources = Path(__file__).parents[1].glob("*.py")
+    sources = Path(__file__).parents[1].rglob("*.py")
     newest = max(source.stat().st_mtime for source in sources)
     if not any(entry.st_mtime >= newest for entry in held):
-        value = f"none yet in {folder}"
+        value = f"none yet in {common}"
         return Finding("note", "compiled code", value, "shellcut warmup compiles, half a minute")
-    return Finding("ok", "compiled code", f"{size:.1f} MB in {folder}")
+    return Finding("ok", "compiled code", f"{size:.1f} MB in {common}")
 
 
-def _cache_folder() -> str:
-    # All kernels of one folder of sources share one folder of machine code.
-    kernels = (k.stats for k in vars(contact).values() if hasattr(k, "stats"))
-    folder: str = next(stats.cache_path for stats in kernels if stats.cache_path)
-    return folder
+def _cache_folders() -> list[Path]:
+    # The kernels of one room share one folder of machine code.
+    rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
+    kernels = [
+        k.stats for room in rooms for k in vars(room).values() if isinstance(k, CPUDispatcher)
+    ]
+    return sorted({Path(stats.cache_path) for stats in kernels if stats.cache_path})
 
 
 def _files() -> Iterator[Finding]:

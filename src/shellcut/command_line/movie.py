@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from shellcut.results import read
+from shellcut.results.run_results import read
 from shellcut.view import STRESSES, draw_movie
 
 from .exit_code import DONE, refuse

@@ -33,7 +33,7 @@ def add_to(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Build the model, draw it, print what it has."""
     from shellcut.model_file import ModelFileError, read_model
-    from shellcut.preview import preview
+    from shellcut.models.preview import preview
 
     model = None
     try:
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _draw_refused(model: Model | None, path: Path, problem: ValueError) -> int:
     """Draw what there is of a model, say what is wrong with it; return the code for that."""
-    from shellcut.preview import preview_parts
+    from shellcut.models.preview import preview_parts
 
     parts = None if model is None else model.parts()
     if parts is not None and not (parts.mesh is None and parts.tool is None):

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .carry_out import USED, carry_out
 from .exit_code import refuse
 from .run_log import RunLog
+from .run_model import USED, carry_out
 
 
 def add_to(commands: Any) -> None:
@@ -24,7 +24,7 @@ def add_to(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model that the folder tells, and go on from its checkpoint."""
-    from shellcut.folder_lock import refuse_if_in_use
+    from shellcut.files.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.model_file.writer import is_as_written
 

@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .carry_out import carry_out
 from .exit_code import DONE, refuse
 from .run_log import RunLog
+from .run_model import carry_out
 
 
 def add_to(commands: Any) -> None:
@@ -82,8 +82,8 @@ def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, check, run."""
-    from shellcut.file_list import files_there
-    from shellcut.folder_lock import refuse_if_in_use
+    from shellcut.files.file_list import files_there
+    from shellcut.files.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model, shipped_models
 
     if arguments.list:

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
-from shellcut.verdict import LOGGER as VERDICT
+from shellcut.results.verdict import LOGGER as VERDICT
 
 
 class RunLog:

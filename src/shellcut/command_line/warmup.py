@@ -7,7 +7,7 @@ import os
 import time
 from typing import Any
 
-from shellcut.warmup import warmup
+from shellcut.models.warmup import warmup
 
 
 def add_to(commands: Any) -> None:

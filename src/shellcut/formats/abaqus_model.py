@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from .abaqus_deck import DataLine
 from .errors import FileError, named

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from shellcut.regular_file import read_regular
+from shellcut.files.regular_file import read_regular
 
 LARGEST_FILE = 1_000_000_000
 """Bytes of the largest mesh, surface or table that is read: some ten million quads as text."""

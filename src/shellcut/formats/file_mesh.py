@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from .errors import FileError, named
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from . import numerals
 from .errors import FileError, named, read_bytes

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Ints
+from shellcut.arrays import Ints
 
 from .errors import named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Floats
+from shellcut.arrays import Floats
 from shellcut.unit import conversion
 
 from .errors import FileError

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Floats
+from shellcut.arrays import Floats
 from shellcut.unit import canonical
 
 from .errors import FileError, read_bytes

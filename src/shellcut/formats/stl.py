@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from . import numerals
 from .errors import FileError, read_bytes, read_lines

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from .errors import FileError, named
 

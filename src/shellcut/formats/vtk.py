@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut._jit import Ints
+from shellcut.arrays import Ints
 
 from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh

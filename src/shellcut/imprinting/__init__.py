@@ -1,4 +1,7 @@
-"""The imprint: a blade's path put into any flat mesh as a line of edges."""
+"""The imprint: a blade's path put into any flat mesh as a line of edges.
+
+May import ``mesh``, ``tool``, ``material``, ``view`` and rows below.
+"""
 
 from .blade_path import blade_path
 from .film_plane import ImprintError

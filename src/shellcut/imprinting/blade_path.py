@@ -20,10 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut._jit import Floats
-from shellcut.mesh import Mesh
-from shellcut.motion import Motion
-from shellcut.tool import Tool
+from shellcut.arrays import Floats
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
 
 from .crossings import Crossings, Stretch
 from .film_plane import FilmPlane, ImprintError
@@ -84,8 +84,8 @@ def blade_path(
     Examples
     --------
     >>> from shellcut import StraightMotion
-    >>> from shellcut.meshing import rectangle
-    >>> from shellcut.tool_shapes import straight_blade
+    >>> from shellcut.mesh.structured import rectangle
+    >>> from shellcut.tool.shapes import straight_blade
     >>> blade = straight_blade(length=4.0, height=3.0)
     >>> motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
     >>> len(blade_path(blade, motion, rectangle(12.0, 8.0, size=0.8), duration=1e-3))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from shellcut._jit import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 
 from .course import Course, RimEnd
 from .film_plane import FilmPlane, ImprintError

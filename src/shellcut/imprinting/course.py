@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from shellcut._jit import Bools, Floats
+from shellcut.arrays import Bools, Floats
 
 from .film_plane import FilmPlane, ImprintError
 from .path_curve import PathCurve

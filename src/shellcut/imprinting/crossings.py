@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.motion import Motion
-from shellcut.tool import Tool
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
 
 from .film_plane import FilmPlane
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shellcut._jit import Floats
+from shellcut.arrays import Floats
 
 _MEMORY = 12
 _SUFFICIENT = 1e-4  # part of the predicted fall that a step must bring

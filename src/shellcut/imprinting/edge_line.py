@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from .course import Course
 from .film_plane import FilmPlane

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.mesh import Mesh
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.mesh import Mesh
 
 from .path_curve import PathCurve
 
@@ -30,7 +30,7 @@ class ImprintError(ValueError):
     Examples
     --------
     >>> from shellcut import PathCurve, imprint
-    >>> from shellcut.meshing import rectangle
+    >>> from shellcut.mesh.structured import rectangle
     >>> try:
     ...     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 9.0), (6.0, 9.0)))
     ... except ImprintError as error:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut._jit import Bools, Floats, Ints
-from shellcut.material import Elastic
-from shellcut.mesh import Mesh
-from shellcut.mesh_checks import some
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.material.shell_material import Elastic
+from shellcut.mesh.checks import some
+from shellcut.mesh.mesh import Mesh
 from shellcut.view import draw_path
 
 from .chain import Chain, find_chain
@@ -50,7 +50,7 @@ class ImprintResult:
     Examples
     --------
     >>> from shellcut import PathCurve, imprint
-    >>> from shellcut.meshing import rectangle
+    >>> from shellcut.mesh.structured import rectangle
     >>> found = imprint(rectangle(6.0, 4.0, size=0.5), PathCurve.line((0.0, 0.1), (6.0, 0.1)))
     >>> len(found.chains), found.closed
     (1, (False,))
@@ -166,7 +166,7 @@ def imprint(
 
     Examples
     --------
-    >>> from shellcut.meshing import rectangle
+    >>> from shellcut.mesh.structured import rectangle
     >>> mesh = rectangle(6.0, 3.0, size=0.5)
     >>> result = imprint(mesh, PathCurve.line((0.0, 0.2), (6.0, 0.2)))
     >>> bool(abs(result.mesh.nodes[result.chains[0], 1] - 0.2).max() < 1e-12)

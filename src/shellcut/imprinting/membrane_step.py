@@ -3,15 +3,16 @@
 omega² is the largest eigenvalue of the quad's own membrane stiffness on its own share of the mass
 (row sums), a bound for the assembly because stiffness and mass are sums over quads. Bending does
 not set the step of a film, as the rotary inertia is scaled; contact, cables and damping come on top
-in a run. So the figure compares meshes; :mod:`shellcut.time_step` gives the step of a run.
+in a run. So the figure compares meshes; :mod:`shellcut.simulation.stable_step` gives the step of a
+run.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
-from shellcut.material import Elastic
+from shellcut.arrays import Floats, Ints
+from shellcut.material.shell_material import Elastic
 
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 

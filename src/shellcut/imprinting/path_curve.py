@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from shellcut._jit import Floats
+from shellcut.arrays import Floats
 
 _CIRCLE_POINTS = 720
 _FUNCTION_POINTS = 1000

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
-from shellcut.mesh import Mesh
+from shellcut.arrays import Floats, Ints
+from shellcut.mesh.mesh import Mesh
 
 from .chain import Chain
 from .film_plane import FilmPlane

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut._jit import Bools, Floats, Ints, kernel
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.jit import kernel
 
 from .descent import minimise
 from .path_curve import PathCurve

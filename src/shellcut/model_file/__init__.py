@@ -2,6 +2,8 @@
 
 :func:`read_model` reads and checks it, :meth:`Model.build` makes the case, :meth:`Model.write`
 writes it with every default filled in.
+
+May import ``models`` and rows below.
 """
 
 from .errors import ModelFileError

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from shellcut.imprinting import ImprintError
-from shellcut.mesh import Mesh
+from shellcut.loads.supports import Support, choose_nodes
+from shellcut.mesh.mesh import Mesh
 from shellcut.models import Case, free_cut, guillotine, opening_test
-from shellcut.support import Support, choose_nodes
 
 from .errors import ModelFileError, Problem
 from .key import Section

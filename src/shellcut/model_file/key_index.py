@@ -8,8 +8,8 @@ from typing import Any
 
 from .errors import guess
 from .key import Key, Section
-from .layout import LISTS, SECTIONS
-from .run_settings import Head
+from .run_sections import Head
+from .section_table import LISTS, SECTIONS
 from .writer import written
 
 

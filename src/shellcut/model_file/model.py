@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .key import Section
-from .run_settings import Head
+from .run_sections import Head
 from .source import Source
 
 if TYPE_CHECKING:
     from shellcut.models import Case
-    from shellcut.preview import ModelParts
+    from shellcut.models.preview import ModelParts
 
 
 @dataclass(frozen=True)

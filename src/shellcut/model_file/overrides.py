@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from .errors import ModelFileError, Problem, guess, listed
-from .layout import LISTS, SECTIONS, Kinds
-from .run_settings import Head
+from .run_sections import Head
+from .section_table import LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, beyond_all
 
 _LONGEST_PLACE = 80  # characters of a setting in a message

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from shellcut._jit import Ints
-from shellcut.mesh import Mesh
+from shellcut.arrays import Ints
+from shellcut.loads.supports import choose_nodes
+from shellcut.mesh.mesh import Mesh
 from shellcut.models.guillotine import blade_before
-from shellcut.motion import Motion, ScrewMotion
-from shellcut.preview import ModelParts
-from shellcut.support import choose_nodes
-from shellcut.tool import Tool
+from shellcut.models.preview import ModelParts
+from shellcut.tool.motion import Motion, ScrewMotion
+from shellcut.tool.tool import Tool
 
 from .build import as_long_as
 from .model import Model

@@ -10,14 +10,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from shellcut.regular_file import read_regular
+from shellcut.files.regular_file import read_regular
 
 from .errors import ModelFileError, Problem, guess, listed
 from .key import Key, Section
-from .layout import LISTS, SECTIONS, Kinds
 from .model import Model
 from .overrides import overridden
-from .run_settings import Head
+from .run_sections import Head
+from .section_table import LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
 FILES = "files"

@@ -1,4 +1,7 @@
-"""Ready models: the opening test of the paper, the guillotine, and a cut from parts."""
+"""Ready models: the opening test of the paper, the guillotine, and a cut from parts.
+
+May import ``recording`` and rows below.
+"""
 
 from .case import Case
 from .free_cut import free_cut

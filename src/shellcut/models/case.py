@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from shellcut.checks import ModelCheck, check_model
-from shellcut.hooks import Hook, StopWhen
 from shellcut.imprinting import ImprintResult
-from shellcut.interruption import Interruption
-from shellcut.recorder import Recorder, RunEnded
-from shellcut.simulation import Simulation
+from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.signals import Interruption
+from shellcut.simulation.hooks import Hook, StopWhen
+from shellcut.simulation.simulation import Simulation
 
 _MOST_STEPS = 1e11
 """Steps of the longest run: two months of the smallest film."""

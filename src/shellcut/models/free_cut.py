@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.motion import Motion
-from shellcut.simulation import Simulation
-from shellcut.tool import Tool
+from shellcut.arrays import Floats, Ints
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
 
-from ._path import with_path
 from .case import Case, check_length
+from .imprinted_path import with_path
 
 
 def free_cut(

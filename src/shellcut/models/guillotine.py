@@ -13,19 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from shellcut._jit import Ints
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import rectangle
-from shellcut.motion import StraightMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.tool import Tool
-from shellcut.tool_shapes import straight_blade
+from shellcut.arrays import Ints
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool import Tool
 
-from ._path import with_path
 from .case import Case, check_length
+from .imprinted_path import with_path
 
 # Gap between the cutting edge and the film's end at the start [mm].
 _CLEARANCE = 0.05

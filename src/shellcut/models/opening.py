@@ -17,18 +17,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from shellcut.cohesive_law import CohesiveLaw
-from shellcut.material import ShellMaterial
-from shellcut.mesh import Mesh
-from shellcut.meshing import OpeningName, opening_disc
-from shellcut.motion import ScrewMotion
-from shellcut.simulation import Simulation
-from shellcut.support import Support
-from shellcut.tool import Tool
-from shellcut.tool_shapes import tooth_ring
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import OpeningName, opening_disc
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.shapes import tooth_ring
+from shellcut.tool.tool import Tool
 
-from ._path import with_path
 from .case import Case, check_length
+from .imprinted_path import with_path
 
 
 def opening_test(

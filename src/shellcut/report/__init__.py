@@ -1,4 +1,7 @@
-"""The report of a run: one HTML file that opens from disk, on a phone and on paper."""
+"""The report of a run: one HTML file that opens from disk, on a phone and on paper.
+
+May import ``results``, ``view`` and rows below.
+"""
 
 from .report import report
 

@@ -8,9 +8,9 @@ from html import escape
 
 import numpy as np
 
-from shellcut.comparison_table import rows_of, scope_of
-from shellcut.energy_balance import energy_shares, work_put_in
-from shellcut.frame import Bools, Floats
+from shellcut.arrays import Bools, Floats
+from shellcut.results.comparison_table import rows_of, scope_of
+from shellcut.results.energy_balance import energy_shares, work_put_in
 
 from .chart import Curve, chart
 from .figures import window_of

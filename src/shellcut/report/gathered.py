@@ -10,13 +10,14 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.comparison import Comparison
-from shellcut.energy_balance import largest_shares, trusted_rows
-from shellcut.frame import Bools, Floats, Frame
-from shellcut.history import read_history
-from shellcut.results import Results, read
-from shellcut.run_folder import HISTORY, SUMMARY
-from shellcut.steady_window import steady_figures
+from shellcut.arrays import Bools, Floats
+from shellcut.files.run_folder import HISTORY, SUMMARY
+from shellcut.frame import Frame
+from shellcut.results.comparison import Comparison
+from shellcut.results.energy_balance import largest_shares, trusted_rows
+from shellcut.results.history import read_history
+from shellcut.results.run_results import Results, read
+from shellcut.results.steady_window import steady_figures
 
 T = TypeVar("T")
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut import run_folder
+from shellcut.files import run_folder
 from shellcut.frame import Frame
 from shellcut.view import (
     Panel,

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
-from shellcut.comparison import Comparison, compare
-from shellcut.measured_curve import MeasuredCurve
+from shellcut.results.comparison import Comparison, compare
+from shellcut.results.measured_curve import MeasuredCurve
 
 from . import curves, pictures, words
 from .gathered import Gathered, gather, run_or_say

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut.cut_quality import UNITS as CUT_UNITS
-from shellcut.cut_quality import cut_quality
 from shellcut.frame import Frame
-from shellcut.verdict import Line, verdict
+from shellcut.results.cut_quality import UNITS as CUT_UNITS
+from shellcut.results.cut_quality import cut_quality
+from shellcut.results.verdict import Line, verdict
 from shellcut.view import edge_length
 
 from .figures import key_figures

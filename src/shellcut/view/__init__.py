@@ -1,6 +1,8 @@
 """Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
 Scenes and movies are drawn by PyVista (``shellcut[view]``) where it is installed and can render.
+
+May import ``frame``, ``formats`` and rows below.
 """
 
 from ._panel import Shown, caption_of, edge_length, legend_of, title_parts

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.frame import Floats, Frame
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
 
 from ._panel import OVERSAMPLING, edge_length
 from ._raster import Camera, view_axes

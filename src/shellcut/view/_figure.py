@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from shellcut.whole_file import written_whole
+from shellcut.files.whole_file import written_whole
 
 _INCHES = 13.0
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.frame import JOINTED, STRAIGHT, Floats, Frame, Ints
+from shellcut.arrays import Floats, Ints
+from shellcut.frame import JOINTED, STRAIGHT, Frame
 
 from ._figure import with_unit
 from ._raster import Camera, Canvas, shade, view_axes

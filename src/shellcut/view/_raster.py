@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from shellcut._jit import kernel
-from shellcut.frame import Floats
+from shellcut.arrays import Floats
+from shellcut.numerics.jit import kernel
 
 # By how much a pixel may lie outside of a triangle, of its height: the middle of a pixel on the
 # seam of two triangles is in one of them whatever the round-off.

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.frame import Floats, Frame, Ints
+from shellcut.arrays import Floats, Ints
+from shellcut.frame import Frame
 
 from ._panel import (
     CABLE_COLORS,

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shellcut.connected_parts import by_first_appearance, connected_parts
-from shellcut.frame import Floats, Frame, Ints
+from shellcut.arrays import Floats, Ints
+from shellcut.frame import Frame
+from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 # A film is flat if it is thinner than this part of its extent.
 _FLAT = 1e-3

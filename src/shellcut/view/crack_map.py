@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.frame import Floats, Frame
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
 
 from ._figure import new_figure, pretty, save
 from ._panel import mesh_edges

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.frame import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from ._figure import new_figure, save
 

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.files.whole_file import written_whole
 from shellcut.frame import Frame
-from shellcut.progress import Progress
-from shellcut.whole_file import written_whole
 
 from ._figure import inches_of
+from .progress import Progress
 from .renderer import pyvista_or_say
 from .scene import STRESSES, SceneSeries, limits_for
 from .snapshot import SnapshotSeries

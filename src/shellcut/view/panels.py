@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shellcut.frame import Floats, Frame
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
 
 from ._close_camera import close_camera
 from ._panel import (

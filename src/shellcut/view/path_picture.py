@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shellcut._jit import Floats, Ints
+from shellcut.arrays import Floats, Ints
 
 from ._figure import new_figure, save
 

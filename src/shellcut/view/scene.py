@@ -12,17 +12,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.frame import Floats, Frame
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
 
 from ._figure import inches_of, new_figure
-from ._panel import (
-    add_color_bar,
-    add_legend,
-    caption_of,
-    round_limits,
-    stress_scale,
-    whole_camera,
-)
+from ._panel import add_color_bar, add_legend, caption_of, round_limits, stress_scale, whole_camera
 from ._stage import Stage
 from .renderer import pyvista_or_say
 from .snapshot import draw_snapshot

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from films import unstructured_disc
-from shellcut.mesh import Mesh
-from shellcut.tool_shapes import tooth_ring
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.shapes import tooth_ring
 
 SPACING = 1.3  # mm, of the triangles that the quads are made of
 

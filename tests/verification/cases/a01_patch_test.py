@@ -16,8 +16,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
-from shellcut.load import Load, NodalMoment
-from shellcut.statics import Statics
+from shellcut.loads.loads import Load, NodalMoment
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A01", "Patch tests and rigid motions", True
 

@@ -29,7 +29,7 @@ from cases.a01_patch_test import (
 )
 from harness import Check
 from shellcut import ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A02", "MacNeal-Harder patch", True
 

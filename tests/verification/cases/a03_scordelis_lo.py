@@ -11,7 +11,7 @@ shear factor is 1 as in the source.
 from cases.patches import cylinder_patch
 from harness import Check
 from shellcut import Gravity, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A03", "Scordelis-Lo roof", True
 

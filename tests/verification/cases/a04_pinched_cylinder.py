@@ -10,7 +10,7 @@ factor is 1 as in the source.
 from cases.patches import cylinder_patch
 from harness import Check
 from shellcut import NodalForce, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A04", "Pinched cylinder with diaphragms", True
 

@@ -14,7 +14,7 @@ import numpy as np
 from cases.patches import mapped_patch
 from harness import Check
 from shellcut import Mesh, NodalForce, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A05", "Pinched hemisphere with hole", True
 

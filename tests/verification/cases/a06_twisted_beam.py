@@ -28,7 +28,7 @@ import numpy as np
 from cases.patches import Place, mapped_patch
 from harness import Check
 from shellcut import EdgeTraction, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A06", "Twisted beam", True
 

@@ -16,7 +16,7 @@ import numpy as np
 from cases.patches import Place, mapped_patch
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A08", "Square plate, uniform pressure", True
 

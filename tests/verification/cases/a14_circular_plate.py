@@ -14,8 +14,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
-from shellcut.meshing import disc
-from shellcut.statics import Statics
+from shellcut.mesh.structured import disc
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "A14", "Circular plate, uniform pressure", True
 

@@ -15,7 +15,7 @@ import numpy as np
 from cases.cantilever import cantilever
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
-from shellcut.load import NodalMoment
+from shellcut.loads.loads import NodalMoment
 
 ID, TITLE, FAST = "B03", "Cantilever, end moment, roll-up", True
 CURVES: dict[str, dict[str, list[float]]] = {}

@@ -13,7 +13,7 @@ from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "B04", "Slit annular plate, lifted lip", False
 CURVES: dict[str, dict[str, list[float]]] = {}

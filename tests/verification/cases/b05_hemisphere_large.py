@@ -16,7 +16,7 @@ from cases.patches import mapped_patch
 from cases.paths import ONE_PERCENT, curve, table_checks
 from harness import Check
 from shellcut import Mesh, NodalForce, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "B05", "Pinched hemisphere with hole, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}

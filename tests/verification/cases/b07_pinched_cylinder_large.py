@@ -25,7 +25,7 @@ from cases.patches import cylinder_patch
 from cases.paths import at_factors, curve, distance_to_curve, table_checks
 from harness import Check
 from shellcut import NodalForce, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "B07", "Pinched cylinder, large displacement", False
 CURVES: dict[str, dict[str, list[float]]] = {}

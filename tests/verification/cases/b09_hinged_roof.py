@@ -16,7 +16,7 @@ from cases.patches import cylinder_patch
 from cases.paths import curve, distance_to_curve, spline
 from harness import Check
 from shellcut import NodalForce, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "B09", "Hinged cylindrical roof, snap-through", True
 CURVES: dict[str, dict[str, list[float]]] = {}

@@ -13,8 +13,8 @@ from scipy.special import iv, jv
 from cases.c04_square_plate_ssss import MATERIAL, mesh_band, observed_order, unit
 from harness import Check
 from shellcut import Mesh, Support
-from shellcut.meshing import disc
-from shellcut.statics import Modes, Statics
+from shellcut.mesh.structured import disc
+from shellcut.statics.statics import Modes, Statics
 
 ID, TITLE, FAST = "C01", "Clamped circular plate, frequencies", True
 

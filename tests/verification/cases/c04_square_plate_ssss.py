@@ -16,7 +16,7 @@ import numpy as np
 from cases.patches import mapped_patch
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Support
-from shellcut.statics import Statics
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "C04", "Square plate SSSS, frequencies", True
 

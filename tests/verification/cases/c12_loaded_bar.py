@@ -17,8 +17,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import EdgeTraction, Mesh, ShellMaterial, Simulation, Support
-from shellcut.meshing import rectangle
-from shellcut.statics import Statics
+from shellcut.mesh.structured import rectangle
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "C12", "Suddenly loaded bar", True
 

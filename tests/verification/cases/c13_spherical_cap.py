@@ -24,7 +24,7 @@ import numpy as np
 
 from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Simulation, Support
-from shellcut.meshing import disc
+from shellcut.mesh.structured import disc
 
 ID, TITLE, FAST = "C13", "Spherical cap under a pressure step", True
 

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from shellcut import ShellMaterial, Support
-from shellcut.load import Load
-from shellcut.meshing import rectangle
-from shellcut.statics import Statics
+from shellcut.loads.loads import Load
+from shellcut.mesh.structured import rectangle
+from shellcut.statics.statics import Statics
 
 
 def cantilever(length: float, n: int, loads: Sequence[Load]) -> Statics:

@@ -16,8 +16,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import Mesh, Pressure, ShellMaterial, Support
-from shellcut.meshing import disc
-from shellcut.statics import Statics
+from shellcut.mesh.structured import disc
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "D01", "Hencky's membrane", True
 

@@ -18,8 +18,8 @@ import numpy as np
 from cases.d01_hencky_membrane import at_the_rim, in_the_middle, radial_stress
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Support
-from shellcut.meshing import disc
-from shellcut.statics import Statics
+from shellcut.mesh.structured import disc
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "D04", "Von Karman's clamped circular plate", True
 

@@ -16,8 +16,8 @@ from scipy.optimize import minimize_scalar
 
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Simulation, Stepping, Support
-from shellcut.meshing import cylinder, disc, rectangle
-from shellcut.statics import Statics
+from shellcut.mesh.structured import cylinder, disc, rectangle
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y01", "Free vibration against the modes", True
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import ShellMaterial, Simulation, Stepping, Support
-from shellcut.meshing import rectangle
-from shellcut.statics import Statics
+from shellcut.mesh.structured import rectangle
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y02", "Decay rates of alpha and beta", True
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from harness import Check
 from shellcut import Mesh, ShellMaterial, Simulation, Stepping
-from shellcut.instability import UnstableStep
-from shellcut.meshing import annulus, cylinder, opening_disc, rectangle
-from shellcut.statics import Statics
+from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
+from shellcut.simulation.instability import UnstableStep
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y03", "Exact critical step", True
 

@@ -20,8 +20,8 @@ import numpy as np
 
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Simulation, Support
-from shellcut.meshing import disc, rectangle
-from shellcut.statics import Statics
+from shellcut.mesh.structured import disc, rectangle
+from shellcut.statics.statics import Statics
 
 ID, TITLE, FAST = "Y04", "Energy drift over 1e6 steps", False
 

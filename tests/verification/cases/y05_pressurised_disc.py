@@ -17,7 +17,7 @@ import numpy as np
 
 from harness import Check
 from shellcut import Pressure, ShellMaterial, Simulation, Support
-from shellcut.meshing import disc
+from shellcut.mesh.structured import disc
 
 ID, TITLE, FAST = "Y05", "Pressurised disc against three programs", True
 

@@ -1,0 +1,82 @@
+"""The picture of the rooms in ``architecture.md``, made from the import contract.
+
+``python docs/rooms_picture.py`` writes ``img/rooms.svg``; a test compares the two.
+"""
+
+import re
+from pathlib import Path
+
+DOCS = Path(__file__).parent
+PICTURE = DOCS / "img" / "rooms.svg"
+CARD = ("mitc4", "cables", "contact", "loads", "central_difference")
+"""The row of the method itself, drawn in colour."""
+
+NOTES = {
+    "command_line": "what a user types",
+    "model_file": "models as files, pages of results",
+    "models": "opening test, guillotine, free cut",
+    "recording": "what a running simulation writes",
+    "simulation": "the step, equilibrium, checks before a run, runs read back",
+    "fracture": "when and where the film parts; a path put into the mesh",
+    "mitc4": "the forces, and the integrator that follows them",
+    "state": "what changes in time, what does not, what is drawn",
+    "numerics": "compiled kernels, file formats, one picture of a run",
+    "arrays": "leaves: kinds of arrays, units, files that stay whole",
+}
+"""What a row is about, by its first room."""
+
+WIDTH, ROW, GAP, LEFT = 860, 40, 12, 16
+NOTE = 365
+"""Width [px] of the column of notes."""
+
+
+def rows():
+    """Return the rows of the contract, from the top, each a list of rooms."""
+    text = (DOCS.parent / "pyproject.toml").read_text(encoding="utf-8")
+    layers = re.search(r"\nlayers = \[\n(.*?)\n\]", text, re.S)[1]
+    return [re.findall(r"\w+", row) for row in re.findall(r'"(.+?)"', layers)]
+
+
+def table():
+    """Return the same rows as a table in Markdown."""
+    lines = [" ".join(f"`{room}`" for room in row).replace("` `", "`, `") for row in rows()]
+    return "| row |\n|---|\n" + "".join(f"| {line} |\n" for line in lines)
+
+
+def picture():
+    """Return the picture as SVG: a row of boxes a row of the contract, imports go downward."""
+    found = rows()
+    height = len(found) * (ROW + GAP) + GAP
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
+        'font-family="Helvetica, Arial, sans-serif" font-size="13">',
+        f'<rect width="{WIDTH}" height="{height}" fill="#ffffff"/>',
+    ]
+    for k, row in enumerate(found):
+        parts += _row(row, GAP + k * (ROW + GAP))
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _row(row, y):
+    card = row[0] == CARD[0]
+    fill, line = ("#fde9d3", "#c65d00") if card else ("#e8eef5", "#3d5a80")
+    weights = [len(room) + 4 for room in row]
+    room_width = WIDTH - NOTE - 2 * LEFT - 8 * (len(row) - 1)
+    x, middle = float(LEFT), y + ROW / 2 + 4.5
+    for room, weight in zip(row, weights, strict=True):
+        width = room_width * weight / sum(weights)
+        yield (
+            f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{ROW}" rx="5" '
+            f'fill="{fill}" stroke="{line}"/>'
+        )
+        size = ' font-size="11.5"' if len(row) > 4 else ""
+        yield (
+            f'<text x="{x + width / 2:.1f}" y="{middle:.1f}" text-anchor="middle" '
+            f'fill="#1b1b1b"{size}>{room}</text>'
+        )
+        x += width + 8
+    yield f'<text x="{WIDTH - NOTE}" y="{middle:.1f}" fill="#555555">{NOTES[row[0]]}</text>'
+
+
+if __name__ == "__main__":
+    PICTURE.write_text(picture(), encoding="utf-8")

@@ -1,0 +1,222 @@
+"""The cohesive law of [Frangi2010] Fig. 4: stress of a cable against its length.
+
+The envelope falls linearly from sigma_F to sigma_C at l_A, stays there to l_P and falls linearly to
+zero at l_U; the area below it is the fracture energy
+
+    G = ½ (sigma_F - sigma_C) l_A + ½ sigma_C (l_P + l_U)        ([Frangi2010] 5.1).
+
+The law is non-holonomic. The paper does not draw the unloading; here a cable unloads along the
+secant to the origin (default: a fibre that has drawn out keeps no permanent length) or along a
+stiff elastic line (it does). Below the onset opening delta_0 the secant is replaced by the slope
+sigma_F / delta_0: a cable just born would otherwise be infinitely stiff. Hence it is born with the
+energy ½ sigma_F delta_0 A in its elastic part, booked as a negative dissipation that is repaid
+while the opening grows past delta_0; a broken cable has dissipated exactly G A.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.numerics.jit import inline, kernel
+
+
+@dataclass(frozen=True, kw_only=True)
+class CohesiveLaw:
+    """Stress [MPa] of a cable against its length [mm]; defaults are [Frangi2010] 5.1.
+
+    Parameters
+    ----------
+    strength : float
+        sigma_F, stress at which a node splits and the cable is born [MPa].
+    plateau : float
+        sigma_C [MPa].
+    opening_a, opening_p, opening_u : float
+        l_A, l_P, l_U: ends of the drop, of the plateau, and of the cable [mm].
+    onset : float
+        delta_0, over which the direction of the force turns from the flanks' normal m to the
+        opening w [mm]. Zero is the literal form of the paper: m at the first step, w from then on.
+    unloading : {"secant", "elastic"}
+        How a cable unloads.
+    unloading_stiffness : float
+        Slope of the elastic unloading [MPa/mm].
+
+    Raises
+    ------
+    ValueError
+        If the law is not positive and decreasing.
+
+    Examples
+    --------
+    >>> law = CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0)
+    >>> law.fracture_energy
+    43.5
+    """
+
+    strength: float = 18.0
+    plateau: float = 12.0
+    opening_a: float = 0.5
+    opening_p: float = 3.0
+    opening_u: float = 4.0
+    onset: float = 5e-3
+    unloading: str = "secant"
+    unloading_stiffness: float = 1000.0
+
+    def __post_init__(self) -> None:
+        problems = []
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if f.name != "unloading" and not (isinstance(value, int | float) and value >= 0):
+                problems.append(f"{f.name} must be a number that is not negative, got {value!r}")
+        if not problems:
+            if not 0 < self.plateau <= self.strength < math.inf:
+                problems.append(
+                    "the law must decrease: 0 < plateau <= strength, got "
+                    f"plateau {self.plateau} MPa, strength {self.strength} MPa"
+                )
+            if not 0 < self.opening_a <= self.opening_p < self.opening_u < math.inf:
+                problems.append(
+                    "the law must decrease: 0 < opening_a <= opening_p < opening_u, got "
+                    f"{self.opening_a}, {self.opening_p}, {self.opening_u} mm"
+                )
+            if self.onset > 0.1 * self.opening_u:
+                problems.append(
+                    f"onset must be small beside opening_u = {self.opening_u} mm, got {self.onset}"
+                )
+            if self.unloading not in ("secant", "elastic"):
+                problems.append(f"unloading must be 'secant' or 'elastic', got {self.unloading!r}")
+            if self.unloading == "elastic" and self.unloading_stiffness * self.opening_a < (
+                self.strength - self.plateau
+            ):
+                problems.append(
+                    "unloading_stiffness must exceed the slope of the drop, "
+                    f"{(self.strength - self.plateau) / self.opening_a} MPa/mm, "
+                    f"got {self.unloading_stiffness}"
+                )
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    @property
+    def fracture_energy(self) -> float:
+        """G, area below the envelope [N/mm = kJ/m²]."""
+        return 0.5 * (self.strength - self.plateau) * self.opening_a + 0.5 * self.plateau * (
+            self.opening_p + self.opening_u
+        )
+
+    def parameters(self) -> Floats:
+        """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""
+        cap = self.strength / self.onset if self.onset > 0 else math.inf
+        elastic = self.unloading_stiffness if self.unloading == "elastic" else 0.0
+        return np.array(
+            [
+                self.strength,
+                self.plateau,
+                self.opening_a,
+                self.opening_p,
+                self.opening_u,
+                cap,
+                elastic,
+                self.onset,
+            ]
+        )
+
+    def traction(self, opening: float, opening_max: float | None = None) -> float:
+        """Return the stress [MPa] at an opening [mm], unloaded from ``opening_max`` if given."""
+        largest = opening if opening_max is None else max(opening, opening_max)
+        return float(traction(opening, largest, self.parameters()))
+
+    def unloading_slopes(self, opening_max: Floats) -> Floats:
+        """Return the slopes [MPa/mm] along which cables of these largest openings unload."""
+        slopes = np.empty_like(opening_max)
+        _unloading_slopes(opening_max, self.parameters(), slopes)
+        return slopes
+
+    def energies(self, opening: Floats, opening_max: Floats) -> tuple[Floats, Floats]:
+        """Return stored and dissipated energy per area [N/mm] of cables, arrays of one shape."""
+        stored, dissipated = np.empty_like(opening), np.empty_like(opening)
+        _energies(opening, opening_max, self.parameters(), stored, dissipated)
+        return stored, dissipated
+
+
+@inline
+def envelope(opening: float, law: Floats) -> float:
+    """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4."""
+    if opening <= 0.0:
+        return float(law[0])
+    if opening < law[2]:
+        return float(law[0] - (law[0] - law[1]) * opening / law[2])
+    if opening < law[3]:
+        return float(law[1])
+    if opening < law[4]:
+        return float(law[1] * (law[4] - opening) / (law[4] - law[3]))
+    return 0.0
+
+
+@inline
+def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
+    """Return the slope of unloading [MPa/mm] from the point (opening_max, peak)."""
+    if law[6] > 0.0:
+        return float(law[6])
+    if peak < law[5] * opening_max:
+        return peak / opening_max
+    return float(law[5])
+
+
+@inline
+def traction(opening: float, opening_max: float, law: Floats) -> float:
+    """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far."""
+    if opening >= opening_max:
+        return envelope(opening, law)
+    peak = envelope(opening_max, law)
+    if peak == 0.0:
+        return 0.0
+    stress = peak - unloading_slope(peak, opening_max, law) * (opening_max - opening)
+    return max(stress, 0.0)
+
+
+@inline
+def area_below(opening: float, law: Floats) -> float:
+    """Return the integral of the envelope from 0 to ``opening`` [N/mm]."""
+    if opening <= 0.0:
+        return 0.0
+    la, lp, lu = law[2], law[3], law[4]
+    a = min(opening, la)
+    area = law[0] * a - 0.5 * (law[0] - law[1]) * a * a / la
+    if opening > la:
+        area += law[1] * (min(opening, lp) - la)
+    if opening > lp:
+        left = lu - min(opening, lu)
+        area += 0.5 * law[1] * ((lu - lp) - left * left / (lu - lp))
+    return float(area)
+
+
+@inline
+def energies(opening: float, opening_max: float, law: Floats) -> tuple[float, float]:
+    """Return the stored (recoverable) and the dissipated energy per area [N/mm]."""
+    peak = envelope(opening_max, law)
+    dissipated = area_below(opening_max, law)
+    if not peak > 0.0:
+        return 0.0, dissipated
+    slope = unloading_slope(peak, opening_max, law)
+    stress = traction(opening, max(opening, opening_max), law)
+    return 0.5 * stress * stress / slope, dissipated - 0.5 * peak * peak / slope
+
+
+@kernel
+def _unloading_slopes(opening_max: Floats, law: Floats, slopes: Floats) -> None:
+    """Write the slope of unloading of each, 0 where nothing is left to unload; shape (n,)."""
+    for c in range(opening_max.shape[0]):
+        peak = envelope(opening_max[c], law)
+        slopes[c] = unloading_slope(peak, opening_max[c], law) if peak > 0.0 else 0.0
+
+
+@kernel
+def _energies(
+    opening: Floats, opening_max: Floats, law: Floats, stored: Floats, dissipated: Floats
+) -> None:
+    """Write stored (recoverable) and dissipated energy per area, all arrays of shape (n,)."""
+    for c in range(opening.shape[0]):
+        stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)

@@ -1,0 +1,456 @@
+"""Directional cohesive cables: straight until the cutting edge meets them, then bent around it.
+
+=================  =====================================================  ====  ==================
+symbol             here                                                   unit  source
+=================  =====================================================  ====  ==================
+w                  opening, from the minus to the plus node               mm    [Frangi2010] (10)
+m                  mean normal to the flanks at birth                     1     [Frangi2010] 4
+A_i                ``area``: thickness times half the crack edges         mm²   [Frangi2010] 4
+ell                ``opening``: length measure of the law                 mm    [Frangi2010] Fig. 4
+F_i^-, F_i^+       ``force``: cable forces on the two nodes               N     [Frangi2010] Fig. 3
+=================  =====================================================  ====  ==================
+
+**Straight cable.** The paper applies ±sigma_F A m at the first step and sigma A along w from the
+second on. Here d = w + delta_0 m, ell = |d| - delta_0 and the force is sigma(ell) A d/|d|: the same
+force at w = 0, the same direction once |w| >> delta_0, and the gradient of a potential on any
+loading path, so that a cable pulled apart monotonically takes exactly G A. As d is not along the
+line of the two nodes, the pair has a small couple F x w, at most sigma_F A delta_0; it is the named
+couple of the moment balance (:attr:`CableForces.couple`). ``onset = 0`` in the law gives the
+literal form.
+
+**Joint.** Let a segment of the cutting edge run from a with unit vector e, and let b be the normal
+of the blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane
+where its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when
+c lies along the segment, 0 <= (c - a)·e <= L, the edge has reached it, 0 <= (c - a)·k, and the
+blade is there: below the relief of a tooth a cable passes free (:mod:`shellcut.tool.cutting_edge`).
+This is a test of positions, not of motions: a cable born with the edge already past is caught at
+once. A blade that runs beside the mesh line has the whole cable on one side, although its *flanks*
+lie on either side of it: a cable within half an edge length of the mid-plane, whose m is along b
+rather than along the blade, is met too, at its middle.
+
+The joint sticks to its point of the edge (perfect adhesion), there is one joint a cable, and only
+the edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then on
+
+    ell = ell^- + ell^+ - slack,        F^± = sigma(ell) A (joint - x^±)/ell^±,
+
+where ``slack`` is the length that bending around the edge added at that instant (the overshoot of
+the test and delta_0): with it the law continues where it stood. The tool receives -(F^- + F^+).
+A branch shorter than ``SHORT_BRANCH`` keeps its last direction.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3
+from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.state import BROKEN, JOINTED, STRAIGHT, State
+from shellcut.tool.cutting_edge import (
+    NORMAL,
+    START,
+    CuttingEdges,
+    edge_point,
+    in_the_blade,
+    segment_part,
+    strip_coordinates,
+    to_body,
+    to_space,
+    turn_back,
+)
+from shellcut.tool.tool import Tool
+
+from .cohesive_law import CohesiveLaw, energies, envelope, traction
+
+SHORT_BRANCH = 1e-3
+"""Length below which a branch keeps its last direction [mm]; bounds its stiffness sigma A / ell."""
+
+START_OPENING = 0.05
+"""ell_b, opening over which the equilibrium-start force fades [mm]."""
+
+# A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
+# the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
+_BESIDE_REACH = 0.5
+_FACING = 0.5
+
+
+class CableForces(NamedTuple):
+    """What the cables did in one evaluation."""
+
+    wrench: Floats
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    couple: Floats
+    """Sum of the couples F x w of straight cables and short branches [N·mm], shape (3,)."""
+    work: float
+    """Work done on the cables since t_{n-1} [N·mm], without the equilibrium start."""
+    start_work: float
+    """Work done on the equilibrium-start forces since t_{n-1} [N·mm]."""
+    n_joint_made: int
+    """Joints made at this evaluation."""
+    n_broken: int
+    """Cables that broke at this evaluation."""
+
+
+class CableSet:
+    """Forces of all cables.
+
+    Parameters
+    ----------
+    law : CohesiveLaw
+        Stress against length.
+    tool : Tool, optional
+        Whose cutting edges the cables may meet.
+    directional : bool
+        False gives classical cables that never meet the blade, for comparison.
+    """
+
+    def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
+        self.law = law
+        self.directional = directional and tool is not None
+        self._parameters = law.parameters()
+        self._n_body = tool.n_body if tool is not None else 1
+        self._edges = CuttingEdges.of(tool)
+        self._state: State | None = None
+        self._revision = -1
+        self._arguments: tuple[Any, ...] = ()
+        self._call = bound_once(_add_cable_forces)
+        self._energies_of = bound_once(_energies)
+
+    def add_forces(self, state: State, rotation: Floats, translation: Floats) -> CableForces:
+        """Find joints, add the cable forces at t_n to the nodal forces.
+
+        Parameters
+        ----------
+        state : State
+            At t_n.
+        rotation, translation : ndarray, shapes (3, 3) and (3,)
+            Pose of the tool at t_n, x = R X + r [mm].
+        """
+        wrench = np.zeros((self._n_body, 6))
+        couple = np.zeros(3)
+        if state.n_cable == 0:
+            return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
+        if self._state is not state or self._revision != state.revision:
+            self._collect(state)
+        work = self._call(
+            rotation, translation, state.dt, state.time, wrench, couple, *self._arguments
+        )
+        return CableForces(wrench, couple, *work)
+
+    def _collect(self, state: State) -> None:
+        """Collect the kernel's arguments, in its order; good until the next split."""
+        c, n = state.cable, state.node
+        self._state, self._revision = state, state.revision
+        self._arguments = (
+            c.count,
+            self.directional,
+            self._parameters,
+            self._edges.segments,
+            self._edges.body,
+            self._edges.solid,
+            n.x,
+            n.velocity_half,
+            n.contact_area,
+            c.ends,
+            c.area,
+            c.m,
+            c.start_force,
+            c.edge,
+            c.joint_body,
+            c.joint_slack,
+            c.overshoot,
+            c.status,
+            c.opening,
+            c.opening_max,
+            c.traction,
+            c.joint,
+            c.branch,
+            c.force,
+            c.work,
+            c.start_work,
+            c.end_time,
+            n.force,
+        )
+
+    def energies(self, state: State) -> tuple[float, float]:
+        """Return stored and dissipated energy of all cables by the law [N·mm].
+
+        Together they are the work done on the cables, apart from the equilibrium start.
+        """
+        c, n = state.cable, state.cable.count
+        stored, dissipated, area = np.empty(n), np.empty(n), c.area[:n]
+        self._energies_of(
+            c.status,
+            c.opening,
+            c.opening_max,
+            self._parameters,
+            self.law.fracture_energy,
+            stored,
+            dissipated,
+        )
+        return float(stored @ area), float(dissipated @ area)
+
+    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+        """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
+
+        Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
+        sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds
+        two nodes that may move against each other: twice that on each.
+        """
+        c, n = state.cable, state.cable.count
+        live = np.flatnonzero(c.status[:n] != BROKEN)
+        pull = c.traction[live] * c.area[live]
+        slope = self.law.unloading_slopes(np.maximum(c.opening_max[live], 0.0)) * c.area[live]
+        if self.law.onset == 0.0:
+            # The literal form is rigid at birth: no step is safe for its very first instant.
+            slope[~np.isfinite(slope)] = 0.0
+        ends = c.ends[live]
+        jointed = c.status[live] == JOINTED
+        reach = np.empty((live.size, 2))
+        reach[:] = (np.maximum(c.opening[live], 0.0) + max(self.law.onset, SHORT_BRANCH))[:, None]
+        for side in range(2):
+            branch = np.linalg.norm(c.joint[live] - state.node.x[ends[:, side]], axis=1)
+            reach[jointed, side] = np.maximum(branch[jointed], SHORT_BRANCH)
+        stiffness = np.maximum(pull[:, None] / reach, slope[:, None])
+        stiffness[~jointed] *= 2.0
+        return ends.ravel(), stiffness.ravel()
+
+
+@inline
+def _find_joint(
+    c: int,
+    x_minus: Vec3,
+    x_plus: Vec3,
+    m: Vec3,
+    onset: float,
+    reach: float,
+    rotation: Floats,
+    translation: Floats,
+    segments: Floats,
+    solid: tuple,  # type: ignore[type-arg]
+    edge: Ints,
+    joint_body: Floats,
+    joint: Floats,
+    joint_slack: Floats,
+    overshoot: Floats,
+) -> bool:
+    """Bend the straight cable c around the cutting edge if that has reached it; return whether.
+
+    Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  solid :
+    as in CuttingEdges.  Writes row c of the last five.
+    """
+    minus = to_body(x_minus, rotation, translation)
+    plus = to_body(x_plus, rotation, translation)
+    across = turn_back(m, rotation)
+    shallowest = np.inf
+    for k in range(segments.shape[0]):
+        a = segment_part(segments, k, START)
+        b = segment_part(segments, k, NORMAL)
+        side_minus = dot(sub(minus, a), b)
+        side_plus = dot(sub(plus, a), b)
+        share = 0.5
+        if side_minus * side_plus <= 0.0:
+            gap = side_minus - side_plus
+            share = side_minus / gap if gap != 0.0 else 0.5
+        elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
+            continue
+        crossing = combine(1.0 - share, minus, share, plus)
+        along, lateral, depth, owns = strip_coordinates(crossing, k, segments)
+        if not owns or depth >= shallowest:
+            continue
+        if not in_the_blade(crossing, lateral, k, segments, solid):
+            continue
+        shallowest = depth
+        edge[c] = k
+        overshoot[c] = depth
+        p = edge_point(along, k, segments)
+        store(joint_body, c, p)
+        p = to_space(p, rotation, translation)
+        store(joint, c, p)
+        bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
+        straight = norm(combine(1.0, sub(x_plus, x_minus), onset, m)) - onset
+        joint_slack[c] = bent - straight
+    return shallowest < np.inf
+
+
+@kernel
+def _add_cable_forces(
+    rotation: Floats,
+    translation: Floats,
+    dt: float,
+    time: float,
+    wrench: Floats,
+    couple: Floats,
+    n_cable: int,
+    directional: bool,
+    law: Floats,
+    segments: Floats,
+    edge_body: Ints,
+    solid: tuple,  # type: ignore[type-arg]
+    x: Floats,
+    velocity: Floats,
+    contact_area: Floats,
+    ends: Ints,
+    area: Floats,
+    m: Floats,
+    start_force: Floats,
+    edge: Ints,
+    joint_body: Floats,
+    joint_slack: Floats,
+    overshoot: Floats,
+    status: SmallInts,
+    opening: Floats,
+    opening_max: Floats,
+    stress: Floats,
+    joint: Floats,
+    branch: Floats,
+    cable_force: Floats,
+    cable_work: Floats,
+    cable_start_work: Floats,
+    end_time: Floats,
+    force: Floats,
+) -> tuple[float, float, int, int]:
+    """Add the forces of all live cables to force : (n_node, 3) and wrench : (n_body, 6).
+
+    velocity : (n_node, 3), moved x over the last step dt.  segments, solid : as CuttingEdges.
+    Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
+    on law and start force, how many joints were made and how many cables broke.
+    """
+    onset = law[7]
+    work = 0.0
+    start_work = 0.0
+    n_made = 0
+    n_broken = 0
+    for c in range(n_cable):
+        if status[c] == BROKEN:
+            continue
+        i, j = ends[c, 0], ends[c, 1]
+        minus, plus = load(x, i), load(x, j)
+        if directional and status[c] == STRAIGHT:
+            reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[i])
+            if _find_joint(
+                c,
+                minus,
+                plus,
+                load(m, c),
+                onset,
+                reach,
+                rotation,
+                translation,
+                segments,
+                solid,
+                edge,
+                joint_body,
+                joint,
+                joint_slack,
+                overshoot,
+            ):
+                status[c] = JOINTED
+                n_made += 1
+        jointed = status[c] == JOINTED
+        p = (0.0, 0.0, 0.0)
+        p_moved = (0.0, 0.0, 0.0)
+        if jointed:
+            p = to_space(load(joint_body, c), rotation, translation)
+            p_moved = sub(p, load(joint, c))
+            store(joint, c, p)
+            to_minus, to_plus = sub(p, minus), sub(p, plus)
+            length_minus, length_plus = norm(to_minus), norm(to_plus)
+            ell = length_minus + length_plus - joint_slack[c]
+            if length_minus >= SHORT_BRANCH:
+                _keep_direction(branch, c, 0, scale(1.0 / length_minus, to_minus))
+            if length_plus >= SHORT_BRANCH:
+                _keep_direction(branch, c, 1, scale(1.0 / length_plus, to_plus))
+        else:
+            d = combine(1.0, sub(plus, minus), onset, load(m, c))
+            length = norm(d)
+            ell = length - onset
+            # Only at the very birth of a cable without onset is its direction still m.
+            if length > 0.0:
+                _keep_direction(branch, c, 0, scale(1.0 / length, d))
+                _keep_direction(branch, c, 1, scale(-1.0 / length, d))
+            else:
+                _keep_direction(branch, c, 0, load(m, c))
+                _keep_direction(branch, c, 1, scale(-1.0, load(m, c)))
+
+        fade_old = max(0.0, 1.0 - opening_max[c] / START_OPENING)
+        opening[c] = ell
+        opening_max[c] = max(opening_max[c], ell)
+        fade = max(0.0, 1.0 - opening_max[c] / START_OPENING)
+        sigma = traction(ell, opening_max[c], law)
+        stress[c] = sigma
+        extra = scale(fade, load(start_force, c))
+        pull = sigma * area[c]
+        b_minus = (branch[c, 0, 0], branch[c, 0, 1], branch[c, 0, 2])
+        b_plus = (branch[c, 1, 0], branch[c, 1, 1], branch[c, 1, 2])
+        f_minus, f_plus = scale(pull, b_minus), scale(pull, b_plus)
+
+        # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
+        old_minus = (cable_force[c, 0, 0], cable_force[c, 0, 1], cable_force[c, 0, 2])
+        old_plus = (cable_force[c, 1, 0], cable_force[c, 1, 1], cable_force[c, 1, 2])
+        mean_minus = combine(0.5, old_minus, 0.5, f_minus)
+        mean_plus = combine(0.5, old_plus, 0.5, f_plus)
+        done = -dt * (dot(mean_minus, load(velocity, i)) + dot(mean_plus, load(velocity, j)))
+        if jointed:
+            done += dot(add(mean_minus, mean_plus), p_moved)
+        cable_work[c] += done
+        work += done
+        relative = sub(load(velocity, j), load(velocity, i))
+        started = dt * 0.5 * (fade_old + fade) * dot(load(start_force, c), relative)
+        cable_start_work[c] += started
+        start_work += started
+        for k in range(3):
+            cable_force[c, 0, k] = f_minus[k]
+            cable_force[c, 1, k] = f_plus[k]
+            force[i, k] += f_minus[k] + extra[k]
+            force[j, k] += f_plus[k] - extra[k]
+
+        # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
+        if jointed:
+            body = edge_body[edge[c]]
+            on_tool = scale(-1.0, add(f_minus, f_plus))
+            arm = (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2])
+            moment = cross(arm, on_tool)
+            rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
+            for k in range(3):
+                wrench[body, k] += on_tool[k]
+                wrench[body, 3 + k] += moment[k]
+                couple[k] += rest[k]
+            rest = cross(sub(minus, plus), extra)
+        else:
+            rest = cross(sub(minus, plus), add(f_minus, extra))
+        for k in range(3):
+            couple[k] += rest[k]
+
+        if envelope(opening_max[c], law) == 0.0:
+            status[c] = BROKEN
+            end_time[c] = time
+            n_broken += 1
+    return work, start_work, n_made, n_broken
+
+
+@kernel
+def _energies(
+    status: SmallInts,
+    opening: Floats,
+    opening_max: Floats,
+    law: Floats,
+    fracture_energy: float,
+    stored: Floats,
+    dissipated: Floats,
+) -> None:
+    """Write stored and dissipated energy per area [N/mm], both : (n,), of the first n cables."""
+    for c in range(stored.shape[0]):
+        if status[c] == BROKEN:
+            stored[c], dissipated[c] = 0.0, fracture_energy
+        else:
+            stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
+
+
+@inline
+def _keep_direction(branch: Floats, c: int, side: int, unit: tuple[float, float, float]) -> None:
+    branch[c, side, 0] = unit[0]
+    branch[c, side, 1] = unit[1]
+    branch[c, side, 2] = unit[2]

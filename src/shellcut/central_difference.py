@@ -1,0 +1,369 @@
+"""Central difference: kick and drift ([Frangi2010] 5.2).
+
+Velocities live at half steps, positions and forces at whole steps:
+
+    v_{n+1/2} = [(1 - ½ alpha Δ) v_{n-1/2} + Δ f_n / m] / (1 + ½ alpha Δ),  Δ = ½ (dt_{n-1} + dt_n)
+    x_{n+1}   = x_n + dt_n v_{n+1/2}
+
+and likewise the spin omega of the director, with the moment t x g of the director force g and the
+scaled inertia. The spin lies in the tangent plane: the moment is normal to t_n, and the Cayley
+rotation about omega keeps omega normal to the new director, so that there is no drilling freedom to
+eliminate. Where a support leaves a director one axis f to turn about, omega stays along f, and a
+director not normal to f goes on a cone. With the kinetic energy taken as
+½ m v_{n-1/2} · v_{n+1/2} and every work as ½ (f_{n-1} + f_n) · Δx, the energy balance of a
+constant step is an identity to round-off.
+
+The first kick, from v_0 at t_0, is a half one. Mass damping (alpha) enters the balance with errors
+of the order alpha dt.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
+from .numerics.jit import always_inline, bound_once, kernel
+from .numerics.lane_instructions import WIDTH
+from .numerics.lanes import align_stack, along, at, put_at, row_columns, total, zero
+from .numerics.threads import NODE_CHUNK, Workers, in_order
+from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
+from .state import State
+
+# Square of the sine below which a director counts as along the axis its spin is held about.
+_POLE = 1e-18
+
+
+class KickResult(NamedTuple):
+    """Energies that only the kick can see, at t_n."""
+
+    kinetic_translation: float
+    """[N·mm]"""
+    kinetic_rotation: float
+    """Of the scaled inertia [N·mm]."""
+    mass_damping: float
+    """Dissipated by alpha over the interval centred at t_n [N·mm]."""
+    support_work: float
+    """Work of the reactions since t_{n-1} [N·mm]."""
+
+
+class CentralDifference:
+    """Advance velocities and positions of all nodes.
+
+    Parameters
+    ----------
+    damping_alpha : float
+        Mass-proportional damping [1/s].
+    workers : Workers, optional
+        Threads; one by default.
+    """
+
+    def __init__(self, *, damping_alpha: float, workers: Workers | None = None) -> None:
+        self.damping_alpha = float(damping_alpha)
+        self._workers = workers or Workers(0)
+        self._revision = -1
+        # Supported nodes, and the first of them in every chunk of nodes.
+        self._supported, self._first_supported = np.zeros(0, np.int64), np.zeros(1, np.int64)
+        self._kick, self._drift = bound_once(_kick), bound_once(_drift)
+
+    def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
+        """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
+        n, stride = state.node, self._workers.count
+        if state.revision != self._revision:
+            self._find_supported(state)
+        dt_last, dt = float(dt_last), 0.5 * (dt_last + dt_next)
+        sums = np.zeros((self._first_supported.size - 1, 4))
+
+        def part(thread: int) -> None:
+            self._kick(
+                thread,
+                stride,
+                n.count,
+                dt_last,
+                dt,
+                self.damping_alpha,
+                n.t,
+                n.force_rows,
+                n.mass,
+                n.inertia,
+                n.push,
+                self._supported,
+                self._first_supported,
+                n.support,
+                n.support_rate,
+                n.velocity_half,
+                n.spin_half,
+                n.reaction,
+                sums,
+            )
+
+        self._workers.run(part)
+        translation, rotation, mean, support_work = in_order(sums)
+        damping = 0.25 * self.damping_alpha * dt * mean
+        return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
+
+    def drift(self, state: State, dt: float) -> None:
+        """Take positions and directors from t_n to t_{n+1}."""
+        n, stride, dt = state.node, self._workers.count, float(dt)
+
+        def part(thread: int) -> None:
+            self._drift(thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t)
+
+        self._workers.run(part)
+
+    def _find_supported(self, state: State) -> None:
+        n = state.node
+        self._supported = np.flatnonzero(n.supported[: n.count])
+        chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
+        self._first_supported = np.searchsorted(self._supported, chunks)
+        self._revision = state.revision
+
+
+@always_inline
+def _node_vector(values: Floats, n: int, lane: int | None) -> Vector:
+    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
+
+
+@always_inline
+def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
+    put_at(values, n, 0, lane, v[0])
+    put_at(values, n, 1, lane, v[1])
+    put_at(values, n, 2, lane, v[2])
+
+
+@always_inline
+def _kick_nodes(
+    n: int,
+    lane: int | None,
+    dt: float,
+    alpha: float,
+    mirror: bool,
+    t: Floats,
+    rows: Floats,
+    mass: Floats,
+    inertia: Floats,
+    push: Floats,
+    velocity: Floats,
+    spin: Floats,
+) -> tuple[Number, Number, Number]:
+    """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
+    keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
+    each = dt / (1.0 + 0.5 * alpha * dt)
+    r = row_columns(rows, n, lane)
+    by_mass, by_inertia = at(push, n, 0, lane), at(push, n, 1, lane)
+    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
+    moment = cross(_node_vector(t, n, lane), r[3:6])
+    v_after = combine(keep, v, each * by_mass, r[0:3])
+    w_after = combine(keep, w, each * by_inertia, moment)
+    _put_node_vector(velocity, n, lane, v_after)
+    _put_node_vector(spin, n, lane, w_after)
+    # Supported nodes have no push and count nothing here.
+    m, j = along(mass, n, lane), along(inertia, n, lane)
+    m, j = m * m * by_mass, j * j * by_inertia
+    v_mean, w_mean = add(v, v_after), add(w, w_after)
+    if mirror:
+        v, w = combine(2.0, v, -1.0, v_after), combine(2.0, w, -1.0, w_after)
+    return (
+        m * dot(v, v_after),
+        j * dot(w, w_after),
+        m * dot(v_mean, v_mean) + j * dot(w_mean, w_mean),
+    )
+
+
+@always_inline
+def _one_spin_held(n: int, support: Bools, rate: Floats, t: Vec3, free: Vec3) -> tuple[Vec3, bool]:
+    """Return the spin of a director that is held about one axis h, and whether it is.
+
+    It turns about h as prescribed, and freely about h x t: in the plane of h and t. A director
+    along h has no such plane, and none is held.
+    """
+    h = (
+        1.0 if support[n, 3] else 0.0,
+        1.0 if support[n, 4] else 0.0,
+        1.0 if support[n, 5] else 0.0,
+    )
+    axis = cross(h, t)
+    square = dot(axis, axis)
+    if dot(h, h) != 1.0 or square < _POLE:
+        return free, False
+    about_h = dot(h, (rate[n, 3], rate[n, 4], rate[n, 5]))
+    return combine(about_h, h, dot(axis, free) / square, axis), True
+
+
+@always_inline
+def _kick_supported(
+    n: int,
+    first: int,
+    dt_last: float,
+    dt: float,
+    alpha: float,
+    m: float,
+    t: Vec3,
+    force: Vec3,
+    support: Bools,
+    support_rate: Floats,
+    before: Vec3,
+    reaction: Floats,
+) -> tuple[Vec3, float, float, float]:
+    """Return a supported node's velocity after the kick, m v·v', the damping's sum and the work.
+
+    ``first`` is 0 for translation and 3 for rotation, t the director; reaction : (n_node, 6) is
+    written.
+    """
+    keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
+    push = dt / (1.0 + 0.5 * alpha * dt) / m
+    rate = 1.0 / dt
+    free = combine(keep, before, push, force)
+    kinetic, damping, work = 0.0, 0.0, 0.0
+    after = (
+        support_rate[n, first] if support[n, first] else free[0],
+        support_rate[n, first + 1] if support[n, first + 1] else free[1],
+        support_rate[n, first + 2] if support[n, first + 2] else free[2],
+    )
+    in_plane = False
+    if first == 3:
+        spin, in_plane = _one_spin_held(n, support, support_rate, t, free)
+        if in_plane:
+            after = spin
+    for c in range(3):
+        v, w = before[c], after[c]
+        if support[n, first + c] or in_plane:
+            r = m * (rate * (w - v) + 0.5 * alpha * (w + v)) - force[c]
+            work += 0.5 * (reaction[n, first + c] + r) * v * dt_last
+            reaction[n, first + c] = r
+        damping += m * (v + w) ** 2
+        # The first kick starts from v_0: its v_{-1/2} is the mirror image 2 v_0 - v_{1/2}.
+        kinetic += m * (v if dt_last > 0.0 else 2.0 * v - w) * w
+    return after, kinetic, damping, work
+
+
+@kernel
+def _kick(
+    first: int,
+    stride: int,
+    n_node: int,
+    dt_last: float,
+    dt: float,
+    alpha: float,
+    t: Floats,
+    rows: Floats,
+    mass: Floats,
+    inertia: Floats,
+    push: Floats,
+    supported: Ints,
+    first_supported: Ints,
+    support: Bools,
+    support_rate: Floats,
+    velocity: Floats,
+    spin: Floats,
+    reaction: Floats,
+    sums: Floats,
+) -> None:
+    """Advance velocity and spin : (n_node, 3) by dt, of the chunks first, first + stride, ...
+
+    rows : (n_node, 8).  reaction : (n_node, 6), written.  sums : (n_chunk, 4), written: m v·v',
+    j w·w', the damping's sum and the work of the reactions.
+    """
+    align_stack()
+    mirror = dt_last == 0.0
+    moved = np.empty((supported.shape[0], 6))
+    for chunk in range(first, sums.shape[0], stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        for i in range(first_supported[chunk], first_supported[chunk + 1]):
+            n = supported[i]
+            director = load(t, n)
+            force = rows[n, 0], rows[n, 1], rows[n, 2]
+            moment = cross(director, (rows[n, 3], rows[n, 4], rows[n, 5]))
+            v, kinetic, damping, work = _kick_supported(
+                n,
+                0,
+                dt_last,
+                dt,
+                alpha,
+                mass[n],
+                director,
+                force,
+                support,
+                support_rate,
+                load(velocity, n),
+                reaction,
+            )
+            w, kinetic_spin, damping_spin, work_spin = _kick_supported(
+                n,
+                3,
+                dt_last,
+                dt,
+                alpha,
+                inertia[n],
+                director,
+                moment,
+                support,
+                support_rate,
+                load(spin, n),
+                reaction,
+            )
+            for c in range(3):
+                moved[i, c] = v[c]
+                moved[i, 3 + c] = w[c]
+            sums[chunk, 0] += kinetic
+            sums[chunk, 1] += kinetic_spin
+            sums[chunk, 2] += damping + damping_spin
+            sums[chunk, 3] += work + work_spin
+        p0, p1, p2 = zero(None), zero(None), zero(None)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            q0, q1, q2 = _kick_nodes(
+                n, None, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
+            )
+            p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
+        s0, s1, s2 = total(p0), total(p1), total(p2)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            q0, q1, q2 = _kick_nodes(
+                n, 0, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
+            )
+            s0, s1, s2 = s0 + q0, s1 + q1, s2 + q2
+        sums[chunk, 0] += s0
+        sums[chunk, 1] += s1
+        sums[chunk, 2] += s2
+        # Only now, for the loop over eight nodes writes them all.
+        for i in range(first_supported[chunk], first_supported[chunk + 1]):
+            for c in range(3):
+                velocity[supported[i], c] = moved[i, c]
+                spin[supported[i], c] = moved[i, 3 + c]
+
+
+@always_inline
+def _drift_nodes(
+    n: int,
+    lane: int | None,
+    dt: float,
+    velocity: Floats,
+    spin: Floats,
+    x: Floats,
+    t: Floats,
+) -> None:
+    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
+    _put_node_vector(x, n, lane, add_scaled(_node_vector(x, n, lane), dt, v))
+    turned = rotate_director(_node_vector(t, n, lane), scale(dt, w))
+    _put_node_vector(t, n, lane, turned)
+
+
+@kernel
+def _drift(
+    first: int,
+    stride: int,
+    n_node: int,
+    dt: float,
+    velocity: Floats,
+    spin: Floats,
+    x: Floats,
+    t: Floats,
+) -> None:
+    """Advance x and t : (n_node, 3) by dt, of every stride-th chunk."""
+    align_stack()
+    for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            _drift_nodes(n, None, dt, velocity, spin, x, t)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            _drift_nodes(n, 0, dt, velocity, spin, x, t)

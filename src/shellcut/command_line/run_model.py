@@ -1,0 +1,229 @@
+"""Carry a model out in a folder: say what is done, run, say what came of it."""
+
+from __future__ import annotations
+
+import errno
+import json
+import sys
+import time
+import traceback
+from contextlib import closing
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shellcut.results.verdict import Line
+
+from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED
+from .run_log import RunLog
+
+if TYPE_CHECKING:
+    from shellcut.model_file import Model
+    from shellcut.models import Case
+    from shellcut.recording.recorder import Recorder
+
+USED, LOG = "used.toml", "run.log"
+
+_NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+
+_FIGURES = {
+    "n_step": "steps",
+    "wall_s": "stepping and output [s]",
+    "torque_plateau_Nmm": "torque, mean over {window} [N*mm]",
+    "torque_peak_Nmm": "torque, peak [N*mm]",
+    "axial_force_plateau_N": "axial force, mean over {window} [N]",
+    "force_plateau_N": "force, mean over {window} [N]",
+    "force_peak_N": "force, peak [N]",
+    "tool_work_Nmm": "work of the tool [N*mm]",
+    "cohesive_work_Nmm": "work of the cables [N*mm]",
+    "crack_length_mm": "crack length [mm]",
+    "n_cable_created": "cables made",
+    "n_cable_jointed": "cables met by the blade",
+    "n_cable_broken": "cables broken",
+    "imbalance_rel": "largest imbalance of the energies, of the work [-]",
+    "kinetic_rel": "largest kinetic energy, of the work [-]",
+}
+"""What of ``summary.json`` is said at the end."""
+
+
+def carry_out(
+    model: Model,
+    folder: Path,
+    log: RunLog,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    force: bool = False,
+) -> int:
+    """Build the model, run it into the folder, and return the exit code.
+
+    Parameters
+    ----------
+    model : Model
+        What to run.
+    folder : Path
+        Where to; nothing in it is touched before the model has been built.
+    log : RunLog
+        Takes every line.
+    resume : bool
+        Go on with the run in the folder.
+    overwrite : bool
+        Whether an earlier run in the folder may be removed.
+    force : bool
+        Run what a check refuses, where that can make sense.
+    """
+    options = {"resume": resume, "replace": overwrite, "force": force}
+    with log.library_said(), closing(log):
+        try:
+            if resume:
+                log.say(f"resuming {folder}")
+            ready = _ready(model, folder, log, options)
+            return ready if isinstance(ready, int) else _run(*ready, log)
+        except KeyboardInterrupt:
+            log.say("interrupted; nothing was run", stream=sys.stderr)
+            return INTERRUPTED
+        finally:
+            log.say_verdict()
+
+
+def _ready(
+    model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+) -> tuple[Case, Recorder] | int:
+    """Return a case and the recorder of its run, or the exit code of what is not to be run."""
+    from shellcut.checks import RefusedModel
+    from shellcut.model_file import ModelFileError
+    from shellcut.recording.recorder import RunEnded
+
+    try:
+        case = _built(model, log, options)
+    except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are the library's own
+        log.say(str(problem), stream=sys.stderr)
+        return BAD_INPUT
+    try:
+        return case, _recorder(case, model, folder, log, options)
+    except RunEnded as ended:
+        log.say(f"{ended}; nothing was changed", stream=sys.stderr)
+        _say_end(folder, log)
+        return DONE
+    except (OSError, ValueError) as problem:
+        log.say(str(problem), stream=sys.stderr)
+        return BAD_INPUT
+
+
+def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
+    """Build, check and compile, and say what there is."""
+    from shellcut.models.warmup import warmup
+    from shellcut.numerics.jit import on_compilation
+    from shellcut.recording.status_line import start_lines
+    from shellcut.recording.tool_resistance import Resistance
+
+    began: list[float] = []
+
+    def compiling() -> None:
+        began.append(time.perf_counter())
+        log.say("compiling (first run only, about half a minute) ...")
+
+    with on_compilation(compiling):
+        case = model.build()
+        if not options["resume"]:
+            case.check.enforce(force=options["force"])
+        sim = case.simulation
+        assert sim.motion is not None
+        if case.imprint is not None and case.imprint.changed:
+            log.say(case.imprint.report())
+        resistance = Resistance(sim.motion, case.duration)
+        for line in start_lines(sim, resistance, case.duration, case.check.sweep):
+            log.say(line)
+        warmup([sim.fracture.criterion])
+    if began:
+        log.say(f"compiled in {time.perf_counter() - began[0]:.0f} s")
+    return case
+
+
+def _recorder(
+    case: Case, model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+) -> Recorder:
+    """Take the folder and open the files of the run, those of the command among them."""
+    from shellcut.model_file.model import digest_of
+    from shellcut.recording.recorder import Recorder
+
+    recorder = Recorder(
+        case.simulation,
+        folder,
+        until=case.duration,
+        name=case.name,
+        **model.run_options(),
+        **options,
+        log=log.keep,
+        check=case.check,
+        also=(USED, LOG),
+    )
+    try:
+        if not options["resume"]:
+            model.write(folder / USED)
+        log.open(folder / LOG)
+        log.say(f"shellcut {version('shellcut')}, {USED} with sha256 {digest_of(folder / USED)}")
+    except BaseException:
+        recorder.give_up()
+        raise
+    return recorder
+
+
+def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
+    """Run to the end; say what came of it, or why there is no end and what to do."""
+    from shellcut.simulation.instability import UnstableStep
+
+    folder = recorder.folder
+    try:
+        case.go(recorder)
+        _say_end(folder, log)
+    except UnstableStep as problem:
+        log.say(f"stopped: {problem}", stream=sys.stderr)
+        log.say(f"what there was up to this step is in {folder}", stream=sys.stderr)
+        return STOPPED
+    except KeyboardInterrupt:
+        log.say(f"interrupted; to go on: shellcut resume {folder}", stream=sys.stderr)
+        return INTERRUPTED
+    except Exception as problem:
+        if not isinstance(problem, OSError):  # unlike a full disk it is to be looked into
+            log.say(traceback.format_exc().rstrip(), stream=sys.stderr)
+        log.say(f"failed at {recorder.place()}: {problem}", stream=sys.stderr)
+        log.say(_remedy(problem, folder), stream=sys.stderr)
+        return FAILED
+    return DONE
+
+
+def _remedy(problem: Exception, folder: Path) -> str:
+    """Return what to do about a run that failed on the way."""
+    from shellcut.files.run_folder import CHECKPOINT
+
+    full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
+    cause = "free space" if full else "remove the cause"
+    if (folder / CHECKPOINT).exists():
+        return f"{cause}, then: shellcut resume {folder}"
+    return f"{cause}, then run it again with --overwrite: there is no checkpoint to go on from"
+
+
+def _say_end(folder: Path, log: RunLog) -> None:
+    from shellcut.files.file_list import files_there
+
+    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    window = _window(summary)
+    for name, words in _FIGURES.items():
+        if name in summary:
+            log.say(f"{words.format(window=window):<52} {summary[name]:>12,.6g}")
+    if "no_window" in summary:
+        log.say(f"no steady window, hence no mean: {summary['no_window']}")
+    log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
+    if not log.has_verdict:  # it had ended before
+        for line in summary.get("verdict", ()):
+            log.keep_for_last(str(Line(**line)))
+
+
+def _window(summary: dict[str, Any]) -> str:
+    """Return where the cut is steady, as "27.4 to 67.3 deg"; nothing if it is nowhere."""
+    for unit in ("deg", "mm"):
+        if f"window_from_{unit}" in summary:
+            low, high = (summary[f"window_{end}_{unit}"] for end in ("from", "to"))
+            return f"{low:.3g} to {high:.3g} {unit}"
+    return ""

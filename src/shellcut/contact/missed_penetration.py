@@ -1,0 +1,216 @@
+"""Where the surface of the tool passes through quads of the sheet.
+
+Contact sees nodes only: a tooth that comes down between nodes is not felt until it reaches one.
+What went unnoticed is measured here and reported; and at the start nothing may pass through.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
+from shellcut.state import State
+from shellcut.tool.cutting_edge import to_body
+from shellcut.tool.tool import Tool
+
+# Wires in a bundle, which are passed over together.
+_BUNDLE = 64
+
+# Share of a quad's half below which a crossing counts as lying on its border.
+_BORDER = 1e-9
+
+
+class ToolWires:
+    """The edges of the tool's triangles, which cross what the surface passes through."""
+
+    def __init__(self, tool: Tool) -> None:
+        sides = tool.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        wires, first = np.unique(np.sort(sides, axis=1), axis=0, return_index=True)
+        body = tool.triangle_body[first // 3]
+        wires = wires[np.argsort(body, kind="stable")]
+        self._wires = tool.vertices[wires]
+        teeth = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
+        bundles = [np.arange(first, end, _BUNDLE) for first, end in pairwise(teeth.tolist())]
+        self._first = np.append(np.concatenate(bundles), len(wires))
+        self._teeth = _boxes(self._wires, teeth[:-1])
+        self._bundles = _boxes(self._wires, self._first[:-1])
+
+    def crossed_quads(
+        self,
+        x: Floats,
+        quads: Ints,
+        noticed: Bools,
+        rotation: Floats,
+        translation: Floats,
+    ) -> tuple[Ints, Floats]:
+        """Return the quads that the tool passes through, and how far.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n_node, 3)
+            Positions [mm].
+        quads : ndarray of int, shape (n_quad, 4)
+            Node ids.
+        noticed : ndarray of bool, shape (n_node,)
+            Nodes whose quads are left out.
+        rotation, translation : ndarray, shapes (3, 3) and (3,)
+            Pose of the tool.
+
+        Returns
+        -------
+        quads : ndarray of int, shape (n,)
+        depth : ndarray, shape (n,)
+            Distance of the nearer end of the deepest wire from the quad's plane [mm].
+        """
+        depth = np.zeros(quads.shape[0])
+        _deepest_crossings(
+            x=x,
+            quads=quads,
+            noticed=noticed,
+            rotation=rotation,
+            translation=translation,
+            teeth=self._teeth,
+            wires=self._wires,
+            first=self._first,
+            bundles=self._bundles,
+            depth=depth,
+        )
+        crossed = np.flatnonzero(depth > 0.0)
+        return crossed, depth[crossed]
+
+
+def unfelt_penetration(
+    wires: ToolWires, state: State, rotation: Floats, translation: Floats
+) -> tuple[int, float]:
+    """Return how many whole quads the tool passes through unnoticed, and the largest depth [mm].
+
+    A quad notices when one of its nodes is in contact, and is no longer whole when one has split.
+    """
+    n = state.node
+    noticed = n.halved | (n.contact_depth > 0.0)
+    quads, depth = wires.crossed_quads(n.x, state.quads, noticed, rotation, translation)
+    return quads.size, float(depth.max(initial=0.0))
+
+
+def _boxes(wires: Floats, first: Ints) -> Floats:
+    """Return the low and high corners of the boxes around runs of wires, shape (n, 2, 3)."""
+    low = np.minimum.reduceat(wires.min(axis=1), first)
+    high = np.maximum.reduceat(wires.max(axis=1), first)
+    return np.stack([low, high], axis=1)
+
+
+@kernel
+def _deepest_crossings(
+    x: Floats,
+    quads: Ints,
+    noticed: Bools,
+    rotation: Floats,
+    translation: Floats,
+    teeth: Floats,
+    wires: Floats,
+    first: Ints,
+    bundles: Floats,
+    depth: Floats,
+) -> None:
+    """Write how deep any wire passes through each quad to depth : (n_quad,), else leave it.
+
+    noticed : (n_node,), nodes whose quads are left out.  wires : (n_wire, 2, 3), their ends; those
+    of bundle b begin at first[b].  teeth, bundles : (n, 2, 3), boxes around them.
+    """
+    # Boxes in space around those of the teeth: most quads are far off.
+    around = np.empty(teeth.shape)
+    for b in range(teeth.shape[0]):
+        for c in range(3):
+            centre, reach = translation[c], 0.0
+            for k in range(3):
+                centre += rotation[c, k] * 0.5 * (teeth[b, 0, k] + teeth[b, 1, k])
+                reach += abs(rotation[c, k]) * 0.5 * (teeth[b, 1, k] - teeth[b, 0, k])
+            reach += _BORDER * (abs(centre) + reach)  # more than round-off
+            around[b, 0, c] = centre - reach
+            around[b, 1, c] = centre + reach
+    for e in range(quads.shape[0]):
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        x0, x1, x2, x3 = load(x, n0), load(x, n1), load(x, n2), load(x, n3)
+        low, high = _box(x0, x1, x2, x3)
+        far = True
+        for b in range(teeth.shape[0]):
+            far &= _apart(low, high, around, b)
+        if far or noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
+            continue
+        halves = (
+            to_body(x0, rotation, translation),
+            to_body(x1, rotation, translation),
+            to_body(x2, rotation, translation),
+            to_body(x3, rotation, translation),
+        )
+        low, high = _box(halves[0], halves[1], halves[2], halves[3])
+        for b in range(bundles.shape[0]):
+            if _apart(low, high, bundles, b):
+                continue
+            for k in range(first[b], first[b + 1]):
+                apart = False
+                for c in range(3):
+                    one, two = wires[k, 0, c], wires[k, 1, c]
+                    apart = apart or max(one, two) < low[c] or min(one, two) > high[c]
+                if apart:
+                    continue
+                start = (wires[k, 0, 0], wires[k, 0, 1], wires[k, 0, 2])
+                end = (wires[k, 1, 0], wires[k, 1, 1], wires[k, 1, 2])
+                depth[e] = max(
+                    depth[e],
+                    _crossing_depth(start, end, halves[0], halves[1], halves[2]),
+                    _crossing_depth(start, end, halves[0], halves[2], halves[3]),
+                )
+
+
+@inline
+def _box(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[Vec3, Vec3]:
+    """Return the low and the high corner of the box around four points."""
+    return (
+        (
+            min(min(a[0], b[0]), min(c[0], d[0])),
+            min(min(a[1], b[1]), min(c[1], d[1])),
+            min(min(a[2], b[2]), min(c[2], d[2])),
+        ),
+        (
+            max(max(a[0], b[0]), max(c[0], d[0])),
+            max(max(a[1], b[1]), max(c[1], d[1])),
+            max(max(a[2], b[2]), max(c[2], d[2])),
+        ),
+    )
+
+
+@inline
+def _apart(low: Vec3, high: Vec3, boxes: Floats, b: int) -> bool:
+    """Return whether a box has no point in common with box b of boxes : (n_box, 2, 3)."""
+    # Without branches, as in near_nodes.
+    return bool(
+        (high[0] < boxes[b, 0, 0])
+        | (low[0] > boxes[b, 1, 0])
+        | (high[1] < boxes[b, 0, 1])
+        | (low[1] > boxes[b, 1, 1])
+        | (high[2] < boxes[b, 0, 2])
+        | (low[2] > boxes[b, 1, 2])
+    )
+
+
+@inline
+def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
+    """Return how far a segment passes through the triangle (a, b, c), 0 if it does not."""
+    normal = cross(sub(b, a), sub(c, a))
+    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
+    if d0 * d1 >= 0.0:
+        return 0.0
+    p = combine(1.0, start, d0 / (d0 - d1), sub(end, start))
+    border = _BORDER * dot(normal, normal)
+    if (
+        dot(cross(sub(b, a), sub(p, a)), normal) <= border
+        or dot(cross(sub(c, b), sub(p, b)), normal) <= border
+        or dot(cross(sub(a, c), sub(p, c)), normal) <= border
+    ):
+        return 0.0
+    return min(abs(d0), abs(d1)) / norm(normal)

@@ -1,0 +1,171 @@
+"""Which nodes are near the tool: a list that lasts while nothing can have come in from outside.
+
+The nodes inside boxes fixed to the tool, each a margin wider than what is of interest, are listed.
+The list holds until tool and nodes together may have moved by half the margin; the other half is
+for the nodes outside, whose speed is not watched. So each step costs what the nodes of the list
+cost, and the search over all nodes is rare. What is listed never changes a result: whoever uses the
+list looks at each node of it anew.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.vec3 import load
+from shellcut.state import State
+from shellcut.tool.cutting_edge import to_body
+
+# Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
+_LOOK_EVERY = 10
+
+
+class NearNodes:
+    """The nodes near a tool.
+
+    Parameters
+    ----------
+    low, high : ndarray, shape (n_box, 3)
+        Corners of the boxes in the body frame [mm]; every node inside one of them is in the list.
+    margin : float
+        Width of the margin [mm]: large enough to last hundreds of steps, small beside a tooth.
+    """
+
+    def __init__(self, low: Floats, high: Floats, margin: float) -> None:
+        self._margin = margin
+        self._low, self._high = low - margin, high + margin
+        corner = np.maximum(abs(self._low), abs(self._high))
+        self._radius = float(np.linalg.norm(corner, axis=1).max())
+        self._pose = np.eye(3), np.zeros(3)
+        self._time = 0.0
+        self._state: State | None = None
+        self._revision = -1
+        self._walked = 0.0
+        self.ids: Ints = np.zeros(0, np.int64)
+        """The nodes, ascending."""
+        self._way = bound_once(_moved)
+
+    def renew(self, state: State, rotation: Floats, translation: Floats) -> bool:
+        """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
+        n = state.node
+        if self._state is state and self._revision == state.revision:
+            if state.step % _LOOK_EVERY:
+                return False
+            tool, fastest = self._way(
+                self.ids, n.velocity_half, rotation, translation, *self._pose, self._radius
+            )
+            self._walked += (state.time - self._time) * fastest
+            self._time = state.time
+            if tool + self._walked < 0.5 * self._margin:
+                return False
+        found = np.empty(n.count, np.int64)
+        count = _inside(
+            n_node=n.count,
+            x=n.x,
+            rotation=rotation,
+            translation=translation,
+            low=self._low,
+            high=self._high,
+            found=found,
+        )
+        self.ids = found[:count].copy()
+        self._pose = rotation, translation
+        self._state, self._revision = state, state.revision
+        self._time, self._walked = state.time, 0.0
+        return True
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list, and when and where it was made."""
+        rotation, translation = self._pose
+        return {
+            "ids": self.ids,
+            "rotation": rotation,
+            "translation": translation,
+            "time": self._time,
+            "walked": self._walked,
+            "revision": self._revision,
+        }
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._state = state
+        self.ids = saved["ids"].copy()
+        self._pose = saved["rotation"].copy(), saved["translation"].copy()
+        self._time, self._walked = saved["time"], saved["walked"]
+        self._revision = saved["revision"]
+
+    def within(self, state: State, rotation: Floats, translation: Floats) -> Ints:
+        """Return the nodes within half the margin of the boxes.
+
+        They depend on the present places only, not on when the list was made.
+        """
+        inner = 0.5 * self._margin
+        body = (state.node.x[self.ids] - translation) @ rotation
+        inside = np.zeros(self.ids.size, np.bool_)
+        for low, high in zip(self._low + inner, self._high - inner, strict=True):
+            inside |= ((body > low) & (body < high)).all(axis=1)
+        return np.asarray(self.ids[inside])
+
+
+@inline
+def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
+    """Return whether a point lies inside box b of low, high : (n_box, 3)."""
+    # Without branches: which comparison fails first nobody can foretell, the processor neither.
+    return bool(
+        (low[b, 0] < p[0])
+        & (p[0] < high[b, 0])
+        & (low[b, 1] < p[1])
+        & (p[1] < high[b, 1])
+        & (low[b, 2] < p[2])
+        & (p[2] < high[b, 2])
+    )
+
+
+@kernel
+def _moved(
+    ids: Ints,
+    velocity: Floats,
+    rotation: Floats,
+    translation: Floats,
+    rotation_then: Floats,
+    translation_then: Floats,
+    radius: float,
+) -> tuple[float, float]:
+    """Return how far the tool has moved at most within a radius, and the largest nodal speed."""
+    # No point of the tool has moved by more than its origin plus the turn times its radius.
+    turn = 0.0
+    shift = 0.0
+    for i in range(3):
+        shift += (translation[i] - translation_then[i]) ** 2
+        for j in range(3):
+            turn += (rotation[i, j] - rotation_then[i, j]) ** 2
+    fastest = 0.0
+    for i in range(ids.shape[0]):
+        v = load(velocity, ids[i])
+        fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return np.sqrt(shift) + radius * np.sqrt(turn), np.sqrt(fastest)
+
+
+@kernel
+def _inside(
+    n_node: int,
+    x: Floats,
+    rotation: Floats,
+    translation: Floats,
+    low: Floats,
+    high: Floats,
+    found: Ints,
+) -> int:
+    """Write the nodes inside any box to found : (n_node,), return how many."""
+    count = 0
+    for n in range(n_node):
+        p = to_body(load(x, n), rotation, translation)
+        hit = False
+        for b in range(low.shape[0]):
+            hit |= in_box(p, low, high, b)
+        found[count] = n
+        count += hit
+    return count

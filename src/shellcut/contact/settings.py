@@ -1,0 +1,217 @@
+"""The penalty law of the contact, and how it follows film and tool ([Frangi2010] 5.2).
+
+A node inside the tool by g gets the force k f(g), with
+
+    f(g) = (g/g_M)³ (3 g_M - 2 g)  below g_M,  g above,
+
+which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. [Frangi2010] has one
+film, 74 µm of 1678 MPa: k = lambda A with lambda = 1e4 N/mm³, A = ¼ of the mean area of the node's
+quads, g_M = h/4. These numbers belong to it. What they must follow in another:
+
+*lambda follows E h.* The film resists with forces of E h times strain times length, so that with
+lambda in proportion to E h the depth does not depend on film or modulus: a film that tears at the
+strain eps pushes with some eps E h l on a node of quads of edge l and goes 4 eps E h / (lambda l)
+deep, 1 µm to 10 µm in the paper's. And the step: lambda A on the node's mass rho h l² is
+(E / rho l²) lambda l² / (4 E h), to the film's own (E / rho l²) as in the paper whatever h, E and
+rho. A fixed lambda costs a film of 5 µm a third of its step, and is soft to one of 1 mm.
+
+*k is held between* ``SOFTEST`` *and* ``STIFFEST`` *times E h.* The contact is along a line, the
+flank of the cut; the share of a node is a length. By the area alone it would grow soft as l goes to
+zero, the depth as 1/l, and stiff as l grows, for nothing but a short step. Quads of 0.16 to 1.1 mm
+are between the bounds.
+
+*g_M follows the film, and stays small beside the tool.* It is the depth over which the force sets
+in; more than an eighth of the tool's half thickness (V / A of the thinnest body, the half thickness
+of a plate) would let a node half through the tool before it is felt.
+
+*A jump* is a growth of the depth that neither the node nor the tool has moved: a node set to the
+other flank by a split. It must not be loaded at once. Its size is compared with g_M: up to
+``NOTICED`` g_M, the force that sets in so softly stores 1e-3 k g_M² at most. It is let go over
+``ABSORB_WAVES`` times as long as a membrane wave takes along one edge, l sqrt(rho / E): slow to
+the node, that swings some ten times meanwhile, and short to the tool, which moves by a small part
+of an edge.
+
+*An impact* is a change of the depth by as much in one step, all of it by motion. The steps are
+stable for a node that rests on the spring, k dt² / m up to 3, but one that is in it for a step or
+two only may leave with several times the energy that it came with: the spring pushes for the whole
+of the last step, most of which the node is outside. So in these steps the force is limited to that
+which gives back no more than has been put in, see :func:`largest_rebound`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.jit import inline
+from shellcut.tool.tool import Tool
+
+STEEPEST = 27.0 / 16.0
+"""Largest slope of the smoothing function f, at g = ¾ g_M."""
+
+SOFTEST, STIFFEST = 0.5, 25.0
+"""Bounds of a node's stiffness over E h of the film."""
+
+NOTICED = 0.2
+"""Change of the depth in a step, over g_M, that is looked at as a jump or an impact. No node of the
+opening test of [Frangi2010] comes to it."""
+
+ABSORB_WAVES = 30.0
+"""Decay time of an absorbed jump, over the time in which a wave runs along an edge of a quad."""
+
+# lambda [N/mm³] of [Frangi2010] 5.2 for a film of that E h [N/mm].
+_PENALTY, _STRETCHING = 1e4, 1678.0 * 0.074
+
+# Largest g_M over half the thickness of the tool.
+_THIN = 0.125
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Parameters of the penalty contact.
+
+    Parameters
+    ----------
+    penalty : float, optional
+        lambda [N/mm³], then of every node whatever the size of its quads; by default it follows
+        the film: 1e4 for 74 µm of 1678 MPa, see :mod:`shellcut.contact.settings`.
+    smoothing : float
+        g_M as a fraction of the thickness; a thin tool makes it smaller.
+
+    Examples
+    --------
+    >>> Contact(penalty=2e4)
+    Contact(penalty=20000.0, smoothing=0.25)
+    """
+
+    penalty: float | None = None
+    smoothing: float = 0.25
+
+    def __post_init__(self) -> None:
+        problems = [
+            f"{name} must be positive, got {value!r}"
+            for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
+            if value is not None and not (math.isfinite(value) and value > 0)
+        ]
+        if problems:
+            raise ValueError("; ".join(problems))
+
+
+@dataclass(frozen=True)
+class PenaltyLaw:
+    """The numbers of the contact of one film with one tool."""
+
+    penalty: float
+    """lambda [N/mm³]."""
+    softest: float
+    """Least stiffness of a node, whatever its area [N/mm]."""
+    stiffest: float
+    """Largest stiffness of a node, whatever its area [N/mm]."""
+    smoothing_depth: float
+    """g_M [mm]."""
+    noticed: float
+    """Change of the depth in a step above which it is taken for a jump or an impact [mm]."""
+    tool_half_thickness: float
+    """V / A of the thinnest body [mm]."""
+    absorb_slowness: float
+    """Decay time of an absorbed jump over the edge length of the node's quads [s/mm]."""
+
+    @classmethod
+    def of(cls, contact: Contact, film: ShellMaterial, tool: Tool) -> PenaltyLaw:
+        """Return the law for a film and a tool.
+
+        Examples
+        --------
+        >>> from shellcut.tool.shapes import straight_blade
+        >>> film = ShellMaterial.homogeneous(thickness=0.037)
+        >>> law = PenaltyLaw.of(Contact(), film, straight_blade())
+        >>> law.penalty, law.smoothing_depth
+        (5000.0, 0.00925)
+        """
+        stretching = sum(layer.material.young * layer.thickness for layer in film.layers)
+        density = sum(layer.material.density * layer.thickness for layer in film.layers)
+        if contact.penalty is None:
+            penalty = _PENALTY * (stretching / _STRETCHING)
+            softest, stiffest = SOFTEST * stretching, STIFFEST * stretching
+        else:
+            penalty, softest, stiffest = contact.penalty, 0.0, math.inf
+        half = tool.half_thickness()
+        depth = min(contact.smoothing * film.thickness, _THIN * half)
+        return cls(
+            penalty=penalty,
+            softest=softest,
+            stiffest=stiffest,
+            smoothing_depth=depth,
+            noticed=NOTICED * depth,
+            tool_half_thickness=half,
+            absorb_slowness=ABSORB_WAVES * math.sqrt(density / stretching),
+        )
+
+    def steepest(self, area: Floats) -> Floats:
+        """Return the largest slope of the force of nodes by area [mm²], shape (n,), [N/mm]."""
+        law, softest, stiffest = STEEPEST * self.penalty, self.softest, self.stiffest
+        return np.asarray(np.clip(law * area, STEEPEST * softest, STEEPEST * stiffest))
+
+
+@inline
+def node_stiffness(area: float, penalty: float, softest: float, stiffest: float) -> float:
+    """Return k of a node by its contact area [mm²], [N/mm]."""
+    return min(max(penalty * area, softest), stiffest)
+
+
+@inline
+def smoothed(g: float, g_m: float) -> float:
+    """Return f(g) [mm]. [Frangi2010] 5.2."""
+    if g >= g_m:
+        return g
+    r = g / g_m
+    return r * r * r * (3.0 * g_m - 2.0 * g)
+
+
+@inline
+def smoothed_integral(g: float, g_m: float) -> float:
+    """Return ∫_0^g f [mm²]."""
+    if g >= g_m:
+        # ∫_0^{g_m} f = g_m² (3/4 - 2/5)
+        return 0.35 * g_m * g_m + 0.5 * (g * g - g_m * g_m)
+    r = g / g_m
+    return g_m * g_m * r * r * r * r * (0.75 - 0.4 * r)
+
+
+@inline
+def largest_rebound(
+    put_in: float, before: float, way: float, pushed: float, mass: float, dt: float
+) -> float:
+    """Return the largest contact force that gives a node no more than it has put in [N].
+
+    With way' = way + (pushed - f) dt²/m, how far the node goes in over the next step if the tool
+    goes on as it does, the spring has got ½ (f' + f) way over the last step, f' being the force
+    before, and gives back at least -½ f way' over the next. That
+
+        put_in + ½ (f' + f) way + ½ f way' >= 0
+
+    holds up to the larger root of a quadratic equation in f.
+
+    Parameters
+    ----------
+    put_in : float
+        Work done on the node's spring up to t_{n-1} [N·mm].
+    before : float
+        Contact force at t_{n-1} [N].
+    way : float
+        How far the node went into the face over the last step [mm].
+    pushed : float
+        Force of all else on the node into the face [N].
+    mass, dt : float
+        Of the node [t] and the step [s].
+    """
+    give = dt * dt / mass
+    linear = 2.0 * way + give * pushed
+    root = linear * linear + 8.0 * give * (put_in + 0.5 * before * way)
+    if root <= 0.0:
+        return 0.0
+    return max(0.5 * (linear + math.sqrt(root)) / give, 0.0)

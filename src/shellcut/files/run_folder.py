@@ -1,0 +1,93 @@
+"""What a run leaves in its folder, by name.
+
+======================  ===========================================================================
+``run.files``           the names of all of them, :mod:`shellcut.files.file_list`
+``run.lock``            while the run goes on, :mod:`shellcut.files.folder_lock`
+``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.history_row`
+``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
+``NAME.pvd``            them too if asked for, with ``NAME_frames``, :mod:`shellcut.results.pvd`
+``snapshot_00.png`` ..  pictures of the film during the run
+``checkpoint.h5``       where to go on from, :mod:`shellcut.recording.checkpoint`
+``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
+``splits.csv``          every split, when it ends, :mod:`shellcut.results.splits_csv`
+``torque.png``          or ``force.png``, and ``energy.png``: curves, when it ends
+======================  ===========================================================================
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .file_list import names_in
+
+HISTORY = "history.csv"
+CHECKPOINT = "checkpoint.h5"
+SUMMARY = "summary.json"
+SPLITS = "splits.csv"
+ENERGY_PICTURE = "energy.png"
+
+_SNAPSHOT = "snapshot_"
+
+
+def result_file(folder: Path, name: str) -> Path:
+    """Return the path of the frames of a run."""
+    return folder / f"{name}.vtkhdf"
+
+
+def frame_list(folder: Path, name: str) -> Path:
+    """Return the path of the list of the frames as PVD + VTU."""
+    return folder / f"{name}.pvd"
+
+
+def resistance_picture(folder: Path, resistance: str) -> Path:
+    """Return the path of the curve of the torque or force."""
+    return folder / f"{resistance}.png"
+
+
+def snapshot(folder: Path, number: int) -> Path:
+    """Return the path of a picture of the film, counted from 0."""
+    return folder / f"{_SNAPSHOT}{number:02d}.png"
+
+
+def snapshots(folder: Path, first: int = 0) -> list[Path]:
+    """Return the pictures of the film that are there, from a number on, in their order.
+
+    They are those that the run has listed; where there is no list, all of such names.
+    """
+    numbered = [
+        (int(number), path)
+        for path in folder.glob(f"{_SNAPSHOT}*.png")
+        if (number := path.stem.removeprefix(_SNAPSHOT)).isdecimal()
+    ]
+    listed = names_in(folder)
+    return [
+        path
+        for number, path in sorted(numbered)
+        if number >= first and (path.name in listed or not listed)
+    ]
+
+
+def planned_names(
+    name: str, resistance: str, *, n_snapshot: int, n_frame: int, pvd: bool
+) -> tuple[list[str], list[str]]:
+    """Return the names of the files that a run always writes, and of those it may come to write.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    resistance : str
+        Name of its curve.
+    n_snapshot, n_frame : int
+        How many pictures and frames are wanted; there may be one more of each, at the end.
+    pvd : bool
+        Whether frames are written as PVD + VTU too.
+    """
+    here = Path()
+    always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]
+    always += [str(result_file(here, name)), str(resistance_picture(here, resistance))]
+    later = [str(snapshot(here, k)) for k in range(n_snapshot + 2)]
+    if pvd:
+        always.append(str(frame_list(here, name)))
+        later += [f"{name}_frames/frame_{k:04d}.vtu" for k in range(n_frame + 2)]
+    return always, later

@@ -1,0 +1,74 @@
+"""The unit of length of a file: given, or guessed from the size and then said.
+
+Files of meshes and surfaces hold numbers without a unit. A guess is made only where it cannot be
+off by a factor that passes unseen: a part of 2 to 2000 units is taken for millimetres, one of
+0.002 to 0.1 for metres. Between and beyond (0.1 to 2 may be inches or metres) it must be given.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from numbers import Real
+
+from shellcut.unit import LENGTH
+
+MILLIMETRES = {
+    **{unit: float(LENGTH[unit]) for unit in ("um", "mm", "cm", "m")},
+    "inch": float(LENGTH["in"]),
+    "mil": float(LENGTH["mil"]),
+}
+"""Length of each unit [mm]."""
+
+_TAKEN_FOR_MM = (2.0, 2000.0)
+_TAKEN_FOR_M = (0.002, 0.1)
+
+
+def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[float, str]:
+    """Return the length of the unit [mm], and what is to be said of it.
+
+    Parameters
+    ----------
+    unit : str, float or None
+        One of :data:`MILLIMETRES`, or a length in mm; None guesses.
+    extent : float
+        Largest side of the bounding box, in the file's unit.
+    what : str
+        Name of the thing in messages.
+
+    Returns
+    -------
+    factor : float
+    note : str
+        Empty if the unit was given.
+
+    Raises
+    ------
+    ValueError
+        If the unit is unknown, or not given and not to be guessed.
+
+    Examples
+    --------
+    >>> unit_in_mm("inch", 0.8, "the film")
+    (25.4, '')
+    >>> unit_in_mm(None, 20.4, "the film")
+    (1.0, 'no unit given: taken as mm, the film is 20.4 mm across; unit="..." says otherwise')
+    """
+    if isinstance(unit, Real):
+        if not isfinite(unit) or unit <= 0.0:
+            raise ValueError(f"unit must be a finite length above 0 in mm, got {unit!r}")
+        return float(unit), ""
+    if unit is not None:
+        if unit not in MILLIMETRES:
+            raise ValueError(f"unit must be one of {', '.join(MILLIMETRES)}, got {unit!r}")
+        return MILLIMETRES[unit], ""
+    for name, (least, most) in (("mm", _TAKEN_FOR_MM), ("m", _TAKEN_FOR_M)):
+        if least <= extent < most:
+            factor = MILLIMETRES[name]
+            return factor, (
+                f"no unit given: taken as {name}, {what} is {extent * factor:.4g} mm across; "
+                'unit="..." says otherwise'
+            )
+    raise ValueError(
+        f"the unit must be given, {what} is {extent:.4g} units across, which may be several: "
+        f"unit= one of {', '.join(MILLIMETRES)}"
+    )

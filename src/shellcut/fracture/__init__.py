@@ -1,0 +1,9 @@
+"""When and where the film parts: criteria, candidate splits of a node, and the split itself.
+
+May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``split_node`` changes
+the topology.
+"""
+
+from .criterion import Fracture
+
+__all__ = ["Fracture"]

@@ -1,0 +1,220 @@
+"""The blade-cut rule: which nodes the cutting edge has cut, whatever the stress.
+
+It differs from [Frangi2010], where stress alone splits a node. Under a blade the sheet is held by
+the cables and the tip may stay below the strength while the blade runs on; a stress criterion alone
+then opens cracks on the rows on either side of it. The rule knows the blade's geometry and the
+nodes' positions only: no list of nodes of an expected path exists.
+
+Two kinds of node are cut when the edge reaches them and the blade is there. A whole one inside the
+sheet is *pierced*: it lies nearly on the edge. A node of the sheet's present edge, be it of the
+film's own boundary, of the flank of an earlier cut or the tip of a crack, is *passed*: it belongs
+to the nearest row, provided that the blade parts its quads, some of them clearly to one side of the
+mid-plane and some to the other. A flank that the blade slides along has all its quads on one side,
+the flank of a cut that it crosses has not, whoever made that cut and when.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.vec3 import dot, load
+from shellcut.state import State
+from shellcut.tool.cutting_edge import (
+    CUT_DEPTH,
+    NORMAL,
+    CuttingEdges,
+    in_the_blade,
+    segment_part,
+    strip_coordinates,
+    to_body,
+    turn,
+)
+from shellcut.tool.tool import Tool
+
+# Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a pierced
+# node must lie nearly on the edge (well below half the distance to the next row), a passed one
+# belongs to the nearest row. The first kind is caught when the edge goes through it, so it lies no
+# deeper behind the edge either: farther back a flank that is drawn under the tooth brings nodes of
+# the next row near the mid-plane, and splitting those opens cracks beside the cut (six in an
+# opening test with rows 0.16 mm apart).
+_PIERCED_REACH = 0.3
+_PASSED_REACH = 0.5
+
+# The blade parts the quads of a node when the centres of some lie farther than this from its own
+# distance to the mid-plane, on either side, in the same units. Two rectangles on a flank that the
+# blade slides along stand 0.5 to the one side, and pass this limit when turned by 57 degrees; of a
+# cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
+_PARTED = 0.15
+
+# Of the list of near nodes [mm]: it is looked through once in ten steps or so, hence short.
+_MARGIN = 0.25
+
+
+class BladeCut:
+    """The cutting edges seen from the nodes: who has been pierced, who has been passed.
+
+    Parameters
+    ----------
+    tool : Tool
+        Whose edges cut.
+    largest_area : float
+        Of a quad [mm²], for how far beside the edge a node may lie.
+    """
+
+    def __init__(self, tool: Tool, largest_area: float) -> None:
+        self._edges = CuttingEdges.of(tool)
+        self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
+        self._near = NearNodes(self._low, self._high, _MARGIN)
+        self._find = bound_once(_cut_nodes)
+
+    def cut_nodes(
+        self,
+        state: State,
+        tips: list[int],
+        rim: Bools,
+        rotation: Floats,
+        translation: Floats,
+    ) -> dict[int, Floats]:
+        """Return the unsupported nodes that the edge has cut and the blade's trace at each.
+
+        The trace is the unit direction, in the sheet, in which the blade's mid-plane cuts it.
+        rim : (n,), whether a node lies on the film's own boundary; later ones do not.
+        """
+        n = state.node
+        self._near.renew(state, rotation, translation)
+        near = self._near.ids
+        edge_of = np.empty(near.size, np.int64)
+        n_cut = self._find(
+            near,
+            n.x,
+            n.supported,
+            np.array(tips, np.int64),
+            rim,
+            n.halved,
+            n.contact_area,
+            state.quads,
+            n.quads,
+            n.n_quad_at,
+            rotation,
+            translation,
+            self._low,
+            self._high,
+            self._edges.segments,
+            self._edges.body,
+            self._edges.solid,
+            edge_of,
+        )
+        traces: dict[int, Floats] = {}
+        if n_cut == 0:
+            return traces
+        for i in np.flatnonzero(edge_of >= 0).tolist():
+            node = int(near[i])
+            trace = np.cross(n.t[node], rotation @ self._edges.segments[edge_of[i], NORMAL])
+            traces[node] = trace / np.linalg.norm(trace)
+        return traces
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list of nodes near the edges."""
+        return self._near.saved()
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._near.restore(state, saved)
+
+
+@inline
+def _holds(ids: Ints, n: int) -> bool:
+    found = False
+    for k in range(ids.shape[0]):
+        found = found or ids[k] == n
+    return found
+
+
+@inline
+def _parted(
+    n: int,
+    x: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    normal: Vec3,
+    least: float,
+) -> bool:
+    """Return whether quads of a node lie on both sides of a plane through it, ``least`` off it.
+
+    normal : of the plane, as the nodes are in space.
+    """
+    to_minus = to_plus = 0.0
+    here = dot(load(x, n), normal)
+    for i in range(n_quad_at[n]):
+        centre = -here
+        for a in range(4):
+            centre += 0.25 * dot(load(x, quads[quads_at[n, i], a]), normal)
+        to_minus, to_plus = min(to_minus, centre), max(to_plus, centre)
+    return to_minus < -least and to_plus > least
+
+
+@kernel
+def _cut_nodes(
+    near: Ints,
+    x: Floats,
+    supported: Bools,
+    tips: Ints,
+    rim: Bools,
+    halved: Bools,
+    contact_area: Floats,
+    quads: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    rotation: Floats,
+    translation: Floats,
+    low: Floats,
+    high: Floats,
+    segments: Floats,
+    body: Ints,
+    solid: tuple,  # type: ignore[type-arg]
+    edge_of: Ints,
+) -> int:
+    """Write the segment that has cut each near node to edge_of : (n_near,), else -1; count them.
+
+    quads : (n_quad, 4).  quads_at : (n_node, most), of which n_quad_at : (n_node,) count.  low,
+    high : (n_body, 3), boxes around the strips of each tooth.  body : (n_edge,).  solid : as in
+    CuttingEdges.
+    """
+    n_cut = 0
+    for i in range(near.shape[0]):
+        n = near[i]
+        edge_of[i] = -1
+        if supported[n]:
+            continue
+        p = to_body(load(x, n), rotation, translation)
+        shallowest = np.inf
+        for b in range(low.shape[0]):
+            if not in_box(p, low, high, b):
+                continue
+            size = np.sqrt(4.0 * contact_area[n])
+            at_an_edge = halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
+            reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
+            deepest = CUT_DEPTH if at_an_edge else reach
+            for k in range(segments.shape[0]):
+                if body[k] != b:
+                    continue
+                _, lateral, depth, owns = strip_coordinates(p, k, segments)
+                if not owns or depth >= min(shallowest, deepest) or abs(lateral) > reach:
+                    continue
+                if at_an_edge:
+                    normal = turn(segment_part(segments, k, NORMAL), rotation)
+                    if not _parted(n, x, quads, quads_at, n_quad_at, normal, _PARTED * size):
+                        continue
+                if in_the_blade(p, lateral, k, segments, solid):
+                    shallowest = depth
+                    edge_of[i] = k
+        if edge_of[i] >= 0:
+            n_cut += 1
+    return n_cut

@@ -1,0 +1,354 @@
+"""Ways to part the quads of a node, and what each of them would have to hold.
+
+A split gives the quads of a node to two groups, minus and plus, along edges that lead through it:
+two edges of a whole interior node, one of a node on a free edge or at a crack tip, none of a bridge
+between cracks. Which ways there are follows from the topology and the reference mesh alone; it is
+found once a topology. What they hold, force, direction and normal, changes with every step and is
+computed for all ways of all candidates in one kernel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.loads.loads import LoadSet
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
+from shellcut.state import BROKEN, State
+
+from .quad_fans import arriving, fans_of, origin_edge
+
+# Cosines of two turns that count as the same.
+_SAME_TURN = 1e-6
+
+
+@dataclass(frozen=True)
+class Parting:
+    """One way to part the quads of a node: all of it that lasts as long as the topology around it.
+
+    Attributes
+    ----------
+    node : int
+        Which node; it keeps the quads ``minus``.
+    minus, plus : tuple of int
+        Quads on either side.
+    back, ahead : tuple of int
+        Far ends of the edges where the crack comes from and where it goes; both flank copies of an
+        edge that is cracked already, none of an edge that is not there.
+    half_edges : tuple of (int, float)
+        Origin of the far end and half the reference length [mm] of each cohesive crack edge.
+    mass : tuple of float
+        Of the two sides [t].
+    cables : tuple of (int, int, int, float)
+        Side, cable, its end at the node, and how much of its force goes with that side.
+    """
+
+    node: int
+    minus: tuple[int, ...]
+    plus: tuple[int, ...]
+    back: tuple[int, ...]
+    ahead: tuple[int, ...]
+    half_edges: tuple[tuple[int, float], ...]
+    mass: tuple[float, float]
+    cables: tuple[tuple[int, int, int, float], ...]
+
+    @property
+    def length(self) -> float:
+        """Length that a cable holds [mm]."""
+        return sum(half for _, half in self.half_edges)
+
+
+def partings_of(
+    state: State, node: int, quad_mass: Floats, free_edges: frozenset[tuple[int, int]]
+) -> list[Parting]:
+    """Return all ways to part the quads of a node.
+
+    Parameters
+    ----------
+    state : State
+        Its present topology.
+    node : int
+        Which node.
+    quad_mass : ndarray, shape (n_quad, 4)
+        Share of each node in the mass of a quad [t].
+    free_edges : frozenset of (int, int)
+        Reference edges that carry no cable.
+    """
+    fans = fans_of(state, node)
+    cracks = arriving(state, fans)
+    first = fans[0]
+    held = bool((state.cable.ends[: state.n_cable] == node).any())
+
+    def way(
+        minus: tuple[int, ...],
+        plus: tuple[int, ...],
+        back: tuple[int, ...],
+        ahead: tuple[int, ...],
+    ) -> Parting:
+        # Each arriving crack counts once; ``back`` and ``ahead`` name both its flank copies.
+        ends = {int(state.node.origin[n]): n for n in (*back, *ahead)}
+        halves = []
+        for origin, n in ends.items():
+            if origin_edge(state, node, n) not in free_edges:
+                edge = state.node.X[n] - state.node.X[node]
+                halves.append((origin, 0.5 * float(np.linalg.norm(edge))))
+        sides = [np.array(quads) for quads in (minus, plus)]
+        mass = [quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
+        cables = [
+            (side, *one)
+            for side, quads in enumerate((minus, plus))
+            if held
+            for one in cable_shares(state, node, quads)
+        ]
+        return Parting(
+            node,
+            minus,
+            plus,
+            back,
+            ahead,
+            tuple(halves),
+            (float(mass[0]), float(mass[1])),
+            tuple(cables),
+        )
+
+    if len(fans) > 1:
+        rest = tuple(e for fan in fans[1:] for e in fan.quads)
+        mine = {first.far[0], first.far[-1]}
+        pairs = [p for p in cracks if mine & set(p)]
+        # The first fan lies to the right of the way from back to ahead.
+        ahead = next((p for p in pairs if p[0] == first.far[-1]), ())
+        behind = next((p for p in pairs if p[1] == first.far[0] and p != ahead), ())
+        return [way(first.quads, rest, behind, ahead)]
+    quads, far = first.quads, first.far
+    if first.closed:
+        return [
+            way(quads[i:j], quads[j:] + quads[:i], (far[i],), (far[j],))
+            for i, j in combinations(range(len(far)), 2)
+        ]
+    back: tuple[int, ...] = cracks[0] if cracks else ()
+    return [way(quads[:j], quads[j:], back, (far[j],)) for j in range(1, len(quads))]
+
+
+def owns_flank(state: State, node: int, quads: tuple[int, ...], far_origin: int) -> bool:
+    """Whether one of the quads at a node has the edge to a far end of the given origin."""
+    for e in quads:
+        ring = state.quads[e].tolist()
+        a = ring.index(node)
+        if far_origin in (
+            int(state.node.origin[ring[(a + 1) % 4]]),
+            int(state.node.origin[ring[a - 1]]),
+        ):
+            return True
+    return False
+
+
+def cable_shares(state: State, node: int, quads: tuple[int, ...]) -> list[tuple[int, int, float]]:
+    """Return what of the cables on a node goes with some of its quads: (cable, end, share).
+
+    Each half-edge of a cable belongs to the quads that own its flank.
+    """
+    c = state.cable
+    which, side = np.nonzero(c.ends[: c.count] == node)
+    shares = []
+    for k, end in zip(which.tolist(), side.tolist(), strict=True):
+        mine = sum(
+            float(c.half_edge[k, i])
+            for i in range(2)
+            if c.half_edge[k, i] > 0 and owns_flank(state, node, quads, int(c.half_edge_far[k, i]))
+        )
+        shares.append((k, end, mine / float(c.half_edge[k].sum())))
+    return shares
+
+
+class PartingTable:
+    """The partings of some nodes as a kernel takes them, and what they hold at the last weighing.
+
+    Parameters
+    ----------
+    shell, loads : MITC4Shell, LoadSet
+        Give the forces of the two sides.
+    strength : float
+        sigma_F [MPa].
+    partings : sequence of sequence of Parting
+        Of each candidate node, all of one topology, which the table does not outlive.
+    weigh : callable
+        :func:`weigh_partings`, bound by whoever makes one table after the other.
+    """
+
+    def __init__(
+        self,
+        shell: MITC4Shell,
+        loads: LoadSet,
+        strength: float,
+        partings: Sequence[Sequence[Parting]],
+        weigh: Callable[..., float],
+    ) -> None:
+        self._shell, self._loads, self._weigh = shell, loads, weigh
+        self.ways = [way for ways in partings for way in ways]
+        """All partings, node by node."""
+        self.start: list[int] = np.cumsum([0, *map(len, partings)]).tolist()
+        """First parting of each node, and the end."""
+        self.owner = [i for i, ways in enumerate(partings) for _ in ways]
+        """Which of the nodes each parting is of."""
+        n = len(self.ways)
+        corners: dict[tuple[int, int], int] = {}
+        sides = [
+            [corners.setdefault((e, way.node), len(corners)) for e in quads]
+            for way in self.ways
+            for quads in (way.minus, way.plus)
+        ]
+        shares = [(k, *one) for k, way in enumerate(self.ways) for one in way.cables]
+        corner = np.array(list(corners), np.int64).reshape(-1, 2)
+        self._quads, self._at = (np.ascontiguousarray(column) for column in corner.T)
+        self._side_start = np.cumsum([0, *map(len, sides)])
+        self._member = np.array([corner for side in sides for corner in side], np.int64)
+        self._mass = np.array([way.mass for way in self.ways]).reshape(-1, 2)
+        self._share_of = np.array([one[:4] for one in shares], np.int64).reshape(-1, 4)
+        self._share = np.array([one[4] for one in shares])
+        self._node = np.array([way.node for way in self.ways], np.int64)
+        self._back = _both([way.back or (way.node,) for way in self.ways])
+        self._ahead = _both([way.ahead or (way.node,) for way in self.ways])
+        # Without an edge to turn from, or at a bridge, there is nothing to choose.
+        self._turns = np.array([bool(w.back) and len(w.ahead) == 1 for w in self.ways], np.bool_)
+        self._cosine = np.ones(n)
+        length = np.array([way.length for way in self.ways])
+        self._carried = strength * shell.material.thickness * length
+        self.force = np.zeros((n, 3))
+        """F_c, what the plus side pulls the minus side with [N], shape (n_parting, 3)."""
+        self.direction = np.zeros((n, 3))
+        """Unit direction in which the crack would run through the node, in the sheet."""
+        self.m = np.zeros((n, 3))
+        """Unit normal in the sheet, from the minus to the plus side."""
+        self.pull = np.zeros(n)
+        """F_c · m [N]."""
+        self.measure = np.zeros(n)
+        """F_c · m over what a cable would carry, sigma_F A_i; the split is due at 1."""
+        self.chord = np.zeros(n)
+        """Distance from where the crack would come to where it would go [mm]."""
+
+    def weigh(self, state: State, dt: float) -> float:
+        """Write what the partings hold, for a step of length dt that has led to the positions.
+
+        Returns
+        -------
+        float
+            The largest measure of all.
+        """
+        n, c = state.node, state.cable
+        corner_force = self._shell.corner_forces(state, self._quads, self._at, dt)
+        self._loads.add_corner_forces(state, self._quads, self._at, corner_force)
+        return self._weigh(
+            n.x,
+            n.t,
+            self._node,
+            self._back,
+            self._ahead,
+            self._turns,
+            self._side_start,
+            self._member,
+            corner_force,
+            self._mass,
+            self._carried,
+            self._share_of,
+            self._share,
+            c.status,
+            c.force,
+            self._cosine,
+            self.force,
+            self.direction,
+            self.m,
+            self.pull,
+            self.measure,
+            self.chord,
+        )
+
+    def admissible(self, i: int, cos_limit: float) -> list[int]:
+        """Return the partings of node i that turn an arriving crack by no more than the limit.
+
+        Where every edge turns by more, as at a node of three quads, the least turn is taken: a
+        crack must not stop for want of mesh lines.
+        """
+        ways = range(self.start[i], self.start[i + 1])
+        cosines = self._cosine[self.start[i] : self.start[i + 1]].tolist()
+        least = min(cos_limit, max(cosines, default=1.0)) - _SAME_TURN
+        return [k for k, cosine in zip(ways, cosines, strict=True) if cosine >= least]
+
+
+def _both(ends: list[tuple[int, ...]]) -> Ints:
+    """Return the two flank copies of an edge's far end, or the one node twice, shape (n, 2)."""
+    return np.array([(end[0], end[-1]) for end in ends], np.int64).reshape(-1, 2)
+
+
+@kernel
+def weigh_partings(
+    x: Floats,
+    t: Floats,
+    node: Ints,
+    back: Ints,
+    ahead: Ints,
+    turns: Bools,
+    side_start: Ints,
+    member: Ints,
+    corner_force: Floats,
+    mass: Floats,
+    carried: Floats,
+    share_of: Ints,
+    share: Floats,
+    status: SmallInts,
+    cable_force: Floats,
+    cosine: Floats,
+    force: Floats,
+    direction: Floats,
+    m: Floats,
+    pull: Floats,
+    measure: Floats,
+    chord: Floats,
+) -> float:
+    """Write cosine, pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
+
+    node, carried : (n,).  back, ahead, mass : (n, 2).  side_start : (2 n + 1,), rows of ``member``,
+    which names rows of corner_force : (n_corner, 3).  share_of : (n_share, 4), parting, side, cable
+    and its end, of which ``share`` : (n_share,) goes with that side. Returns the largest measure.
+    """
+    side_force = np.zeros((node.shape[0], 2, 3))
+    for k in range(node.shape[0]):
+        for side in range(2):
+            for i in range(side_start[2 * k + side], side_start[2 * k + side + 1]):
+                for c in range(3):
+                    side_force[k, side, c] += corner_force[member[i], c]
+    for i in range(share.shape[0]):
+        k, side, cable, end = share_of[i, 0], share_of[i, 1], share_of[i, 2], share_of[i, 3]
+        if status[cable] != BROKEN:
+            for c in range(3):
+                side_force[k, side, c] += cable_force[cable, end, c] * share[i]
+    largest = -np.inf
+    for k in range(node.shape[0]):
+        here, director = load(x, node[k]), load(t, node[k])
+        start = combine(0.5, load(x, back[k, 0]), 0.5, load(x, back[k, 1]))
+        end = combine(0.5, load(x, ahead[k, 0]), 0.5, load(x, ahead[k, 1]))
+        if turns[k]:
+            arrive, leave = sub(here, start), sub(end, here)
+            cosine[k] = dot(arrive, leave) / np.sqrt(dot(arrive, arrive) * dot(leave, leave))
+        way = sub(end, start)
+        chord[k] = norm(way)
+        e = combine(1.0, way, -dot(way, director), director)
+        e = scale(1.0 / norm(e), e)
+        store(direction, k, e)
+        across = cross(director, e)
+        store(m, k, scale(1.0 / norm(across), across))
+        m1, m2 = mass[k, 0], mass[k, 1]
+        for c in range(3):
+            force[k, c] = (m1 * side_force[k, 1, c] - m2 * side_force[k, 0, c]) / (m1 + m2)
+        pull[k] = dot(load(force, k), load(m, k))
+        if carried[k] > 0.0:
+            measure[k] = pull[k] / carried[k]
+        else:  # opens free edges only, with nothing to hold them: due as soon as they are pulled
+            measure[k] = np.inf if pull[k] > 0.0 else -np.inf
+        largest = max(largest, measure[k])
+    return largest

@@ -1,0 +1,338 @@
+"""Which node splits now, and along which edges. Reads the state, never writes it.
+
+Two criteria, each of which splits a node when its measure reaches 1:
+
+``"force"`` (default)
+    The nodal force. A candidate split parts the quads of a node into two groups with the nodal
+    forces f_1, f_2 (internal, damping, loads, and the cables that go with each) and the masses m_1,
+    m_2. As one node they move with (f_1 + f_2)/(m_1 + m_2), so group 2 pulls on group 1 with
+
+        F_c = (m_1 f_2 - m_2 f_1) / (m_1 + m_2),
+
+    and the measure is F_c · m / (sigma_F A_i), m being the normal from group 1 to group 2. It is
+    the very force that the new cable takes over, so the split starts near equilibrium. Among the
+    admissible edges the one with the largest normal traction on its chord wins.
+``"stress"``
+    sigma_I / sigma_F with the recovered stress ([Frangi2010] 4). The edges chosen are the most
+    nearly normal to the direction of sigma_I.
+
+Which nodes may split: the crack tips and the nodes that a cutting edge has pierced
+(``candidates="tips"``) or any node ("all", the wording of [Frangi2010]). Supported nodes never
+split.
+
+**The blade-cut rule** (:mod:`shellcut.fracture.blade_cut`) differs from [Frangi2010]: a node that
+the edge has pierced, and a tip that it has passed, split whatever the stress, along the edges
+nearest to the trace of the blade's mid-plane in the sheet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.loads.loads import LoadSet
+from shellcut.mitc4.nodal_stress import recover
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.jit import bound_once
+from shellcut.state import State
+from shellcut.tool.tool import Tool
+
+from .blade_cut import BladeCut
+from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
+
+
+@dataclass(frozen=True)
+class Fracture:
+    """How cracks start and run.
+
+    Parameters
+    ----------
+    criterion : {"force", "stress"}
+        Measure of a split, see the module.
+    stress_place : {"mid", "top", "bottom", "largest", "nominal"}
+        Where the stress criterion reads the stress.
+    candidates : {"tips", "all"}
+        Which nodes may split by the measure.
+    blade_cut : bool
+        Whether the blade-cut rule is on.
+    turn_limit_deg : float
+        Largest turn of a crack from its last edge [degrees].
+    check_every : int
+        Steps between two checks.
+    equilibrium_start : bool
+        Start a cable with the very force that the node carried, fading over 0.05 mm.
+
+    Examples
+    --------
+    >>> Fracture(criterion="stress", stress_place="top").blade_cut
+    True
+    """
+
+    criterion: str = "force"
+    stress_place: str = "mid"
+    candidates: str = "tips"
+    blade_cut: bool = True
+    turn_limit_deg: float = 57.0
+    check_every: int = 10
+    equilibrium_start: bool = False
+
+    def __post_init__(self) -> None:
+        problems = []
+        places = ("mid", "top", "bottom", "largest", "nominal")
+        for name, allowed in (
+            ("criterion", ("force", "stress")),
+            ("candidates", ("tips", "all")),
+            ("stress_place", places),
+        ):
+            if getattr(self, name) not in allowed:
+                problems.append(f"{name} must be one of {allowed}, got {getattr(self, name)!r}")
+        if not 0 < self.turn_limit_deg < 180:
+            problems.append(
+                f"turn_limit_deg must lie between 0 and 180, got {self.turn_limit_deg!r}"
+            )
+        if not (isinstance(self.check_every, int) and self.check_every > 0):
+            problems.append(f"check_every must be a positive count, got {self.check_every!r}")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+
+@dataclass(frozen=True)
+class Split:
+    """One node to split, and how.
+
+    Attributes
+    ----------
+    node : int
+        Which node; it keeps the quads ``minus``.
+    minus, plus : tuple of int
+        Quads on either side.
+    half_edges : tuple of (int, float)
+        Origin of the far end and half the reference length [mm] of each cohesive crack edge.
+    m : ndarray, shape (3,)
+        Unit normal in the sheet, from the minus to the plus side.
+    measure : float
+        Of the criterion; the split was due at 1.
+    force : ndarray, shape (3,)
+        F_c, what the plus side pulls the minus side with [N].
+    blade : bool
+        Whether the blade-cut rule asked for it.
+    """
+
+    node: int
+    minus: tuple[int, ...]
+    plus: tuple[int, ...]
+    half_edges: tuple[tuple[int, float], ...]
+    m: Floats
+    measure: float
+    force: Floats
+    blade: bool
+
+
+class SplitCriterion:
+    """Find the nodes that must split.
+
+    Parameters
+    ----------
+    fracture : Fracture
+        Modes.
+    strength : float
+        sigma_F [MPa].
+    shell, loads : MITC4Shell, LoadSet
+        Give the forces of the two sides.
+    tool : Tool, optional
+        For the blade-cut rule.
+    free_edges : frozenset of (int, int)
+        Reference edges cut beforehand, which carry no cable.
+    rim : ndarray of int
+        Nodes of the film's own boundary.
+    """
+
+    def __init__(
+        self,
+        fracture: Fracture,
+        strength: float,
+        shell: MITC4Shell,
+        loads: LoadSet,
+        tool: Tool | None,
+        free_edges: frozenset[tuple[int, int]],
+        rim: Ints,
+    ) -> None:
+        self.fracture = fracture
+        self._strength = strength
+        self._shell = shell
+        self._loads = loads
+        self._blade = None
+        if tool is not None and fracture.blade_cut:
+            self._blade = BladeCut(tool, float(shell.area.max()))
+        self._free_edges = free_edges
+        self._rim = np.zeros(int(rim.max(initial=-1)) + 1, np.bool_)
+        self._rim[rim] = True
+        self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
+        self._partings: dict[int, list[Parting]] = {}
+        self._weigh = bound_once(weigh_partings)
+        self._table: PartingTable | None = None
+        self._nodes: list[int] = []
+        self._revision = -1
+        self.n_borrowed = 0
+        """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
+
+    def due(
+        self, state: State, tips: Iterable[int], rotation: Floats, translation: Floats, dt: float
+    ) -> list[Split]:
+        """Return the splits that are due, strongest first, no two of them sharing a quad.
+
+        Parameters
+        ----------
+        state : State
+            Positions at t_{n+1}, strains and cable forces of t_n.
+        tips : iterable of int
+            Present crack tips.
+        rotation, translation : ndarray
+            Pose of the tool at t_{n+1}.
+        dt : float
+            Length of the step that led here [s].
+        """
+        self._forget(state)
+        supported = state.node.supported
+        tips = [n for n in tips if not supported[n]]
+        found: list[Split] = []
+        cut: dict[int, Floats] = {}
+        if self._blade is not None:
+            cut = self._blade.cut_nodes(state, tips, self._rim, rotation, translation)
+            found += self._along_blade(state, cut, dt)
+        if self.fracture.candidates == "tips":
+            nodes = tips
+        else:
+            nodes = np.flatnonzero(~state.node.supported[: state.n_node]).tolist()
+        if cut:
+            nodes = [n for n in nodes if n not in cut]
+        by_measure = self._by_force if self.fracture.criterion == "force" else self._by_stress
+        return _strongest_apart(found + by_measure(state, nodes, tips, dt))
+
+    def saved(self) -> dict[str, Any]:
+        """Return its count and the blade's list; the partings follow from the state."""
+        blade = {} if self._blade is None else self._blade.saved()
+        return {"n_borrowed": self.n_borrowed, "blade": blade}
+
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
+        self.n_borrowed = saved["n_borrowed"]
+        if self._blade is not None:
+            self._blade.restore(state, saved["blade"])
+
+    def _forget(self, state: State) -> None:
+        """Drop what splits since the last call have changed: all around the nodes they split.
+
+        Across the crack too: a split may divide the cables of both its flanks.
+        """
+        if self._revision == state.revision:
+            return
+        ends = state.cable.ends[: state.n_cable]
+        for record in state.split_log[max(self._revision, 0) :]:
+            for half in (record.node, record.twin):
+                around = state.node.quads[half, : state.node.n_quad_at[half]]
+                across = ends[(ends == half).any(axis=1)]
+                for n in np.union1d(state.quads[around], across).tolist():
+                    self._partings.pop(n, None)
+        self._table = None
+        self._revision = state.revision
+
+    def _weighed(self, state: State, nodes: list[int], dt: float) -> tuple[PartingTable, float]:
+        """Return the partings of some nodes, weighed, and the largest measure of them."""
+        if self._table is None or self._nodes != nodes:
+            mass, free = self._shell.mass, self._free_edges
+            for n in nodes:
+                if n not in self._partings:
+                    self._partings[n] = partings_of(state, n, mass, free)
+            partings = [self._partings[n] for n in nodes]
+            self._table = PartingTable(
+                self._shell, self._loads, self._strength, partings, self._weigh
+            )
+            self._nodes = nodes
+        return self._table, self._table.weigh(state, dt)
+
+    def _along_blade(self, state: State, cut: dict[int, Floats], dt: float) -> list[Split]:
+        if not cut:
+            return []
+        table, _ = self._weighed(state, list(cut), dt)
+        found = []
+        for i, trace in enumerate(cut.values()):
+            # The crack through the node shall follow the trace, either way along it.
+            ways = table.admissible(i, self._cos_limit)
+            if ways:
+                along = np.abs(table.direction[ways] @ trace)
+                best = ways[int(np.argmax(along))]
+                found.append(self._split(table, best, blade=True))
+        return found
+
+    def _by_force(self, state: State, nodes: list[int], _tips: list[int], dt: float) -> list[Split]:
+        table, largest = self._weighed(state, nodes, dt)
+        if largest < 1.0:
+            return []
+        # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord from
+        # crack to crack: dividing by it compares normal tractions, dividing by the area (the
+        # measure) would favour short edges.
+        traction = table.pull / table.chord
+        found = []
+        for i in sorted({table.owner[k] for k in np.flatnonzero(table.measure >= 1.0).tolist()}):
+            ways = table.admissible(i, self._cos_limit)
+            if ways:
+                best = ways[int(np.argmax(traction[ways]))]
+                if table.measure[best] >= 1.0:
+                    found.append(self._split(table, best))
+        return found
+
+    def _by_stress(self, state: State, nodes: list[int], tips: list[int], dt: float) -> list[Split]:
+        if not nodes:
+            return []
+        stress = recover(
+            state,
+            self._shell,
+            np.array(nodes, np.int64),
+            place=self.fracture.stress_place,
+            tips=tips,
+        )
+        self.n_borrowed += stress.n_borrowed
+        over = np.flatnonzero(stress.principal >= self._strength).tolist()
+        if not over:
+            return []
+        table, _ = self._weighed(state, [nodes[i] for i in over], dt)
+        found = []
+        for row, i in enumerate(over):
+            ways = table.admissible(row, self._cos_limit)
+            if ways:
+                across = np.abs(table.direction[ways] @ stress.direction[i])
+                measure = float(stress.principal[i] / self._strength)
+                found.append(self._split(table, ways[int(np.argmin(across))], measure))
+        return found
+
+    def _split(
+        self, table: PartingTable, k: int, measure: float | None = None, *, blade: bool = False
+    ) -> Split:
+        way = table.ways[k]
+        return Split(
+            way.node,
+            way.minus,
+            way.plus,
+            way.half_edges,
+            table.m[k].copy(),
+            float(table.measure[k]) if measure is None else measure,
+            table.force[k].copy(),
+            blade,
+        )
+
+
+def _strongest_apart(found: list[Split]) -> list[Split]:
+    """Keep the strongest of splits that share a quad: two at once would make parallel cracks."""
+    taken: set[int] = set()
+    kept = []
+    for split in sorted(found, key=lambda s: (not s.blade, -s.measure, s.node)):
+        quads = {*split.minus, *split.plus}
+        if not quads & taken:
+            taken |= quads
+            kept.append(split)
+    return kept

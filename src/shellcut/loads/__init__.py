@@ -1,0 +1,9 @@
+"""Loads and supports: forces, pressure, gravity, tractions; held or driven nodes, symmetry planes.
+
+May import ``state``, ``mesh`` and rows below.
+"""
+
+from .loads import EdgeTraction, Gravity, Load, NodalForce, NodalMoment, Pressure
+from .supports import Support
+
+__all__ = ["EdgeTraction", "Gravity", "Load", "NodalForce", "NodalMoment", "Pressure", "Support"]

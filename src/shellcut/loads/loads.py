@@ -1,0 +1,496 @@
+"""Loads: gravity, pressure (dead or following), edge traction, nodal forces ([Frangi2010] 17).
+
+Dead loads are summed to the nodes once; when a node splits, the loads of its two halves are found
+again from their own quads. A nodal force stays with the node that keeps the id.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, Number, Vec3
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
+from shellcut.numerics.lane_instructions import WIDTH
+from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
+from shellcut.numerics.threads import NODE_CHUNK, Workers
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, store, sub
+from shellcut.state import State, columns
+
+from .supports import NodeChoice, choose_nodes
+
+_G = 1.0 / np.sqrt(3.0)
+
+Factor = Callable[[float], float]
+
+
+def steady(_time: float) -> float:
+    """Return 1: a load that is applied as a step at t = 0 and stays."""
+    return 1.0
+
+
+def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
+    v = tuple(float(c) for c in value)
+    if len(v) != 3 or not np.isfinite(v).all():
+        raise ValueError(f"{name} must be three finite numbers, got {value!r}")
+    return v
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Body force, an acceleration [mm/s²] times mass; factor(time) scales it.
+
+    Examples
+    --------
+    >>> load = Gravity((0.0, 0.0, -9810.0))
+    """
+
+    acceleration: Sequence[float]
+    factor: Factor = steady
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure [MPa] along the director's side of the quads, all of them unless a set is named.
+
+    ``following`` pressure turns and stretches with the surface; a dead one keeps the direction and
+    the area of the reference.
+
+    Examples
+    --------
+    >>> load = Pressure(0.01, following=True)  # 10 kPa
+    """
+
+    value: float
+    following: bool = False
+    quads: str | None = None
+    factor: Factor = steady
+
+
+@dataclass(frozen=True)
+class NodalForce:
+    """Dead force [N] on every node of a set or list.
+
+    Examples
+    --------
+    >>> load = NodalForce([12], (0.0, 0.0, -0.5), factor=lambda time: min(time / 1e-3, 1.0))
+    """
+
+    nodes: NodeChoice
+    force: Sequence[float]
+    factor: Factor = steady
+
+
+@dataclass(frozen=True)
+class NodalMoment:
+    """Dead moment [N·mm] on the director of every node of a set or list.
+
+    Its part along the director does nothing: five freedoms a node leave no drilling.
+
+    Examples
+    --------
+    >>> load = NodalMoment("right", (0.0, 3.0, 0.0))
+    """
+
+    nodes: NodeChoice
+    moment: Sequence[float]
+    factor: Factor = steady
+
+
+@dataclass(frozen=True)
+class EdgeTraction:
+    """Dead force per reference length [N/mm] on the boundary edges between nodes of a set.
+
+    Examples
+    --------
+    >>> load = EdgeTraction("right", (2.0, 0.0, 0.0))  # pulls along x
+    """
+
+    nodes: NodeChoice
+    traction: Sequence[float]
+    factor: Factor = steady
+
+
+Load = Gravity | Pressure | NodalForce | NodalMoment | EdgeTraction
+
+
+class LoadSet:
+    """All loads of a model, resolved to nodes and quads.
+
+    Raises
+    ------
+    ValueError
+        If a set is unknown, a vector has not three components, or no edge is loaded.
+    """
+
+    def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
+        self._workers = workers or Workers(0)
+        self._cleared = bound_once(_clear_forces)
+        self._begun, self._added = (
+            bound_once(k) for k in (_begin_with_dead_force, _add_dead_force)
+        )
+        self._dead: list[_DeadLoad] = []
+        self._following: list[tuple[Bools, float, Factor]] = []
+        self._nodal: list[tuple[Ints, Floats, Factor]] = []
+        self._moment: list[tuple[Ints, Floats, Factor]] = []
+        for one in loads:
+            if isinstance(one, Gravity):
+                g = np.array(_vector("acceleration", one.acceleration))
+                self._dead.append(_DeadLoad(one.factor, _Weight(g)))
+            elif isinstance(one, NodalForce):
+                ids = choose_nodes(mesh, one.nodes)
+                self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
+            elif isinstance(one, NodalMoment):
+                ids = choose_nodes(mesh, one.nodes)
+                self._moment.append((ids, np.array(_vector("moment", one.moment)), one.factor))
+            elif isinstance(one, Pressure):
+                if not np.isfinite(one.value):
+                    raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
+                quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
+                if one.following:
+                    pressed = np.zeros(mesh.n_quad, np.bool_)
+                    pressed[quads] = True
+                    self._following.append((pressed, float(one.value), one.factor))
+                else:
+                    rule = _Pressed(mesh, quads, float(one.value))
+                    self._dead.append(_DeadLoad(one.factor, rule))
+            else:
+                self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
+
+    def begin_forces(self, state: State) -> float:
+        """Write the nodal forces anew, the loads at t_n; return their work since t_{n-1} [N·mm]."""
+        n, dt = state.node, state.dt
+        now, before = state.time, state.time - dt
+        work = 0.0
+        if not self._dead:
+            self._clear(state)
+        for dead in self._dead:
+            add = self._added if dead is not self._dead[0] else self._begun
+            work += self._dead_force(add, state, dead, float(dead.factor(now)), dead.factor(before))
+        for ids, force, factor in self._nodal:
+            np.add.at(n.force, ids, factor(now) * force)
+            mean = 0.5 * (factor(now) + factor(before)) * force
+            work += dt * float((n.velocity_half[ids] @ mean).sum())
+        if self._following:
+            pushed = np.zeros((n.count, 3))
+            for pressed, value, factor in self._following:
+                quads = np.flatnonzero(pressed)
+                rows = np.empty((quads.size, 4, 3))
+                _pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
+                _scatter_rows(state.quads, quads, rows, pushed)
+            step = dt * n.velocity_half[: n.count]
+            work += 0.5 * float(((n.load_force[: n.count] + pushed) * step).sum())
+            n.load_force[: n.count] = pushed
+            n.force[: n.count] += pushed
+        for ids, moment, factor in self._moment:
+            # The force conjugate to t whose moment t x g is the part of M normal to t.
+            m = np.broadcast_to(factor(now) * moment, (ids.size, 3))
+            np.add.at(n.director_force, ids, np.cross(m, n.t[ids]))
+            mean = 0.5 * (factor(now) + factor(before)) * moment
+            work += dt * float((n.spin_half[ids] @ mean).sum())
+        return work
+
+    def _clear(self, state: State) -> None:
+        n, stride = state.node, self._workers.count
+        self._workers.run(lambda thread: self._cleared(thread, stride, n.count, n.force_rows))
+
+    def _dead_force(
+        self, add: Any, state: State, dead: _DeadLoad, now: float, before: float
+    ) -> float:
+        n, stride = state.node, self._workers.count
+        dead.follow(state)
+        sums = np.zeros(-(-n.count // NODE_CHUNK))
+
+        def part(thread: int) -> None:
+            add(thread, stride, n.count, dead.force, now, n.velocity_half, n.force_rows, sums)
+
+        self._workers.run(part)
+        return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
+
+    def largest(self, state: State) -> float:
+        """Return the largest component of the nodal loads, moments left out [N]."""
+        n = state.node.count
+        every = state.node.load_force[:n].copy()
+        for dead in self._dead:
+            dead.follow(state)
+            every += dead.factor(state.time) * dead.force[:n]
+        for ids, force, factor in self._nodal:
+            np.add.at(every, ids, factor(state.time) * force)
+        return float(np.abs(every).max(initial=0.0))
+
+    def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
+        """Add the load on a node that comes through a single quad, gravity left out [N].
+
+        Parameters
+        ----------
+        state : State
+            At t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        force : ndarray, shape (n, 3)
+            Added to.
+        """
+        for dead in self._dead:
+            if not isinstance(dead.rule, _Weight):
+                force += dead.factor(state.time) * dead.rule.through(state, quads, nodes)
+        for loaded, value, factor in self._following:
+            mine = np.flatnonzero(loaded[quads])
+            rows = np.empty((mine.size, 4, 3))
+            pressure = value * factor(state.time)
+            _pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
+            force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
+
+
+class _Weight:
+    """Mass times an acceleration g : (3,)."""
+
+    def __init__(self, g: Floats) -> None:
+        self._g = g
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        return np.asarray(state.node.mass[nodes, None] * self._g)
+
+
+class _Pressed:
+    """Dead pressure on some quads: the area and the direction of the reference."""
+
+    def __init__(self, mesh: Mesh, quads: Ints, value: float) -> None:
+        self._mesh, self._value = mesh, value
+        self._pressed = np.zeros(mesh.n_quad, np.bool_)
+        self._pressed[quads] = True
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        force = np.zeros((nodes.size, 3))
+        n = state.node
+        _pressure_on_nodes(
+            nodes,
+            n.quads,
+            n.n_quad_at,
+            state.quads,
+            self._pressed,
+            self._mesh.nodes,
+            self._mesh.quads,
+            self._value,
+            force,
+        )
+        return force
+
+    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
+        rows = np.zeros((quads.size, 4, 3))
+        mine = np.flatnonzero(self._pressed[quads])
+        some = np.empty((mine.size, 4, 3))
+        _pressure_rows(self._mesh.nodes, self._mesh.quads, quads[mine], self._value, some)
+        rows[mine] = some
+        return np.asarray(rows[state.quads[quads] == nodes[:, None]])
+
+
+class _Drawn:
+    """Forces given by rows : (n, 4, 3) at the corners of some quads."""
+
+    def __init__(self, quads: Ints, rows: Floats) -> None:
+        self._quads, self._rows = quads, rows
+
+    def on(self, state: State, nodes: Ints) -> Floats:
+        force = np.zeros((state.n_node, 3))
+        _scatter_rows(state.quads, self._quads, self._rows, force)
+        return np.asarray(force[nodes])
+
+    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
+        force = np.zeros((quads.size, 3))
+        for i in np.flatnonzero(np.isin(quads, self._quads)).tolist():
+            corner = state.quads[quads[i]] == nodes[i]
+            force[i] = self._rows[self._quads == quads[i]][:, corner].sum(axis=(0, 1))
+        return force
+
+
+class _DeadLoad:
+    """A nodal force that keeps its direction, scaled by a factor of time.
+
+    Each half of a split node takes the share of its own quads, found again for these two alone.
+    """
+
+    def __init__(self, factor: Factor, rule: _Weight | _Pressed | _Drawn) -> None:
+        self.factor, self.rule = factor, rule
+        self.force: Floats = np.zeros((0, 3))
+        """At a factor of one [N], shape (n_node, 3)."""
+        self._known = 0
+
+    def follow(self, state: State) -> None:
+        """Take in the splits since the last call."""
+        if self.force.shape[0] < state.n_node:
+            grown = columns(state.node.x.shape[0], 3)
+            if self.force.shape[0] == 0:
+                grown[: state.n_node] = self.rule.on(state, np.arange(state.n_node))
+                self._known = len(state.split_log)
+            else:
+                grown[: self.force.shape[0]] = self.force
+            self.force = grown
+        if self._known < len(state.split_log):
+            split = state.split_log[self._known :]
+            nodes = np.unique([id_ for one in split for id_ in (one.node, one.twin)])
+            self.force[nodes] = self.rule.on(state, nodes)
+            self._known = len(state.split_log)
+
+
+def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
+    traction = np.array(_vector("traction", one.traction))
+    chosen = np.zeros(mesh.n_node, np.bool_)
+    chosen[choose_nodes(mesh, one.nodes)] = True
+    pair = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=2)
+    key = np.sort(pair, axis=2) @ np.array([mesh.n_node, 1])
+    _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
+    loaded = chosen[pair].all(axis=2) & (count[inverse].reshape(key.shape) == 1)
+    if not loaded.any():
+        raise ValueError(
+            f"an edge traction needs boundary edges between its nodes, found none in {one.nodes!r}"
+        )
+    quads, side = np.nonzero(loaded)
+    rows = np.zeros((quads.size, 4, 3))
+    length = np.linalg.norm(
+        mesh.nodes[pair[quads, side, 1]] - mesh.nodes[pair[quads, side, 0]], axis=1
+    )
+    half = 0.5 * length[:, None] * traction
+    rows[np.arange(quads.size), side] = half
+    rows[np.arange(quads.size), (side + 1) % 4] = half
+    return quads, rows
+
+
+@always_inline
+def _dead_at(
+    n: int,
+    lane: int | None,
+    begins: bool,
+    dead: Floats,
+    factor: float,
+    velocity: Floats,
+    rows: Floats,
+) -> Number:
+    """Put in factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
+    force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)
+    v = at(velocity, n, 0, lane), at(velocity, n, 1, lane), at(velocity, n, 2, lane)
+    if begins:
+        put_row_columns(rows, n, lane, scale(factor, force))
+    else:
+        add_row_columns(rows, n, lane, scale(factor, force))
+    return dot(force, v)
+
+
+def _make_dead_kernel(begins: bool) -> Any:
+    @kernel
+    def dead_force(
+        first: int,
+        stride: int,
+        n_node: int,
+        dead: Floats,
+        factor: float,
+        velocity: Floats,
+        rows: Floats,
+        sums: Floats,
+    ) -> None:
+        """Put factor dead : (n_node, 3) into rows : (n_node, 8), of every ``stride``-th chunk.
+
+        sums : (n_chunk,), the power of ``dead``, is written.
+        """
+        for chunk in range(first, sums.shape[0], stride):
+            start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+            powers = zero(None)
+            for n in range(start, stop - WIDTH + 1, WIDTH):
+                powers = powers + _dead_at(n, None, begins, dead, factor, velocity, rows)
+            power = total(powers)
+            for n in range(stop - (stop - start) % WIDTH, stop):
+                power += _dead_at(n, 0, begins, dead, factor, velocity, rows)
+            sums[chunk] = power
+
+    return dead_force
+
+
+_begin_with_dead_force = _make_dead_kernel(begins=True)
+"""In place of what stood there."""
+_add_dead_force = _make_dead_kernel(begins=False)
+"""Added."""
+
+
+@kernel
+def _clear_forces(first: int, stride: int, n_node: int, rows: Floats) -> None:
+    """Set rows : (n_node, 8) of every ``stride``-th chunk to zero."""
+    for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
+        start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
+        for n in range(start, stop - WIDTH + 1, WIDTH):
+            clear_rows(rows, n, None)
+        for n in range(stop - (stop - start) % WIDTH, stop):
+            clear_rows(rows, n, 0)
+
+
+@kernel
+def _scatter_rows(quads: Ints, which: Ints, rows: Floats, force: Floats) -> None:
+    """Add rows : (n, 4, 3) of the quads ``which`` to force : (n_node, 3)."""
+    for i in range(which.shape[0]):
+        for a in range(4):
+            for c in range(3):
+                force[quads[which[i], a], c] += rows[i, a, c]
+
+
+@inline
+def _weight(c: float, near: bool) -> float:
+    return 0.5 * (1.0 - c) if near else 0.5 * (1.0 + c)
+
+
+@always_inline
+def _pressure_on_corners(x: Floats, quads: Ints, e: int, pressure: float) -> tuple[Vec3, ...]:
+    """Return ∫ p N_a a_1 x a_2 of a quad over 2 x 2 Gauss points, for its four corners."""
+    x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
+    x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
+    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+    f0 = f1 = f2 = f3 = (0.0, 0.0, 0.0)
+    for q in range(4):
+        xi = -_G if q in (0, 3) else _G
+        eta = -_G if q < 2 else _G
+        a1 = combine(0.5 * _weight(eta, True), x01, 0.5 * _weight(eta, False), x32)
+        a2 = combine(0.5 * _weight(xi, True), x03, 0.5 * _weight(xi, False), x12)
+        p = scale(pressure, cross(a1, a2))
+        f0 = add(f0, scale(_weight(xi, True) * _weight(eta, True), p))
+        f1 = add(f1, scale(_weight(xi, False) * _weight(eta, True), p))
+        f2 = add(f2, scale(_weight(xi, False) * _weight(eta, False), p))
+        f3 = add(f3, scale(_weight(xi, True) * _weight(eta, False), p))
+    return f0, f1, f2, f3
+
+
+@kernel
+def _pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: Floats) -> None:
+    """Write the pressure on the corners of the quads ``which`` into rows : (n, 4, 3)."""
+    for i in range(which.shape[0]):
+        corners = _pressure_on_corners(x, quads, which[i], pressure)
+        for a in range(4):
+            store(rows[i], a, corners[a])
+
+
+@kernel
+def _pressure_on_nodes(
+    nodes: Ints,
+    quads_at: Ints,
+    n_quad_at: Ints,
+    quads: Ints,
+    pressed: Bools,
+    X: Floats,
+    reference_quads: Ints,
+    pressure: float,
+    force: Floats,
+) -> None:
+    """Write the dead pressure on ``nodes`` from the pressed quads at each into force : (n, 3).
+
+    quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
+    before any split.
+    """
+    for i in range(nodes.shape[0]):
+        for k in range(n_quad_at[nodes[i]]):
+            e = quads_at[nodes[i], k]
+            if pressed[e]:
+                corners = _pressure_on_corners(X, reference_quads, e, pressure)
+                for a in range(4):
+                    if quads[e, a] == nodes[i]:
+                        for c in range(3):
+                            force[i, c] += corners[a][c]

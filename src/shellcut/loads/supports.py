@@ -1,0 +1,215 @@
+"""Supports and prescribed motion, with their reactions.
+
+A support holds components of the velocity, and of the spin of the director, of some nodes; a
+*clamped* node holds position and director both ([Frangi2010] 5). What holds them, the reaction, is
+mass x acceleration minus the nodal force, written by the kick.
+
+A director has two turns, a spin three components, so holding spins about axes means, with T the
+director of the reference:
+
+=====================  ==========================  ==========================================
+held axes              the director                where T lies within 30° of
+=====================  ==========================  ==========================================
+three                  keeps its direction
+two, f is left         turns about f, on a cone    f: keeps its direction, a turn about f
+                       if it is not normal to f    would hardly move it
+one, h                 stays in the plane of h     h: is free, a spin about itself moves
+                       and T                       it nowhere
+=====================  ==========================  ==========================================
+
+Both the explicit driver (:mod:`shellcut.central_difference`) and statics
+(:mod:`shellcut.statics.freedoms`) hold just that. A director that leans by a little, as the mean
+normal at an edge does, is thus held like one that does not, whatever the lean; between the axis and
+the plane normal to it 30° is where the one is taken for the other, because the mean normals of a
+mesh lean by so much at most (half the largest fold between two quads, ``max_fold_deg``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.mesh.mesh import Mesh
+from shellcut.state import State
+
+_AXES = "xyz"
+
+# A director within 30° of an axis counts as along it, see above.
+_ALONG = float(np.cos(np.radians(30.0)))
+_NAMES = [f"{kind} along {axis}" for kind in ("velocity", "spin") for axis in _AXES]
+Rate = Callable[[float], float]
+NodeChoice = str | Sequence[int] | Ints
+
+
+def choose_nodes(mesh: Mesh, nodes: NodeChoice) -> Ints:
+    """Return node ids from the name of a set or from ids, checked."""
+    if isinstance(nodes, str):
+        return mesh.node_set(nodes)
+    ids = np.asarray(nodes)
+    if ids.ndim != 1 or ids.size == 0 or not np.issubdtype(ids.dtype, np.integer):
+        raise ValueError(
+            f"nodes must be the name of a node set or a list of node ids, got {nodes!r}"
+        )
+    if ids.min() < 0 or ids.max() >= mesh.n_node:
+        bad = ids[(ids < 0) | (ids >= mesh.n_node)][:5].tolist()
+        raise ValueError(f"node ids must lie in 0..{mesh.n_node - 1}, got {bad}")
+    return ids.astype(np.int64)
+
+
+@dataclass(frozen=True)
+class Support:
+    """Hold components of the motion of a set of nodes.
+
+    Parameters
+    ----------
+    nodes : str or sequence of int
+        Node set or ids.
+    translation, rotation : str
+        Held axes, a subset of "xyz", of the position and of the director's spin. With two axes
+        of spin held the director turns about the third only, whatever its direction.
+    velocity, spin : mapping from axis to function of time, optional
+        Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
+        about held axes; at rest otherwise. A director only turns about axes normal to it.
+
+    Examples
+    --------
+    >>> held = Support("left", translation="xyz", rotation="")  # hinged
+    >>> pulled = Support("right", translation="x", rotation="", velocity={"x": lambda time: 10.0})
+    """
+
+    nodes: NodeChoice
+    translation: str = "xyz"
+    rotation: str = "xyz"
+    velocity: Mapping[str, Rate] = field(default_factory=dict)
+    spin: Mapping[str, Rate] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        problems = []
+        for held, moved in (("translation", "velocity"), ("rotation", "spin")):
+            axes, rates = getattr(self, held), getattr(self, moved)
+            if set(axes) - set(_AXES):
+                problems.append(f"{held} must be made of the letters x, y, z, got {axes!r}")
+            loose = set(rates) - set(axes)
+            if loose:
+                problems.append(
+                    f"{moved} is prescribed along {sorted(loose)}, which {held} {axes!r} does not "
+                    "hold: add these axes to it"
+                )
+            problems += [
+                f"{moved} along {axis} must be a function of time, got {rate!r}: for a constant "
+                f"write lambda time: {rate!r}"
+                for axis, rate in rates.items()
+                if not callable(rate)
+            ]
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    def held(self) -> list[int]:
+        """Return the held components, 0-2 of translation and 3-5 of rotation."""
+        return [_AXES.index(a) for a in self.translation] + [
+            3 + _AXES.index(a) for a in self.rotation
+        ]
+
+    def rates(self) -> dict[int, Rate]:
+        """Return the prescribed rates by component."""
+        moved = {_AXES.index(axis): rate for axis, rate in self.velocity.items()}
+        return moved | {3 + _AXES.index(axis): rate for axis, rate in self.spin.items()}
+
+    @classmethod
+    def clamped(cls, nodes: NodeChoice) -> Support:
+        """Hold position and director."""
+        return cls(nodes)
+
+    @classmethod
+    def pinned(cls, nodes: NodeChoice) -> Support:
+        """Hold the position, leave the director free."""
+        return cls(nodes, rotation="")
+
+    @classmethod
+    def symmetry(cls, nodes: NodeChoice, normal: str) -> Support:
+        """Hold nodes in the symmetry plane with the given normal axis, "x", "y" or "z".
+
+        Their reference directors are put into the plane, see :mod:`shellcut.loads.symmetry_plane`.
+        """
+        if normal not in tuple(_AXES):
+            raise ValueError(f"normal must be one of x, y and z, got {normal!r}")
+        return cls(nodes, translation=normal, rotation=_AXES.replace(normal, ""))
+
+    @property
+    def mirror(self) -> int | None:
+        """Axis normal to the symmetry plane that this support stands for, 0-2; else None.
+
+        What :meth:`symmetry` holds, neither more nor less, and holds at rest.
+        """
+        if len(set(self.translation)) != 1 or self.velocity or self.spin:
+            return None
+        rest = set(_AXES) - set(self.translation)
+        return _AXES.index(self.translation[0]) if set(self.rotation) == rest else None
+
+
+class SupportSet:
+    """All supports of a model, resolved to nodes.
+
+    Raises
+    ------
+    ValueError
+        If a set is unknown, or two supports prescribe the same component differently.
+    """
+
+    def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
+        self._directors = mesh.directors
+        self._moving: list[tuple[Ints, int, Rate]] = []
+        self.nodes = [choose_nodes(mesh, s.nodes) for s in supports]
+        self._supports = tuple(supports)
+        moved: dict[tuple[int, int], Rate] = {}
+        for support, ids in zip(supports, self.nodes, strict=True):
+            for c, rate in support.rates().items():
+                clash = [n for n in ids.tolist() if moved.setdefault((n, c), rate) is not rate]
+                if clash:
+                    raise ValueError(
+                        f"two supports prescribe the {_NAMES[c]} of nodes {clash[:5]}: "
+                        "keep one of them"
+                    )
+                self._moving.append((ids, c, rate))
+        # A node that one support holds at rest and another moves along the same axis.
+        for support, ids in zip(supports, self.nodes, strict=True):
+            for c in set(support.held()) - set(support.rates()):
+                clash = [n for n in ids.tolist() if (n, c) in moved]
+                if clash:
+                    raise ValueError(
+                        f"one support holds what another moves, the {_NAMES[c]} of nodes "
+                        f"{clash[:5]}: take these nodes or this axis out of one of them"
+                    )
+
+    def initialise(self, state: State) -> None:
+        """Write the masks of held components; supported nodes no longer follow their forces."""
+        for support, ids in zip(self._supports, self.nodes, strict=True):
+            for c in support.held():
+                state.node.support[ids, c] = True
+        self._settle_spins(state)
+        state.node.supported[:] = state.node.support.any(axis=1)
+        state.node.push[state.node.supported] = 0.0
+
+    def _settle_spins(self, state: State) -> None:
+        """Hold all spins, or none, where that is what the held ones mean to the director."""
+        held = state.node.support[: len(self._directors), 3:]
+        n_held = held.sum(axis=1)
+        along = np.abs(self._directors) > _ALONG
+        held[(n_held == 2) & (along & ~held).any(axis=1)] = True
+        idle = (n_held == 1) & (along & held).any(axis=1)
+        for ids, c, _ in self._moving:
+            if c >= 3:  # a prescribed spin is taken at its word
+                idle[ids] = False
+        held[idle] = False
+
+    def prescribe(self, state: State, time_half: float) -> None:
+        """Write the prescribed velocities at t_{n+1/2}."""
+        for ids, c, rate in self._moving:
+            state.node.support_rate[ids, c] = rate(time_half)
+
+    def reaction(self, state: State, which: int) -> Floats:
+        """Return the resultant reaction of one support [N], shape (3,)."""
+        return np.asarray(state.node.reaction[self.nodes[which], :3].sum(axis=0))

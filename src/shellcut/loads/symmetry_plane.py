@@ -1,0 +1,76 @@
+"""Directors of nodes on a symmetry plane lie in it.
+
+The film of a half model goes on beyond its symmetry plane, mirrored. The director of a node on the
+plane is the mean normal of the quads on both sides; what one side's quads make of it, without their
+mirror images, leans out of the plane by half the angle between the two. That lean is no part of
+the film: it vanishes with the quads, but while it is there the film has a crease along the plane.
+
+A sum of vectors and their mirror images is twice their part in the plane. So the director put into
+the plane, made a unit vector again, is the one that the whole model has, and the half model gives
+what the whole one gives, to round-off. Where two planes meet, both parts normal to them go.
+
+A support stands for a symmetry plane if it holds just what :meth:`Support.symmetry` does and the
+film ends there: at a rim node whose quads all lie on one side. Nodes that are held in another way,
+clamped or hinged, keep their directors. So do those whose director leans by more than 30°:
+mirrored, the film would have a fold of more than 60°, which no mesh of the whole may have
+(``max_fold_deg``). Such a support is a guide, or the film lies in the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from shellcut.arrays import Bools
+from shellcut.mesh.mesh import Mesh
+
+from .supports import Support, choose_nodes
+
+_LARGEST_LEAN = float(np.sin(np.radians(30.0)))
+
+# Of the size of a node's quads, the part by which they may reach across the plane: coordinates in
+# text files carry seven digits.
+_ACROSS = 1e-6
+
+
+def put_directors_into_planes(mesh: Mesh, supports: Sequence[Support]) -> Mesh:
+    """Return the mesh with the directors of nodes on symmetry planes in these planes.
+
+    The mesh itself, if they are in them already.
+
+    Raises
+    ------
+    ValueError
+        If a set of nodes is unknown.
+    """
+    leaning = np.zeros((mesh.n_node, 3), np.bool_)
+    for support in supports:
+        if support.mirror is not None:
+            leaning[choose_nodes(mesh, support.nodes), support.mirror] = True
+    leaning &= (mesh.directors != 0.0) & (np.abs(mesh.directors) <= _LARGEST_LEAN)
+    if leaning.any():
+        leaning &= _ends_at_node(mesh)
+    if not leaning.any():
+        return mesh
+    nodes = leaning.any(axis=1)
+    directors = mesh.directors.copy()
+    inside = np.where(leaning[nodes], 0.0, directors[nodes])
+    directors[nodes] = inside / np.linalg.norm(inside, axis=1, keepdims=True)
+    return replace(mesh, directors=directors)
+
+
+def _ends_at_node(mesh: Mesh) -> Bools:
+    """Return whether a node's quads lie on one side of the plane normal to an axis, (n_node, 3)."""
+    corners = mesh.nodes[mesh.quads]
+    low, high = np.full((2, mesh.n_node, 3), mesh.nodes)
+    for a in range(4):
+        np.minimum.at(low, mesh.quads[:, a], corners.min(axis=1))
+        np.maximum.at(high, mesh.quads[:, a], corners.max(axis=1))
+    across = _ACROSS * (high - low).max(axis=1, keepdims=True)
+    ends: Bools = (low >= mesh.nodes - across) | (high <= mesh.nodes + across)
+    inner = np.ones(mesh.n_node, np.bool_)
+    inner[mesh.boundary_nodes()] = False
+    ends[inner] = False
+    return ends

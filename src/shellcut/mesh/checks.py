@@ -1,0 +1,421 @@
+"""The gate of the mesh: casting and checks of what the user hands in, for :mod:`shellcut.mesh`.
+
+A check adds what is wrong to a list of problems and goes on, so that one message holds all of them.
+X are positions, Q quads, T directors; corners of a quad are numbered as in :mod:`shellcut.mesh`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Bools, Floats, Ints
+
+from .quad_geometry import (
+    QuadSides,
+    angles_deg,
+    corner_vectors,
+    edge_lengths,
+    mean_directors,
+    norm,
+    quad_vectors,
+    scaled_jacobian,
+    unit,
+)
+
+MAX_VALENCE = 12
+"""Most quads one node may join: the split kernels keep a node's fan in an array of this length."""
+
+_NAMED = 5  # offenders named in a message; a thousand bad quads need no thousand lines
+_MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; below it round-off decides
+_MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
+_DIRECTOR_LENGTH = 1e-6  # | |T| - 1 | let through, then scaled to one: text files carry 7 digits
+# Thickness is measured along the director: a film all of whose directors lean by 5° is 0.4 % too
+# thin and up to 1.2 % too soft, by 10° four times that. The mean over a quad of exact normals is
+# its own normal, and a single node that leans by 45° costs 2 %; mean normals at a rim lean by part
+# of the fold between their quads.
+_QUAD_LEAN_DEG = 5.0
+_NODE_LEAN_DEG = 45.0
+_LEAN_OF_FOLD = 0.75
+
+
+class MeshError(ValueError):
+    """A mesh, or a question to one, that cannot be right; the message lists every problem."""
+
+
+def checked_arrays(
+    nodes: npt.ArrayLike,
+    quads: npt.ArrayLike,
+    *,
+    node_sets: Mapping[str, npt.ArrayLike] | None,
+    quad_sets: Mapping[str, npt.ArrayLike] | None,
+    directors: npt.ArrayLike | None,
+    origin: npt.ArrayLike | None,
+    max_fold_deg: float,
+) -> tuple[Floats, Ints, Floats, dict[str, Ints], dict[str, Ints], Ints]:
+    """Return the arguments of :meth:`Mesh.from_arrays`, cast, in the order of the constructor.
+
+    Raises
+    ------
+    MeshError
+        With all problems found, one a line.
+    """
+    problems: list[str] = []
+    X = _cast_nodes(nodes, problems)
+    Q = _cast_quads(quads, problems)
+    if X is None or Q is None:
+        raise error(problems)
+    n_node, n_quad = len(X), len(Q)
+    named_nodes = cast_sets("node", node_sets, n_node, problems)
+    named_quads = cast_sets("quad", quad_sets, n_quad, problems)
+    ancestors = _cast_origin(origin, n_node, problems)
+    given = _cast_directors(directors, n_node, problems)
+
+    finite = _check_finite(X, problems)
+    if _check_ids(Q, n_node, problems):
+        sound = _check_corners(X, Q, problems)
+        edges = QuadSides(Q, n_node, np.flatnonzero(sound))
+        _check_edges(X, Q, edges, problems)
+        if finite:
+            sound &= _check_shapes(X, Q, sound, problems)
+            _check_folds(X, Q, edges, sound, max_fold_deg, problems)
+            if given is not None:
+                _check_directors(X, Q, given, sound, problems)
+    if given is None and not problems:
+        given = mean_directors(X, Q)
+        _check_directors(X, Q, given, sound, problems)
+    elif given is not None and not problems:
+        _check_lean(X, Q, edges, given, max_fold_deg, problems)
+    if given is None or problems:
+        raise error(problems)
+    T = unit(given)
+    return X, Q, T, named_nodes, named_quads, ancestors
+
+
+# --- casting and checks: each adds its problems to the list --------------------------------------
+
+
+def error(problems: list[str]) -> MeshError:
+    """Return the one error that lists the problems."""
+    if len(problems) == 1:
+        return MeshError(problems[0])
+    return MeshError(f"{len(problems)} problems:\n- " + "\n- ".join(problems))
+
+
+def some(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
+    """List the first few items, with the number of those left out."""
+    listed = list(items)
+    more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
+    return ", ".join(describe(item) for item in listed[:_NAMED]) + more
+
+
+def _point(x: Floats) -> str:
+    return "(" + ", ".join(f"{c:.6g}" for c in x) + ")"
+
+
+def place(node: int, X: Floats) -> str:
+    """Name a node and where it is."""
+    return f"node {node} at {_point(X[node])}"
+
+
+def _places(nodes: Ints, X: Floats) -> str:
+    return some(nodes, lambda n: place(n, X))
+
+
+def _quad_places(quads: Ints, X: Floats, Q: Ints) -> str:
+    return some(quads, lambda e: f"quad {e} at {_point(X[Q[e]].mean(axis=0))}")
+
+
+def _quad_pairs(one: Ints, two: Ints, X: Floats, Q: Ints) -> str:
+    pairs = np.sort(np.stack([one, two], axis=1), axis=1)
+    return some(pairs, lambda p: " and ".join(_quad_places(p[i : i + 1], X, Q) for i in (0, 1)))
+
+
+def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
+    try:
+        X = np.array(nodes, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        problems.append("nodes must be an array of numbers of shape (n_node, 3) or (n_node, 2)")
+        return None
+    if X.ndim != 2 or X.shape[1] not in (2, 3) or len(X) == 0:
+        problems.append(
+            f"nodes must have shape (n_node, 3) or (n_node, 2), got {X.shape}; one row a node"
+        )
+        return None
+    if X.shape[1] == 2:
+        X = np.concatenate([X, np.zeros((len(X), 1))], axis=1)
+    return X
+
+
+def _cast_quads(quads: npt.ArrayLike, problems: list[str]) -> Ints | None:
+    try:
+        Q = np.array(quads, order="C")
+    except ValueError:
+        Q = np.empty(0)  # rows of different lengths
+    if Q.ndim != 2 or Q.shape[1] != 4 or len(Q) == 0:
+        problems.append(
+            f"quads must have shape (n_quad, 4), got {Q.shape}; one row of four node ids a quad, "
+            "triangles are not supported"
+        )
+        return None
+    if Q.dtype.kind not in "iu":
+        problems.append(f"quads must be whole numbers, got {Q.dtype}; cast the node ids to int")
+        return None
+    return Q.astype(np.int64)
+
+
+def _cast_ids(
+    what: str, ids: npt.ArrayLike, n: int, problems: list[str], *, unique: bool = True
+) -> Ints:
+    members = np.array(ids)
+    none = np.empty(0, dtype=np.int64)
+    if members.size == 0:
+        return none
+    if members.ndim != 1 or members.dtype.kind not in "iu":
+        problems.append(
+            f"{what} must be one row of whole numbers, got shape {members.shape} of "
+            f"{members.dtype}; give ids, not a mask or coordinates"
+        )
+        return none
+    outside = members[(members < 0) | (members >= n)]
+    if len(outside):
+        problems.append(f"{what} must hold ids from 0 to {n - 1}, got {some(outside.tolist())}")
+        return none
+    values, counts = np.unique(members, return_counts=True)
+    if unique and (counts > 1).any():
+        problems.append(
+            f"{what} must hold each id once, got {some(values[counts > 1].tolist())} again; "
+            "pass it through numpy.unique"
+        )
+    return members.astype(np.int64)
+
+
+def cast_sets(
+    kind: str, sets: Mapping[str, npt.ArrayLike] | None, n: int, problems: list[str]
+) -> dict[str, Ints]:
+    """Return the named sets of ``kind`` ids below ``n``; a wrong one is left empty."""
+    return {
+        name: _cast_ids(f"{kind} set {name!r}", ids, n, problems)
+        for name, ids in (sets or {}).items()
+    }
+
+
+def _cast_origin(origin: npt.ArrayLike | None, n_node: int, problems: list[str]) -> Ints:
+    if origin is None:
+        return np.arange(n_node, dtype=np.int64)
+    ancestors = _cast_ids("origin", origin, n_node, problems, unique=False)
+    if ancestors.shape != (n_node,):
+        problems.append(f"origin must have shape ({n_node},), one id a node, got {ancestors.shape}")
+    elif (ancestors[ancestors] != ancestors).any():
+        wrong = np.flatnonzero(ancestors[ancestors] != ancestors)
+        problems.append(
+            f"origin must point to nodes that are their own origin, got nodes "
+            f"{some(wrong.tolist())} that point to a duplicate"
+        )
+    return ancestors
+
+
+def _cast_directors(
+    directors: npt.ArrayLike | None, n_node: int, problems: list[str]
+) -> Floats | None:
+    if directors is None:
+        return None
+    try:
+        T = np.array(directors, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        T = np.empty(0)
+    if T.shape != (n_node, 3) or not np.isfinite(T).all():
+        state = f"shape {T.shape}" if T.shape != (n_node, 3) else "nan or inf"
+        problems.append(
+            f"directors must be finite numbers of shape ({n_node}, 3), got {state}; "
+            "leave them out for the mean normals"
+        )
+        return None
+    return T
+
+
+def _check_finite(X: Floats, problems: list[str]) -> bool:
+    bad = np.flatnonzero(~np.isfinite(X).all(axis=1))
+    if len(bad):
+        problems.append(f"nodes must be finite, got {_places(bad, X)}; repair or remove them")
+    return not len(bad)
+
+
+def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:
+    bad = np.flatnonzero((Q.min(axis=1) < 0) | (Q.max(axis=1) >= n_node))
+    if len(bad):
+        hint = "; ids count from 0" if Q.max() == n_node and Q.min() == 1 else ""
+        problems.append(
+            f"quads must hold node ids from 0 to {n_node - 1}, got "
+            f"{some(bad, lambda e: f'quad {e} of nodes {Q[e].tolist()}')}{hint}; renumber them"
+        )
+    return not len(bad)
+
+
+def _check_corners(X: Floats, Q: Ints, problems: list[str]) -> Bools:
+    # returns the quads that go on to the further checks
+    ordered = np.sort(Q, axis=1)
+    sound: Bools = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)
+    if not sound.all():
+        problems.append(
+            "quads must have four different nodes, got "
+            f"{_quad_places(np.flatnonzero(~sound), X, Q)}; triangles are not supported, "
+            "mesh with quads only"
+        )
+    order = np.lexsort(ordered.T)
+    same = (ordered[order[1:]] == ordered[order[:-1]]).all(axis=1)
+    if same.any():
+        problems.append(
+            "quads must differ, got the same four nodes in "
+            f"{_quad_pairs(order[:-1][same], order[1:][same], X, Q)}; remove the duplicates"
+        )
+        sound[order[1:][same]] = False
+    valence = np.bincount(Q.ravel(), minlength=len(X))
+    if len(loose := np.flatnonzero(valence == 0)):
+        problems.append(
+            f"nodes must belong to a quad, got {_places(loose, X)}; remove them and renumber"
+        )
+    if len(crowded := np.flatnonzero(valence > MAX_VALENCE)):
+        problems.append(
+            f"nodes must join {MAX_VALENCE} quads at most, got {_places(crowded, X)} joining "
+            f"{some(valence[crowded])}; remesh around them"
+        )
+    return sound
+
+
+def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> None:
+    crowded = np.flatnonzero(edges.n_quad > 2)
+    if len(crowded):
+        ends = edges.nodes
+        named = some(
+            crowded,
+            lambda k: f"{place(ends[k, 0], X)} to {place(ends[k, 1], X)} with {edges.n_quad[k]}",
+        )
+        problems.append(
+            f"edges must have one or two quads, got {named}; a T-joint has no single director, "
+            "five-parameter nodes are for smooth shells only: model one sheet"
+        )
+    one, two, alike = edges.neighbours()
+    if not alike.all():
+        problems.append(
+            "neighbouring quads must turn the same way, got opposite orientation in "
+            f"{_quad_pairs(one[~alike], two[~alike], X, Q)}; reverse the node order of one side"
+        )
+    # one open fan has two rim spokes; more mean that the node joins quads like a hinge
+    spokes = np.bincount(edges.nodes[edges.n_quad == 1].ravel(), minlength=len(X))
+    pinched = np.flatnonzero(spokes > 2)
+    if len(pinched) and not len(crowded) and len(edges.quads) == Q.size:
+        problems.append(
+            f"the quads of a node must form one fan, got {_places(pinched, X)} joining parts that "
+            "share no edge; duplicate the node or add quads between"
+        )
+
+
+def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bools:
+    lengths = edge_lengths(X, Q)
+    longest = lengths.max(axis=1)
+    flat = norm(quad_vectors(X, Q)) <= _MIN_RELATIVE_AREA * longest**2
+    flat |= lengths.min(axis=1) <= _MIN_RELATIVE_EDGE * longest
+    flat &= among
+    if flat.any():
+        problems.append(
+            "quads must have an area and four edges, got "
+            f"{_quad_places(np.flatnonzero(flat), X, Q)} degenerate or a bow-tie; merge nodes at "
+            "one place, put the four corners in order around the quad"
+        )
+    least = scaled_jacobian(X, Q)
+    bad = (least <= 0.0) & among & ~flat
+    if bad.any():
+        problems.append(
+            "quads must be convex with corners in order (Jacobian above 0 at each corner), got "
+            f"{_quad_places(np.flatnonzero(bad), X, Q)} inverted or folded onto itself, scaled "
+            f"Jacobian {some(least[bad], '{:.3g}'.format)}; reorder the corners or move the nodes"
+        )
+    sound: Bools = ~(flat | bad)
+    return sound
+
+
+def _check_folds(
+    X: Floats, Q: Ints, edges: QuadSides, sound: Bools, limit_deg: float, problems: list[str]
+) -> None:
+    one, two, alike = edges.neighbours()
+    alike &= sound[one] & sound[two]
+    one, two = one[alike], two[alike]
+    normals = quad_vectors(X, Q)
+    angle = angles_deg(normals[one], normals[two])
+    folded = angle > limit_deg
+    if folded.any():
+        problems.append(
+            f"normals of neighbouring quads must differ by {limit_deg:g} degrees at most, got "
+            f"{some(angle[folded], '{:.1f}'.format)} between "
+            f"{_quad_pairs(one[folded], two[folded], X, Q)}; five-parameter nodes are for smooth "
+            "shells only: refine a curved sheet, round a fold by several quads across it; one that "
+            "stays sharp cannot be modelled"
+        )
+
+
+def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: list[str]) -> None:
+    length = norm(given)
+    wrong = np.abs(length - 1.0) > _DIRECTOR_LENGTH
+    if wrong.any():
+        problems.append(
+            f"directors must have unit length, got {_places(np.flatnonzero(wrong), X)} of length "
+            f"{some(length[wrong], '{:.6g}'.format)}; divide them by their norm"
+        )
+    below = np.zeros(len(X), dtype=np.bool_)
+    for a in range(4):
+        p, q = corner_vectors(X, Q, a)
+        against = np.einsum("ij,ij->i", np.cross(p, q), given[Q[:, a]]) <= 0.0
+        below[Q[against & sound, a]] = True
+    below &= ~wrong
+    if below.any():
+        problems.append(
+            "directors must point to the side of the normals, got "
+            f"{_places(np.flatnonzero(below), X)} pointing along or against the sheet; reverse "
+            "the directors or the node order of the quads"
+        )
+
+
+def _check_lean(
+    X: Floats, Q: Ints, edges: QuadSides, given: Floats, max_fold_deg: float, problems: list[str]
+) -> None:
+    normals = quad_vectors(X, Q)
+    one, two, _ = edges.neighbours()
+    fold = np.zeros(len(Q))
+    for side in (one, two):
+        np.maximum.at(fold, side, angles_deg(normals[one], normals[two]))
+    lean = angles_deg(given[Q].sum(axis=1), normals)
+    limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
+    if len(bad := np.flatnonzero(lean > limit)):
+        problems.append(
+            "directors must stand on the film, the mean of a quad's within "
+            f"{_QUAD_LEAN_DEG:g} degrees of its normal where the film is flat, got "
+            f"{_quad_places(bad, X, Q)} with directors that lean by "
+            f"{some(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
+            "them out for the mean normals"
+        )
+    lean = angles_deg(given, mean_directors(X, Q))
+    most = max(_NODE_LEAN_DEG, _LEAN_OF_FOLD * max_fold_deg)
+    if len(bad := np.flatnonzero(lean > most)):
+        problems.append(
+            f"directors must lie within {most:g} degrees of the mean normal of their quads, got "
+            f"{_places(bad, X)} that lean by {some(lean[bad], '{:.3g}'.format)} degrees; give "
+            "normals of the surface, or leave them out for the mean normals"
+        )
+
+
+def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
+    """Return a named set; a wrong name is answered with those there are, nearest first."""
+    try:
+        return sets[name]
+    except KeyError:
+        near = get_close_matches(name, sorted(sets), n=len(sets) or 1, cutoff=0.0)
+        names = ", ".join(near) or "none"
+        hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
+        raise MeshError(
+            f"{kind} set must be one of those present ({names}), got {name!r}{hint}"
+        ) from None

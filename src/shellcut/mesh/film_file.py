@@ -1,0 +1,334 @@
+"""A film from a mesh file of another program: :func:`read_film`.
+
+What a five-parameter shell cannot be made of is refused with its count and ids, or treated by an
+explicit choice; nothing is left out without a word. What was assumed or left out is logged as a
+warning of the logger ``shellcut.film_file``, which Python shows unless told otherwise.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats, Ints
+from shellcut.formats.abaqus import read_abaqus
+from shellcut.formats.errors import FileError, named
+from shellcut.formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, FileMesh
+from shellcut.formats.gmsh import read_gmsh
+from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.lsdyna import read_lsdyna
+from shellcut.formats.vtk import read_vtk
+from shellcut.numerics.connected_parts import connected_parts
+from shellcut.numerics.consistent_winding import common_winding
+
+from .film_doubts import film_doubts
+from .film_size import check_film_size
+from .mesh import Mesh, MeshError
+from .triangles_to_quads import split_in_quads
+
+_log = logging.getLogger("shellcut.film_file")
+
+READERS: dict[str, Callable[[str | Path], FileMesh]] = {
+    ".msh": read_gmsh,
+    ".inp": read_abaqus,
+    ".k": read_lsdyna,
+    ".key": read_lsdyna,
+    ".dyn": read_lsdyna,
+    ".vtu": read_vtk,
+    ".vtk": read_vtk,
+}
+"""The reader of each file name's end."""
+
+_COINCIDENT = 1e-9  # of the film's size: nodes nearer than this are at one place
+
+
+def read_film(
+    path: str | Path,
+    *,
+    unit: str | float | None = None,
+    triangles: Literal["refuse", "split"] = "refuse",
+    leave_out: Collection[str] = (),
+    merge: float | None = None,
+    max_fold_deg: float = 60.0,
+) -> Mesh:
+    """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu and .vtk.
+
+    Parameters
+    ----------
+    path : str or Path
+        The format goes by the end of the name.
+    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
+        Unit of the file's coordinates, or its length in mm. By default guessed from the size
+        where that is safe, and said.
+    triangles : {"refuse", "split"}
+        What to do with triangles, quads with a repeated node among them: refuse the mesh, or split
+        every triangle into three quads and then, to stay conforming, every quad into four.
+    leave_out : collection of str
+        Kinds of other cells (named in the refusal) to leave out: solids, beams, quadratic shells.
+    merge : float, optional, [mm]
+        Make one node of nodes nearer than this, as of instances that only touch. By default nodes
+        stay as they are.
+    max_fold_deg : float
+        See :meth:`Mesh.from_arrays`.
+
+    Returns
+    -------
+    Mesh
+        In mm, nodes in the order of the file, without those that no quad uses. Groups of nodes,
+        points and lines are node sets, groups of quads quad sets. Quads are turned to agree with
+        their neighbours, the way most of a connected sheet run.
+
+    Raises
+    ------
+    FileError
+        For a file that cannot be read, holds no film, or holds what is neither handled nor chosen.
+    MeshError
+        For a mesh that is no smooth sheet, as :meth:`Mesh.from_arrays` finds it.
+
+    Examples
+    --------
+    >>> import logging, pathlib, tempfile
+    >>> deck = '''*NODE
+    ... 1, 0., 0.
+    ... 2, 3., 0.
+    ... 3, 3., 2.
+    ... 4, 0., 2.
+    ... *ELEMENT, TYPE=S4R
+    ... 7, 1, 2, 3, 4
+    ... *NSET, NSET=left
+    ... 1, 4
+    ... '''
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "sheet.inp"
+    >>> _ = path.write_text(deck)
+    >>> read_film(path, unit="mm")
+    Mesh(4 nodes, 1 quads, node_sets=['left'], quad_sets=[])
+    """
+    path = Path(path)
+    if triangles not in ("refuse", "split"):
+        raise ValueError(f'triangles must be "refuse" or "split", got {triangles!r}')
+    if merge is not None and not merge > 0.0:
+        raise ValueError(f"merge must be a length above 0 in mm, got {merge!r}")
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
+    file = reader(path)
+    film = _Film(file, leave_out)
+    film.say(*file.notes)
+    if len(film.triangles):
+        if triangles == "refuse":
+            raise FileError(path, film.triangle_problem())
+        film.split()
+    film.scale(unit)
+    film.join(merge)
+    film.drop_unused()
+    film.turn()
+    try:
+        mesh = Mesh.from_arrays(
+            film.nodes,
+            film.quads,
+            node_sets=film.node_sets,
+            quad_sets=film.quad_sets,
+            max_fold_deg=max_fold_deg,
+        )
+    except MeshError as problem:
+        raise MeshError(
+            f"{path} holds no film (ids count from 0 in the order of the file): {problem}"
+        ) from None
+    film.say(*film_doubts(mesh))
+    return mesh
+
+
+class _Film:
+    # The mesh on its way from the file's form to that of the package; each step says what it did.
+
+    def __init__(self, file: FileMesh, leave_out: Collection[str]):
+        self.path = file.path
+        self.nodes: Floats = file.nodes
+        self.node_labels = file.node_labels
+        self.node_sets: dict[str, Ints] = dict(file.node_groups)
+        self.quad_sets: dict[str, Ints] = {}
+        self.lines: dict[str, Ints] = {}  # of the named groups, shape (n, 2)
+        self._sort_cells(file, leave_out)
+
+    def say(self, *notes: str) -> None:
+        for note in notes:
+            _log.warning("%s: %s", self.path, note)
+
+    def _sort_cells(self, file: FileMesh, leave_out: Collection[str]) -> None:
+        # sheet cells get numbers of their own, quads first; groups are parted by kind
+        cells: dict[str, list[Ints]] = {POINT: [], LINE: [], TRIANGLE: [], QUAD: []}
+        labels: dict[str, list[str]] = {QUAD: [], TRIANGLE: []}
+        numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
+        number_of_line = np.full(file.n_cell, -1, dtype=np.int64)
+        point_of = np.full(file.n_cell, -1, dtype=np.int64)
+        problems: list[str] = []
+        first = n_line = 0
+        for block in file.blocks:
+            number = first + np.arange(len(block.nodes))
+            first += len(block.nodes)
+            if block.kind == QUAD:
+                for kind, rows, corners in _parted(block.nodes):
+                    cells[kind].append(corners)
+                    numbers[kind].append(number[rows])
+                    labels[kind] += [str(block.labels[i]) for i in rows.tolist()]
+            elif block.kind == TRIANGLE:
+                cells[TRIANGLE].append(block.nodes)
+                numbers[TRIANGLE].append(number)
+                labels[TRIANGLE] += [str(label) for label in block.labels]
+            elif block.kind == LINE:
+                cells[LINE].append(block.nodes)
+                number_of_line[number] = n_line + np.arange(len(number))
+                n_line += len(number)
+            elif block.kind == POINT:
+                point_of[number] = block.nodes[:, 0]
+            elif block.kind in leave_out:
+                self.say(f"{len(number)} cells of kind {block.kind!r} are left out, as chosen")
+            else:
+                problems.append(
+                    f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
+                )
+        if problems:
+            raise FileError(
+                self.path,
+                f"a film is made of 4-node quads, got {'; '.join(problems)}; mesh with linear "
+                "shells only, or name those to drop in leave_out=[...]",
+            )
+        self.quads = np.concatenate([*cells[QUAD], np.empty((0, 4), np.int64)])
+        self.triangles = np.concatenate([*cells[TRIANGLE], np.empty((0, 3), np.int64)])
+        if not len(self.quads) and not len(self.triangles):
+            raise FileError(self.path, "there must be quads or triangles, got none")
+        self.triangle_labels = labels[TRIANGLE]
+        sheet = np.concatenate([*numbers[QUAD], *numbers[TRIANGLE]])
+        number_of_sheet = np.full(file.n_cell, -1, dtype=np.int64)
+        number_of_sheet[sheet] = np.arange(len(sheet))
+        lines = np.concatenate([*cells[LINE], np.empty((0, 2), np.int64)])
+        named_lines = np.zeros(len(lines), dtype=np.bool_)
+        for name, members in file.cell_groups.items():
+            quads = number_of_sheet[members]
+            if (quads >= 0).any():
+                self.quad_sets[name] = np.sort(quads[quads >= 0])
+            rows = number_of_line[members]
+            rows = rows[rows >= 0]
+            points = point_of[members]
+            points = points[points >= 0]
+            if len(rows) or len(points):
+                named_lines[rows] = True
+                self.lines[name] = lines[rows]
+                old = self.node_sets.get(name, np.empty(0, np.int64))
+                self.node_sets[name] = np.unique(np.concatenate([old, lines[rows].ravel(), points]))
+        if n := int((~named_lines).sum()):
+            self.say(f"{n} lines in no named group are left out")
+
+    def triangle_problem(self) -> str:
+        return (
+            f"a film is made of quads, got {len(self.triangles)} triangles beside "
+            f"{len(self.quads)} quads (ids {named(self.triangle_labels)}); mesh with quads only, "
+            'or choose triangles="split"'
+        )
+
+    def split(self) -> None:
+        n_triangle, n_quad = len(self.triangles), len(self.quads)
+        check_film_size(3 * n_triangle + 4 * n_quad, "mesh coarser, or with quads only")
+        split = split_in_quads(self.nodes, self.quads, self.triangles)
+        for name, members in self.node_sets.items():
+            if name in self.lines:
+                more = split.middles(self.lines[name])
+                self.node_sets[name] = np.concatenate([members, more])
+            else:
+                self.node_sets[name] = split.with_middles(members)
+        for name, members in self.quad_sets.items():
+            self.quad_sets[name] = np.flatnonzero(np.isin(split.parent, members))
+        self.nodes, self.quads = split.nodes, split.quads
+        n_new = len(split.nodes) - split.n_node
+        self.node_labels = [*map(str, self.node_labels), *["(new)"] * n_new]
+        self.say(
+            f"{n_triangle} triangles are split in three and {n_quad} quads in four: now "
+            f"{len(split.quads)} quads"
+        )
+
+    def scale(self, unit: str | float | None) -> None:
+        used = self.nodes[np.unique(self.quads)]
+        if not np.isfinite(used).all():
+            raise FileError(self.path, "coordinates must be finite numbers")
+        try:
+            factor, note = unit_in_mm(unit, float(np.ptp(used, axis=0).max()), "the film")
+        except ValueError as problem:
+            raise FileError(self.path, str(problem)) from None
+        self.nodes = factor * self.nodes
+        if note:
+            self.say(note)
+
+    def join(self, merge: float | None) -> None:
+        used = np.unique(self.quads)
+        points = self.nodes[used]
+        reach = _COINCIDENT * float(np.ptp(points, axis=0).max()) if merge is None else merge
+        pairs = used[scipy.spatial.cKDTree(points).query_pairs(reach, output_type="ndarray")]
+        if not len(pairs):
+            return
+        if merge is None:
+            self.say(
+                f"{len(pairs)} pairs of nodes are at one place and stay apart, the sheet is open "
+                f"there (nodes {named(self.node_labels[n] for n in pairs[:, 0].tolist())}); "
+                "merge=1e-6 joins them"
+            )
+            return
+        n = len(self.nodes)
+        label = connected_parts(pairs[:, 0], pairs[:, 1], n)
+        _, first = np.unique(label, return_index=True)
+        place = first[label]
+        self.quads = place[self.quads]
+        self.node_sets = {name: np.unique(place[m]) for name, m in self.node_sets.items()}
+        self.say(f"{len(used) - len(np.unique(self.quads))} nodes are merged with others")
+
+    def drop_unused(self) -> None:
+        used = np.zeros(len(self.nodes), dtype=np.bool_)
+        used[self.quads] = True
+        if used.all():
+            return
+        lost = np.flatnonzero(~used)
+        number = np.cumsum(used) - 1
+        off_film = []
+        for name, members in list(self.node_sets.items()):
+            if gone := int((~used[members]).sum()):
+                off_film.append(f"{gone} of {len(members)} of node set {name!r}")
+            self.node_sets[name] = number[members[used[members]]]
+            if not len(self.node_sets[name]):
+                del self.node_sets[name]
+        self.nodes, self.quads = self.nodes[used], number[self.quads]
+        told = f", among them {'; '.join(off_film)}" if off_film else ""
+        self.say(
+            f"{len(lost)} nodes belong to no quad and are left out "
+            f"(ids {named(self.node_labels[n] for n in lost.tolist())}){told}"
+        )
+
+    def turn(self) -> None:
+        winding = common_winding(self.quads, len(self.nodes))
+        if len(winding.one_sided):
+            places = self.nodes[self.quads[winding.one_sided[:1]]].mean(axis=1)[0]
+            raise FileError(
+                self.path,
+                f"a sheet must have two sides, got {len(winding.one_sided)} quads around "
+                f"({', '.join(f'{c:.4g}' for c in places)}) that have one, as a Möbius strip does",
+            )
+        turned = winding.turned
+        if turned.any():
+            self.quads[turned] = self.quads[turned][:, [0, 3, 2, 1]]
+            self.say(
+                f"{int(turned.sum())} of {len(self.quads)} quads are turned over to agree with "
+                "their neighbours"
+            )
+
+
+def _parted(quads: Ints) -> list[tuple[str, Ints, Ints]]:
+    # quads, and those with one corner repeated by its neighbour, which are triangles
+    repeated = quads == np.roll(quads, -1, axis=1)
+    flat = repeated.sum(axis=1) == 1
+    found: list[tuple[str, Ints, Ints]] = [(QUAD, np.flatnonzero(~flat), quads[~flat])]
+    if flat.any():
+        found.append((TRIANGLE, np.flatnonzero(flat), quads[flat][~repeated[flat]].reshape(-1, 3)))
+    return found

@@ -1,0 +1,437 @@
+"""The mesh: reference nodes, quads, directors and named sets, checked once and then frozen.
+
+All casting and all checks of what the user hands in happen in :meth:`Mesh.from_arrays`; the rest
+of the library relies on them. What must hold is what five-parameter shell nodes and cutting need:
+one smooth, consistently oriented sheet (or several), every node with a single fan of quads.
+
+Corners of a quad are numbered 0 to 3 counter-clockwise about its normal. At corner ``a`` the edge
+vectors are ``p`` (to corner a+1) and ``q`` (to corner a-1), and ``p × q`` is the corner's area
+vector, along the normal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats, Ints
+
+from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place, some
+from .quad_geometry import QuadSides, corner_vectors, edge_lengths, norm, scaled_jacobian
+
+__all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
+
+# Breadth of a lane of nodes in :meth:`Mesh.ordered`, in edges.
+_LANE = 4.0
+
+
+class Edges(NamedTuple):
+    """The edges of a mesh, each once."""
+
+    nodes: Ints
+    """Ends, shape (n_edge, 2), lower id first, rows in lexicographic order."""
+    quads: Ints
+    """Quads on the edge, shape (n_edge, 2); where there is one only, it stands twice."""
+    n_quad: Ints
+    """Number of quads on the edge, shape (n_edge,): 1 on the boundary, 2 inside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Reference mid-surface of a shell as four-node quads.
+
+    Build it by :meth:`from_arrays`, which checks; the plain constructor takes arrays on trust and
+    makes them read-only.
+
+    Examples
+    --------
+    >>> mesh = Mesh.from_arrays(
+    ...     [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]],
+    ...     [[0, 1, 4, 3], [1, 2, 5, 4]],
+    ...     node_sets={"left": [0, 3]},
+    ... )
+    >>> mesh.n_node, mesh.n_quad, mesh.directors[0].tolist()
+    (6, 2, [0.0, 0.0, 1.0])
+    >>> mesh.cut([1, 4]).n_node
+    8
+    """
+
+    nodes: Floats
+    """Reference positions X [mm], shape (n_node, 3)."""
+    quads: Ints
+    """Corner node ids, counter-clockwise about the normal, shape (n_quad, 4)."""
+    directors: Floats
+    """Unit reference directors T, on the side of the normals, shape (n_node, 3)."""
+    node_sets: Mapping[str, Ints]
+    """Named node ids; each array in the order given."""
+    quad_sets: Mapping[str, Ints]
+    """Named quad ids; each array in the order given."""
+    origin: Ints
+    """Node of the uncut mesh that a node was duplicated from, itself otherwise; (n_node,)."""
+
+    def __post_init__(self) -> None:
+        for name in ("node_sets", "quad_sets"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        for array in (
+            *(self.nodes, self.quads, self.directors, self.origin),
+            *self.node_sets.values(),
+            *self.quad_sets.values(),
+        ):
+            array.flags.writeable = False
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy cannot be pickled: workers of a sweep get plain dicts, then proxies again
+        sets = dict(self.node_sets), dict(self.quad_sets)
+        return Mesh, (self.nodes, self.quads, self.directors, *sets, self.origin)
+
+    def __repr__(self) -> str:
+        return (
+            f"Mesh({self.n_node} nodes, {self.n_quad} quads, node_sets={sorted(self.node_sets)}, "
+            f"quad_sets={sorted(self.quad_sets)})"
+        )
+
+    @classmethod
+    def from_arrays(
+        cls,
+        nodes: npt.ArrayLike,
+        quads: npt.ArrayLike,
+        *,
+        node_sets: Mapping[str, npt.ArrayLike] | None = None,
+        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
+        directors: npt.ArrayLike | None = None,
+        origin: npt.ArrayLike | None = None,
+        max_fold_deg: float = 60.0,
+    ) -> Mesh:
+        """Cast, check and freeze a mesh.
+
+        Parameters
+        ----------
+        nodes : array_like, shape (n_node, 3) or (n_node, 2), [mm]
+            Reference mid-surface; two columns mean z = 0.
+        quads : array_like of int, shape (n_quad, 4)
+            Corner node ids, all quads turning the same way seen from one side.
+        node_sets, quad_sets : mapping of str to array_like of int, optional
+            Named ids, no id twice in a set.
+        directors : array_like, shape (n_node, 3), optional
+            Unit directors on the side of the normals; scaled to exact unit length. By default the
+            area-weighted mean of the corner normals at each node. The mean of a quad's four must
+            lie within 5° of its normal, more only where it makes folds with its neighbours, and
+            each within 45° of the default: thickness is measured along the director.
+        origin : array_like of int, shape (n_node,), optional
+            For a mesh that was cut before: the node each node was duplicated from.
+        max_fold_deg : float
+            Largest angle [degrees] between the normals of two neighbouring quads. Larger ones than
+            the default's, on a very coarse mesh of a curved film, cost accuracy; a real fold is
+            not for these shells, whatever the number.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        MeshError
+            With all problems found, one a line.
+        """
+        return cls(
+            *checked_arrays(
+                nodes,
+                quads,
+                node_sets=node_sets,
+                quad_sets=quad_sets,
+                directors=directors,
+                origin=origin,
+                max_fold_deg=max_fold_deg,
+            )
+        )
+
+    @property
+    def n_node(self) -> int:
+        """Number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def n_quad(self) -> int:
+        """Number of quads."""
+        return len(self.quads)
+
+    @cached_property
+    def _edges(self) -> Edges:
+        edges = QuadSides(self.quads, self.n_node, np.arange(self.n_quad))
+        ends = edges.start, edges.start + edges.n_quad - 1
+        table = Edges(edges.nodes, np.stack([edges.quads[k] for k in ends], axis=1), edges.n_quad)
+        for array in table:
+            array.flags.writeable = False
+        return table
+
+    def edges(self) -> Edges:
+        """Return the edges, each once, with the quads on them; built on first use.
+
+        Returns
+        -------
+        Edges
+            ``nodes`` (n_edge, 2), ``quads`` (n_edge, 2) and ``n_quad`` (n_edge,), read-only.
+        """
+        return self._edges
+
+    def boundary_nodes(self) -> Ints:
+        """Return the ids of the nodes on edges with one quad, ascending; notches included."""
+        return np.unique(self._edges.nodes[self._edges.n_quad == 1])
+
+    def quad_areas(self) -> Floats:
+        """Return the area of every quad, shape (n_quad,), [mm²].
+
+        The area of the bilinear surface by 2x2 Gauss points: exact for a plane quad. The area
+        vector is linear over the quad, as the mixed term drops out of the cross product.
+        """
+        corners = [corner_vectors(self.nodes, self.quads, a) for a in range(4)]
+        vectors = [np.cross(p, q) for p, q in corners]
+        areas = np.zeros(self.n_quad)
+        near, far = 0.5 * (1.0 + 1.0 / np.sqrt(3.0)), 0.5 * (1.0 - 1.0 / np.sqrt(3.0))
+        for a in range(4):
+            weights = near * near, near * far, far * far, near * far
+            terms = (w * vectors[(a + b) % 4] for b, w in enumerate(weights))
+            areas += 0.25 * norm(sum(terms, start=np.zeros(3)))
+        return areas
+
+    def scaled_jacobian(self) -> Floats:
+        """Return the least scaled Jacobian over the corners of every quad, shape (n_quad,).
+
+        (p × q)·n of the unit vectors p, q along the edges with the mean normal n: the sine of the
+        corner angle, 1 for a rectangle, 0 or less where a corner is straight or re-entrant.
+        """
+        return scaled_jacobian(self.nodes, self.quads)
+
+    def edge_lengths(self) -> Floats:
+        """Return the edge lengths of every quad, shape (n_quad, 4), [mm], from corner a to a+1."""
+        return edge_lengths(self.nodes, self.quads)
+
+    def node_set(self, name: str) -> Ints:
+        """Return the node ids of a named set; a wrong name is answered with the names there are."""
+        return look_up("node", self.node_sets, name)
+
+    def quad_set(self, name: str) -> Ints:
+        """Return the quad ids of a named set; a wrong name is answered with the names there are."""
+        return look_up("quad", self.quad_sets, name)
+
+    def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
+        """Return the ids of the nodes whose position meets a condition, ascending.
+
+        Parameters
+        ----------
+        predicate : callable
+            Called once as ``predicate(x, y, z)`` with arrays of shape (n_node,), [mm]; returns an
+            array of bool.
+
+        Examples
+        --------
+        >>> mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
+        >>> mesh.nodes_where(lambda x, y, z: x > 0.5).tolist()
+        [1, 2]
+        """
+        mask = np.asarray(predicate(*self.nodes.T))
+        if mask.shape != (self.n_node,) or mask.dtype != np.bool_:
+            raise MeshError(
+                f"predicate must return {self.n_node} bools, one a node, got shape {mask.shape} "
+                f"of {mask.dtype}; compare the arrays x, y, z it is given, joined by & and |"
+            )
+        return np.flatnonzero(mask).astype(np.int64)
+
+    def with_sets(
+        self,
+        *,
+        node_sets: Mapping[str, npt.ArrayLike] | None = None,
+        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> Mesh:
+        """Return the mesh with further named sets; a name already taken is refused."""
+        problems: list[str] = []
+        nodes = cast_sets("node", node_sets, self.n_node, problems)
+        quads = cast_sets("quad", quad_sets, self.n_quad, problems)
+        for kind, new, old in (("node", nodes, self.node_sets), ("quad", quads, self.quad_sets)):
+            problems += [
+                f"{kind} set names must be new, got {name!r} again; choose another name"
+                for name in new
+                if name in old
+            ]
+        if problems:
+            raise error(problems)
+        return replace(
+            self, node_sets={**self.node_sets, **nodes}, quad_sets={**self.quad_sets, **quads}
+        )
+
+    def ordered(self) -> Mesh:
+        """Return the mesh with its nodes numbered anew, neighbours near each other.
+
+        Quads are taken in an order of their own (:mod:`shellcut.mitc4.blocks`), but their nodes lie
+        in memory as they are numbered: in a film of 1e5 quads or more whose numbers are scattered,
+        as some meshers leave them, this saves time. Node sets follow, quads and their sets stay;
+        ids of nodes from before are ids no longer.
+        """
+        axes = np.argsort(-np.ptp(self.nodes, axis=0), kind="stable")
+        along, across = self.nodes[:, axes[0]], self.nodes[:, axes[1]]
+        # Up and down lanes a few quads broad, as the quads are taken.
+        breadth = _LANE * float(np.sqrt(np.median(self.quad_areas())))
+        order = np.lexsort((across, np.floor((along - along.min()) / breadth)))
+        new = np.empty(self.n_node, np.int64)
+        new[order] = np.arange(self.n_node)
+        return replace(
+            self,
+            nodes=self.nodes[order],
+            directors=self.directors[order],
+            quads=new[self.quads],
+            node_sets={name: new[ids] for name, ids in self.node_sets.items()},
+            origin=new[self.origin[order]],
+        )
+
+    def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
+        """Return the mesh with a pre-cut (notch) along a line of mesh edges.
+
+        The nodes of the line are duplicated wherever its edges part their quads: nodes within the
+        line, and an end that lies on the boundary or on an earlier cut (the notch is open there).
+        An end inside the mesh stays a single node, the crack tip. A closed line (last node the
+        first again) cuts a patch out. Quads on the left of the line, seen from the side the normals
+        point to, keep their nodes; duplicates are appended. Each takes over position, director,
+        set membership and ``origin`` of its node.
+
+        Parameters
+        ----------
+        line_of_nodes : sequence of int
+            Node ids in order, neighbours joined by an edge that has quads on both sides.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        MeshError
+            If the line does not follow the edges, runs along a boundary, or would open nothing.
+        """
+        line = self._check_line(line_of_nodes)
+        cut_edges = {frozenset(pair) for pair in pairwise(line)}
+        touched = np.flatnonzero(np.isin(self.quads, line).any(axis=1))
+        left = _left_quads(self.quads, touched, line)
+
+        quads = self.quads.copy()
+        parents: list[int] = []
+        for node in dict.fromkeys(line):
+            around = [e for e in touched.tolist() if node in self.quads[e]]
+            for fan in _fans(self.quads, node, around, cut_edges, first=left[node]):
+                for e in fan:
+                    quads[e, self.quads[e] == node] = self.n_node + len(parents)
+                parents.append(node)
+        if not parents:
+            raise MeshError(
+                f"a line of one edge between two inner nodes opens nothing, got nodes {line}; "
+                "add an edge, or start on the boundary"
+            )
+        copies = np.array(parents, dtype=np.int64)
+        ids = self.n_node + np.arange(len(copies))
+        node_sets = {
+            name: np.concatenate([members, ids[np.isin(copies, members)]])
+            for name, members in self.node_sets.items()
+        }
+        return Mesh(
+            np.concatenate([self.nodes, self.nodes[copies]]),
+            quads,
+            np.concatenate([self.directors, self.directors[copies]]),
+            node_sets,
+            self.quad_sets,
+            np.concatenate([self.origin, self.origin[copies]]),
+        )
+
+    def _check_line(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> list[int]:
+        ids = np.asarray(line_of_nodes)
+        if ids.ndim != 1 or len(ids) < 2 or ids.dtype.kind not in "iu":
+            raise MeshError(
+                f"line_of_nodes must be two node ids or more in order, got {line_of_nodes!r}"
+            )
+        line: list[int] = ids.tolist()
+        problems: list[str] = []
+        if outside := [n for n in line if not 0 <= n < self.n_node]:
+            raise MeshError(
+                f"line_of_nodes must lie within 0 to {self.n_node - 1}, got {some(outside)}"
+            )
+        within = line[:-1] if line[0] == line[-1] and len(line) > 3 else line
+        if len(set(within)) < len(within):
+            twice = sorted({n for n in within if within.count(n) > 1})
+            problems.append(
+                f"line_of_nodes must pass each node once, got {some(twice)} again; cut in parts"
+            )
+        for i, j in pairwise(line):
+            count = self._edge_count(i, j)
+            if count == 0:
+                twins = {n: np.flatnonzero(self.origin == self.origin[n]).tolist() for n in (i, j)}
+                hint = "".join(
+                    f"; node {n} was duplicated by a cut, its copies are {ids}"
+                    for n, ids in twins.items()
+                    if len(ids) > 1
+                )
+                problems.append(
+                    f"line_of_nodes must follow mesh edges, got {place(i, self.nodes)} to "
+                    f"{place(j, self.nodes)} that no edge joins; name every node between{hint}"
+                )
+            elif count == 1:
+                problems.append(
+                    f"edges to cut must have quads on both sides, got {place(i, self.nodes)} to "
+                    f"{place(j, self.nodes)} on the boundary or cut before; leave it out"
+                )
+        if problems:
+            raise error(problems)
+        return line
+
+    def _edge_count(self, i: int, j: int) -> int:
+        # rows are in lexicographic order: find the row (low, high), 0 if there is none
+        low, high = min(i, j), max(i, j)
+        start, stop = np.searchsorted(self._edges.nodes[:, 0], [low, low + 1])
+        row = np.flatnonzero(self._edges.nodes[start:stop, 1] == high)
+        return int(self._edges.n_quad[start + row[0]]) if len(row) else 0
+
+
+# --- the cut -------------------------------------------------------------------------------------
+
+
+def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
+    # for every node of the line a quad that has the leaving (at the end: arriving) edge on its rim
+    # in the line's own sense, that is, a quad on the left
+    side_of = {
+        (int(quads[e, a]), int(quads[e, (a + 1) % 4])): e
+        for e in touched.tolist()
+        for a in range(4)
+    }
+    left: dict[int, int] = {}
+    for i, j in pairwise(line):
+        left[i] = side_of[i, j]
+        left.setdefault(j, side_of[i, j])
+    return left
+
+
+def _fans(
+    quads: Ints, node: int, around: list[int], cut_edges: set[frozenset[int]], *, first: int
+) -> Iterator[list[int]]:
+    # the groups into which the cut edges part the quads around a node, without the group of `first`
+    spokes: dict[int, list[int]] = {}
+    for e in around:
+        a = int(np.flatnonzero(quads[e] == node)[0])
+        for other in (int(quads[e, (a + 1) % 4]), int(quads[e, (a + 3) % 4])):
+            if frozenset((node, other)) not in cut_edges:
+                spokes.setdefault(other, []).append(e)
+    left = dict.fromkeys([first, *around])
+    while left:
+        fan = [next(iter(left))]
+        left.pop(fan[0])
+        for e in fan:  # grows while it is read
+            for sharing in spokes.values():
+                if e in sharing:
+                    fan += [f for f in sharing if f in left]
+                    for f in sharing:
+                        left.pop(f, None)
+        if first not in fan:
+            yield fan

@@ -1,0 +1,268 @@
+"""A film meshed from its outline by Gmsh: :func:`mesh_from_outline`.
+
+Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL) and imported only when this is
+called. The boundary is divided here, into an even number of edges a loop: of an odd number no mesh
+of quads only exists. Inside, Gmsh's frontal-Delaunay triangles are paired to quads by Blossom; on
+discs that gave a least scaled Jacobian of 0.71 where other settings left 0.03 to 0.68.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import isfinite
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats, Ints
+
+from .film_size import check_film_size
+from .mesh import Mesh, MeshError
+
+CORNER_DEG = 30.0
+"""A vertex at which the outline turns by more is a corner and becomes a node [deg]."""
+
+_MOST_EDGES = 50_000
+"""Along outline and holes; the check that they do not cross takes a minute for so many."""
+
+_ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: in turn if triangles stay
+_OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.RecombineAll": 1,
+    "Mesh.RecombinationAlgorithm": 1,  # Blossom
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.MeshSizeFromPoints": 1,
+    "Mesh.ElementOrder": 1,
+    "Mesh.RandomSeed": 1,
+}
+
+
+def mesh_from_outline(
+    outline: npt.ArrayLike, *, size: float, holes: Sequence[npt.ArrayLike] = ()
+) -> Mesh:
+    """Return a plane mesh of quads within a polygon, with Gmsh.
+
+    Parameters
+    ----------
+    outline : array_like, shape (n, 2), [mm]
+        Vertices in order, either way round, the last not repeating the first. Between corners
+        (:data:`CORNER_DEG`) the polygon stands for a smooth curve: nodes lie on it, but not on
+        its vertices.
+    size : float, [mm]
+        Edge length wanted.
+    holes : sequence of array_like
+        Polygons inside, as ``outline``.
+
+    Returns
+    -------
+    Mesh
+        Node sets "outline", "hole_1", "hole_2", ... in order around.
+
+    Raises
+    ------
+    MeshError
+        If a polygon is none, or Gmsh leaves triangles.
+    ImportError
+        If Gmsh is not there or cannot be loaded.
+
+    Examples
+    --------
+    >>> mesh = mesh_from_outline([(0, 0), (10, 0), (10, 6), (0, 6)], size=1.0)  # doctest: +SKIP
+    """
+    if not isfinite(size) or size <= 0.0:
+        raise MeshError(f"size must be a finite length above 0, got {size!r}")
+    names = ["outline", *(f"hole_{k}" for k in range(1, len(holes) + 1))]
+    polygons = [
+        _polygon(vertices, name) for vertices, name in zip((outline, *holes), names, strict=True)
+    ]
+    _check_apart(polygons, names)
+    _check_count(polygons, size)
+    loops = [_divided(polygon, size) for polygon in polygons]
+    _check_apart(loops, names)  # what is narrower than an edge may have been bridged
+    with _gmsh() as gmsh:
+        left = 0
+        for algorithm in _ALGORITHMS:
+            nodes, quads, left, rims = _meshed(gmsh, loops, size, algorithm)
+            if not left:
+                return Mesh.from_arrays(nodes, quads, node_sets=dict(zip(names, rims, strict=True)))
+    raise MeshError(
+        f"Gmsh must find a mesh of quads only, it leaves {left} triangles; change size a little, "
+        "or mind narrow places of the outline"
+    )
+
+
+def _check_count(polygons: list[Floats], size: float) -> None:
+    # of quads by the area, and of edges along the outlines, which Gmsh is given one by one
+    area = _area(polygons[0]) - sum(_area(hole) for hole in polygons[1:])
+    check_film_size(area / size / size, "enlarge size, or shrink the outline")
+    around = sum(float(np.hypot(*(np.roll(p, -1, axis=0) - p).T).sum()) for p in polygons)
+    if not around / size <= _MOST_EDGES:
+        raise MeshError(
+            f"outline and holes must be {_MOST_EDGES:,} edges of a size around at most, got "
+            f"{around:.4g} mm at size {size:g} mm, {around / size:,.0f} edges: enlarge size"
+        )
+
+
+def _area(polygon: Floats) -> float:
+    x, y = (polygon - polygon[0]).T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:
+    try:
+        points = np.array(vertices, dtype=np.float64)
+    except (TypeError, ValueError):
+        points = np.empty(0)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
+        raise MeshError(f"{name} must be three points or more of shape (n, 2), got {points.shape}")
+    if not np.isfinite(points).all():
+        raise MeshError(f"{name} must be finite")
+    sides = np.roll(points, -1, axis=0) - points
+    if (np.hypot(*sides.T) == 0.0).any():
+        at = int(np.flatnonzero(np.hypot(*sides.T) == 0.0)[0])
+        raise MeshError(f"{name} must have different vertices, {at} is where the next one is")
+    return points
+
+
+def _check_apart(loops: list[Floats], names: list[str]) -> None:
+    # Gmsh does not come back from outlines that cross: sides must not, and holes must lie inside
+    a = np.concatenate(loops)
+    b = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+    loop_of = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
+
+    def side(i: int, p: Floats) -> Floats:
+        d = b[i] - a[i]
+        turn: Floats = d[0] * (p[:, 1] - a[i, 1]) - d[1] * (p[:, 0] - a[i, 0])
+        return turn
+
+    for i in range(len(a)):
+        for j in np.flatnonzero(side(i, a) * side(i, b) < 0.0).tolist():
+            ends = side(j, np.array([a[i], b[i]]))
+            if ends[0] * ends[1] < 0.0:
+                x, y = 0.5 * (a[i] + b[i])
+                one, two = names[loop_of[i]], names[loop_of[j]]
+                raise MeshError(
+                    f"the outline and its holes must not cross, {one} crosses "
+                    f"{'itself' if one == two else two} near ({x:.4g}, {y:.4g})"
+                )
+    for k, hole in enumerate(loops[1:], start=1):
+        if not _inside(hole[0], loops[0]):
+            raise MeshError(f"{names[k]} must lie inside the outline")
+        for other, name in zip(loops[1:], names[1:], strict=True):
+            if other is not hole and _inside(hole[0], other):
+                raise MeshError(f"holes must lie apart, {names[k]} lies in {name}")
+
+
+def _inside(point: Floats, polygon: Floats) -> bool:
+    # by the number of sides that a ray along +x crosses
+    (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
+    spans = (y1 > point[1]) != (y2 > point[1])
+    at = x1[spans] + (point[1] - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])
+    return bool((at > point[0]).sum() % 2)
+
+
+def _divided(points: Floats, size: float) -> Floats:
+    # nodes along the polygon: all corners, and even divisions between them by arc length
+    sides = np.roll(points, -1, axis=0) - points
+    length = np.hypot(*sides.T)
+    before = np.roll(sides, 1, axis=0)
+    cross = before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]
+    turn = np.arctan2(np.abs(cross), (before * sides).sum(axis=1))
+    corners = np.flatnonzero(np.degrees(turn) > CORNER_DEG)
+    start = corners if len(corners) else np.array([0])
+    arc = np.concatenate([[0.0], np.cumsum(length)])
+    total = arc[-1]
+    ends = np.append(arc[start], arc[start[0]] + total)
+    pieces = np.diff(ends)
+    counts = np.maximum(1, np.round(pieces / size)).astype(int)
+    counts[int(np.argmax(pieces / counts))] += int(counts.sum() % 2)
+    while counts.sum() < 4:
+        counts[int(np.argmax(pieces / counts))] += 2
+    at = np.concatenate(
+        [
+            first + piece * np.arange(n) / n
+            for first, piece, n in zip(ends[:-1], pieces, counts, strict=True)
+        ]
+    )
+    closed = np.concatenate([points, points[:1]])
+    twice = np.concatenate([arc, total + arc[1:]])
+    xy = [np.interp(at, twice, np.concatenate([c, c[1:]])) for c in closed.T]
+    return np.stack(xy, axis=1)
+
+
+@contextmanager
+def _gmsh() -> Iterator[Any]:
+    # Gmsh with these options and an empty model; what the user had is restored
+    try:
+        import gmsh
+    except ImportError:
+        raise ImportError(
+            "meshing an outline needs Gmsh, an optional extra under the GPL: "
+            "pip install 'shellcut[mesh]'"
+        ) from None
+    except OSError as reason:  # a system library that its wheel does not bring
+        raise ImportError(
+            f"Gmsh is installed but cannot be loaded: {reason}; on Debian and Ubuntu: "
+            "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
+        ) from None
+    was_running = bool(gmsh.isInitialized())
+    if not was_running:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    kept = {name: gmsh.option.getNumber(name) for name in [*_OPTIONS, "Mesh.Algorithm"]}
+    current = gmsh.model.getCurrent() if was_running else None
+    try:
+        for name, value in _OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
+    finally:
+        if was_running:
+            for name, value in kept.items():
+                gmsh.option.setNumber(name, value)
+            gmsh.model.setCurrent(current)
+        else:
+            gmsh.finalize()
+
+
+def _meshed(
+    gmsh: Any, loops: list[Floats], size: float, algorithm: int
+) -> tuple[Floats, Ints, int, list[Ints]]:
+    # nodes (n, 2), quads, the number of triangles left, and the nodes of each loop in order
+    gmsh.model.add("shellcut outline")
+    try:
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+        geo = gmsh.model.geo
+        curve_loops, point_tags = [], []
+        for loop in loops:
+            points = [geo.addPoint(x, y, 0.0, size) for x, y in loop.tolist()]
+            lines = [
+                geo.addLine(p, q) for p, q in zip(points, points[1:] + points[:1], strict=True)
+            ]
+            for line in lines:
+                geo.mesh.setTransfiniteCurve(line, 2)
+            curve_loops.append(geo.addCurveLoop(lines))
+            point_tags.append(points)
+        geo.addPlaneSurface(curve_loops)
+        geo.synchronize()
+        try:
+            gmsh.model.mesh.generate(2)
+        except Exception as reason:  # gmsh raises plain Exception
+            raise MeshError(
+                f"Gmsh cannot mesh this outline: {reason}; do its holes lie inside, apart?"
+            ) from None
+        tags, xyz, _ = gmsh.model.mesh.getNodes()
+        row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+        row[tags.astype(np.int64)] = np.arange(len(tags))
+        corners = {3: np.empty((0, 4), np.int64), 2: np.empty((0, 3), np.int64)}
+        kinds, _, node_tags = gmsh.model.mesh.getElements(2)
+        for kind, members in zip(kinds, node_tags, strict=True):
+            corners[int(kind)] = row[members.astype(np.int64)].reshape(-1, 4 if kind == 3 else 3)
+        rims = [
+            np.array([row[int(gmsh.model.mesh.getNodes(0, p)[0][0])] for p in points])
+            for points in point_tags
+        ]
+        return xyz.reshape(-1, 3)[:, :2], corners[3], len(corners[2]), rims
+    finally:
+        gmsh.model.remove()

@@ -1,0 +1,109 @@
+"""Adjacency and geometry of quads: sides, normals, angles, areas, shapes, mean directors.
+
+X are positions, quads their corner node ids; corners are numbered as in :mod:`shellcut.mesh`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+
+_FLAT = 1e-12  # directors this near to their mean are the mean: round-off of a plane mesh
+
+
+class QuadSides:
+    """The sides of some quads grouped by edge.
+
+    The sides on edge k, whose ends are ``nodes[k]``, belong to
+    ``quads[start[k] : start[k] + n_quad[k]]``.
+    """
+
+    def __init__(self, quads: Ints, n_node: int, ids: Ints) -> None:
+        tail = quads[ids]
+        head = np.roll(tail, -1, axis=1)
+        keys = (np.minimum(tail, head) * n_node + np.maximum(tail, head)).ravel()
+        order = np.argsort(keys, kind="stable")
+        keys = keys[order]
+        self.quads = ids[order // 4]
+        self.start = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]]))[: len(keys)]
+        self.n_quad = np.diff(np.append(self.start, len(keys))).astype(np.int64)
+        keys = keys[self.start]
+        self.nodes = np.stack([keys // n_node, keys % n_node], axis=1)
+        self._forward = (tail < head).ravel()[order]  # the side runs from lower to higher id
+
+    def neighbours(self) -> tuple[Ints, Ints, Bools]:
+        """Return the two quads of every inner edge, and whether they turn the same way."""
+        start = self.start[self.n_quad == 2]
+        turning_alike = self._forward[start] != self._forward[start + 1]
+        return self.quads[start], self.quads[start + 1], turning_alike
+
+
+def norm(vectors: Floats) -> Floats:
+    """Return the length of every row."""
+    length: Floats = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    return length
+
+
+def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:
+    """Return the edge vectors p and q of corner ``a`` of every quad."""
+    at = X[quads[:, a]]
+    return X[quads[:, (a + 1) % 4]] - at, X[quads[:, (a + 3) % 4]] - at
+
+
+def quad_vectors(X: Floats, quads: Ints) -> Floats:
+    """Return the vector areas [mm²] of every quad, along the mean normals."""
+    # half the cross product of the diagonals
+    diagonals = X[quads[:, 2]] - X[quads[:, 0]], X[quads[:, 3]] - X[quads[:, 1]]
+    vectors: Floats = 0.5 * np.cross(*diagonals)
+    return vectors
+
+
+def edge_lengths(X: Floats, quads: Ints) -> Floats:
+    """Return the edge lengths of every quad, from corner a to a+1."""
+    sides = (X[quads[:, (a + 1) % 4]] - X[quads[:, a]] for a in range(4))
+    return np.stack([norm(side) for side in sides], axis=1)
+
+
+def angles_deg(one: Floats, two: Floats) -> Floats:
+    """Return the angles between vectors of two lists, of any length."""
+    # the arc tangent keeps small angles, which an arc cosine rounds away
+    sine, cosine = norm(np.cross(one, two)), np.einsum("ij,ij->i", one, two)
+    return np.asarray(np.degrees(np.arctan2(sine, cosine)))
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return every row over its length."""
+    # rows of length zero stay zero; they are reported as degenerate
+    length = norm(vectors)[:, None]
+    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+    return unit
+
+
+def scaled_jacobian(X: Floats, quads: Ints) -> Floats:
+    """Return the least scaled Jacobian of every quad; see :meth:`Mesh.scaled_jacobian`."""
+    normals = unit(quad_vectors(X, quads))
+    least = np.ones(len(quads))
+    for a in range(4):
+        p, q = corner_vectors(X, quads, a)
+        jacobian = np.einsum("ij,ij->i", np.cross(p, q), normals)
+        lengths = norm(p) * norm(q)
+        scaled = np.divide(jacobian, lengths, out=np.zeros(len(quads)), where=lengths > 0.0)
+        np.minimum(least, scaled, out=least)
+    return least
+
+
+def mean_directors(X: Floats, quads: Ints) -> Floats:
+    """Return the area-weighted mean of the corner normals at every node, of unit length."""
+    # |p × q| is twice the area of the corner's triangle: the plain sum is area-weighted
+    sums = np.zeros_like(X)
+    for a in range(4):
+        vectors = np.cross(*corner_vectors(X, quads, a))
+        for i in range(3):
+            sums[:, i] += np.bincount(quads[:, a], weights=vectors[:, i], minlength=len(X))
+    T = unit(sums)
+    mean = unit(T.mean(axis=0, keepdims=True))
+    if np.abs(T - mean).max() < _FLAT:
+        T[:] = unit(np.where(np.abs(mean) < _FLAT, 0.0, mean))
+    T += 0.0  # no negative zeros
+    return T

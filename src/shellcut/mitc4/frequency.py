@@ -1,0 +1,398 @@
+"""The largest frequency of every quad, by bounds that are never too low.
+
+The largest eigenvalue omega² of a quad's tangent stiffness K (pre-stress counted) on its own share
+of mass and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
+
+*One quad.* A power iteration approaches omega² from below. That sigma is not below it is proved by
+the factorisation of sigma M - K, which meets a pivot that is not positive if it were. Congruent
+quads of the reference mesh are evaluated once.
+
+*In between.* A quad need not be evaluated again while it hardly changes shape. Let p be positions
+and directors at its last evaluation, turned back as a whole to those of now, p + d, and V a motion.
+The strain rates B(p, V) are linear in p, so with |.| the norm of the section's energy
+
+    |B(p + d, V)| <= |B(p, V)| + |B(d, V)|,     |B(p, V)| <= omega |V|.
+
+A motion psi e along one direction e has the strain sym(e grad psi); summed over two directions at
+right angles, its energy is at least 2 a |grad psi|², where 2 a is the least trace of the acoustic
+tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |grad V|².
+
+* A stretch by epsilon takes B to at most 1 + epsilon times itself. The stress grows by at most
+  C_max epsilon, C_max being the largest modulus (E/(1 - nu) = 1.43 E), which adds C_max/a epsilon
+  omega² to omega². Together omega grows by at most (1 + ½ C_max/a) epsilon to first order.
+* Where one part of the quad turns by theta against the whole, by bending, twisting or shear, the
+  change of the base vectors there has any direction: |B(d, V)|² <= theta² C_max |grad V|², and
+  omega grows by at most sqrt(C_max/a) theta.
+
+Bending strains are carried by the same moduli times h²/12, which the rotary inertia m h²/12 or more
+outweighs, and shear strains by G or less. Epsilon is the largest principal strain and theta the sum
+of the angle bent from the centre to a corner, the shear, and the spread of the strains over the
+quad, all as changes since the evaluation. A test finds no more than 0.6 of this growth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
+
+from .element import GAUSS, N_STRAIN, modes, products
+from .tangent import N_FREEDOM, reference_products
+
+# How much above the power iteration's value the bound is tried, and the turns of one try. Two
+# eigenvalues of a ratio of 0.8 are told apart to 1e-5 in twelve turns; nearer ones need not be.
+_ABOVE = 1.002
+_TURNS = 12
+_TRIES = 4
+
+# Scalar products that agree to this part of the largest belong to congruent quads; what this
+# changes in a frequency is far below ``_ABOVE``.
+_CONGRUENT = 1e-9
+
+Shares = Callable[[Ints], tuple[Floats, Floats]]
+Tangents = Callable[[Floats, Floats, Ints], Floats]
+
+
+class QuadFrequencies:
+    """Bounds of the largest frequency of all quads.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The reference.
+    material : ShellMaterial
+        Its moduli say how fast a frequency may grow.
+    shares : callable
+        Takes which quads; returns their own shares of mass [t] and inertia [t·mm²] at their
+        corners, shape (n, 4) each.
+    tangents : callable
+        Takes x, t and which quads; returns their stiffness, shape (n, 20, 20).
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        shares: Shares,
+        tangents: Tangents,
+    ) -> None:
+        self._mesh, self._shares, self._tangents = mesh, shares, tangents
+        self._by_stretch, self._by_turn = growth_rates(material)
+        # The quads evaluated in a deformed state have a row of the strains they had; row 0 is the
+        # reference, where all are evaluated first.
+        self._row: Ints = np.zeros(mesh.n_quad, np.int32)
+        self._strain = np.zeros((1, N_STRAIN))
+        self._evaluated = self._at_rest()
+        self.squared = self._evaluated.copy()
+        """Bound of omega² of each quad at the last :meth:`follow` [1/s²], shape (n_quad,)."""
+
+    def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
+        """Bring the bounds up to the present positions and directors, without an evaluation."""
+        _follow(
+            X=self._mesh.nodes,
+            T=self._mesh.directors,
+            reference_quads=self._mesh.quads,
+            x=x,
+            t=t,
+            quads=quads,
+            row=self._row,
+            strain=self._strain,
+            evaluated=self._evaluated,
+            by_stretch=self._by_stretch,
+            by_turn=self._by_turn,
+            squared=self.squared,
+        )
+
+    def evaluate(self, x: Floats, t: Floats, quads: Ints, which: Ints) -> None:
+        """Evaluate some quads at the present positions and directors."""
+        new = which[self._row[which] == 0]
+        self._row[new] = len(self._strain) + np.arange(new.size)
+        self._strain = np.concatenate([self._strain, np.zeros((new.size, N_STRAIN))])
+        _store_strains(
+            X=self._mesh.nodes,
+            T=self._mesh.directors,
+            reference_quads=self._mesh.quads,
+            x=x,
+            t=t,
+            quads=quads,
+            which=which,
+            row=self._row,
+            strain=self._strain,
+        )
+        self._evaluated[which] = self._bounds(x, t, which)
+        self.squared[which] = self._evaluated[which]
+
+    def saved(self) -> dict[str, Any]:
+        """Return what the evaluations so far have left: bounds depend on when each was made."""
+        return {
+            "row": self._row,
+            "strain": self._strain,
+            "evaluated": self._evaluated,
+            "squared": self.squared,
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._row[:] = saved["row"]
+        self._strain = saved["strain"].copy()
+        self._evaluated[:] = saved["evaluated"]
+        self.squared[:] = saved["squared"]
+
+    def _at_rest(self) -> Floats:
+        first, same = _classes(self._mesh)
+        return self._bounds(self._mesh.nodes, self._mesh.directors, first)[same]
+
+    def _bounds(self, x: Floats, t: Floats, which: Ints) -> Floats:
+        squared = np.empty(which.size)
+        # In pieces: a stiffness takes 3.2 kB.
+        for begin in range(0, which.size, _PIECE):
+            piece = which[begin : begin + _PIECE]
+            mass, inertia = self._shares(piece)
+            bound_largest_eigenvalues(
+                tangent=self._tangents(x, t, piece),
+                mass=mass,
+                inertia=inertia,
+                squared=squared[begin : begin + _PIECE],
+            )
+        return squared
+
+
+_PIECE = 1024
+
+
+def growth_rates(material: ShellMaterial) -> tuple[float, float]:
+    """Return by what part omega grows at most for a unit of stretch and for one of turn."""
+    h = material.thickness
+    membrane, bending = np.zeros((3, 3)), np.zeros((3, 3))
+    for z, weight, layer in zip(*material.thickness_points(), strict=True):
+        membrane += weight / h * layer.plane_stress()
+        bending += 12.0 * weight * z * z / h**3 * layer.plane_stress()
+    # The largest modulus as a quadratic form of tensors: shear counts twice in them.
+    unit = np.diag([1.0, 1.0, np.sqrt(2.0)])
+    largest = max(np.linalg.eigvalsh(unit @ C @ unit)[-1] for C in (membrane, bending))
+    if not material.is_symmetric:
+        largest *= 2.0  # stretching and bending may do their most together
+    # Trace of the acoustic tensor along (c, s): C_11 c² + C_22 s² + C_33 + 2 (C_13 + C_23) c s.
+    angle = np.linspace(0.0, np.pi, 181)
+    c, s = np.cos(angle), np.sin(angle)
+    C = membrane
+    trace = C[0, 0] * c * c + C[1, 1] * s * s + C[2, 2] + 2.0 * (C[0, 2] + C[1, 2]) * c * s
+    ratio = float(largest / (0.5 * trace.min()))
+    return 1.0 + 0.5 * ratio, sqrt(ratio)
+
+
+def _classes(mesh: Mesh) -> tuple[Ints, Ints]:
+    """Return the first quad of each class of congruent ones, and the class of every quad."""
+    pieces = [slice(k, k + _PIECE) for k in range(0, mesh.n_quad, _PIECE)]
+
+    def products_of(piece: slice) -> Floats:
+        return reference_products(mesh.nodes[mesh.quads[piece]], mesh.directors[mesh.quads[piece]])
+
+    # Congruent quads have the same scalar products: a hash of their digits tells the classes.
+    unit = _CONGRUENT * max(np.abs(products_of(piece)).max() for piece in pieces)
+    factors = np.random.default_rng(0).integers(1, 2**62, N_STRAIN) | 1
+    key = np.concatenate(
+        [(np.rint(products_of(piece) / unit).astype(np.int64) * factors).sum(1) for piece in pieces]
+    )
+    _, first, same = np.unique(key, return_index=True, return_inverse=True)
+    return first, same
+
+
+@inline
+def _products_of(x: Floats, t: Floats, quads: Ints, e: int, m: Floats) -> None:
+    n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+    row = products(
+        modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3)),
+        modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3)),
+    )
+    for k in range(N_STRAIN):
+        m[k] = row[k]
+
+
+@kernel
+def _store_strains(
+    X: Floats,
+    T: Floats,
+    reference_quads: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    which: Ints,
+    row: Ints,
+    strain: Floats,
+) -> None:
+    """Write the strains of the quads ``which`` to their rows of strain : (n_row, 16)."""
+    m = np.empty(N_STRAIN)
+    for i in range(which.shape[0]):
+        e = which[i]
+        _products_of(x, t, quads, e, strain[row[e]])
+        _products_of(X, T, reference_quads, e, m)
+        for k in range(N_STRAIN):
+            strain[row[e], k] -= m[k]
+
+
+@kernel
+def _follow(
+    X: Floats,
+    T: Floats,
+    reference_quads: Ints,
+    x: Floats,
+    t: Floats,
+    quads: Ints,
+    row: Ints,
+    strain: Floats,
+    evaluated: Floats,
+    by_stretch: float,
+    by_turn: float,
+    squared: Floats,
+) -> None:
+    """Write squared, evaluated times the square of the growth since, both : (n_quad,)."""
+    m, s = np.empty(N_STRAIN), np.empty(N_STRAIN)
+    for e in range(quads.shape[0]):
+        _products_of(X, T, reference_quads, e, m)
+        _products_of(x, t, quads, e, s)
+        for k in range(N_STRAIN):
+            s[k] -= m[k] + strain[row[e], k]
+        stretch, turned = change_of_shape(X, reference_quads, e, s)
+        squared[e] = evaluated[e] * (1.0 + by_stretch * stretch + by_turn * turned) ** 2
+
+
+@inline
+def change_of_shape(X: Floats, quads: Ints, e: int, s: Floats) -> tuple[float, float]:
+    """Return epsilon and theta of the strain changes s : (16,)."""
+    x0, x1 = load(X, quads[e, 0]), load(X, quads[e, 1])
+    x2, x3 = load(X, quads[e, 2]), load(X, quads[e, 3])
+    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+    stretch = 0.0
+    bend = 0.0
+    least = (np.inf, np.inf, np.inf)
+    most = (-np.inf, -np.inf, -np.inf)
+    for q in range(4):
+        xi, eta = GAUSS[q]
+        a1 = combine(0.25 * (1.0 - eta), x01, 0.25 * (1.0 + eta), x32)
+        a2 = combine(0.25 * (1.0 - xi), x03, 0.25 * (1.0 + xi), x12)
+        # In the plane of a_1 and a_2: a_1 = (a, 0), a_2 = (p, h).
+        a = norm(a1)
+        p = dot(a1, a2) / a
+        h = norm(cross(a1, a2)) / a
+        E = _in_plane(s, 0, xi, eta, a, p, h)
+        K = _in_plane(s, 6, xi, eta, a, p, h)
+        stretch = max(stretch, 0.5 * (E[0] + E[1]) + _radius(E))
+        bend = max(bend, 0.5 * abs(K[0] + K[1]) + _radius(K))
+        least = (min(least[0], E[0]), min(least[1], E[1]), min(least[2], E[2]))
+        most = (max(most[0], E[0]), max(most[1], E[1]), max(most[2], E[2]))
+    reach = 0.5 * max(norm(sub(x2, x0)), norm(sub(x3, x1)))
+    g1 = max(abs(s[12] - s[13]) / norm(x01), abs(s[12] + s[13]) / norm(x32)) / 16.0
+    g2 = max(abs(s[14] - s[15]) / norm(x03), abs(s[14] + s[15]) / norm(x12)) / 16.0
+    area = norm(cross(sub(x2, x0), sub(x3, x1)))
+    slant = norm(add(x01, x32)) * norm(add(x03, x12)) / (2.0 * area)
+    shear = 2.0 * slant * (g1 + g2)
+    spread = sub(most, least)
+    turned = reach * bend + shear + spread[0] + spread[1] + spread[2]
+    return stretch, turned
+
+
+@inline
+def _in_plane(s: Floats, first: int, xi: float, eta: float, a: float, p: float, h: float) -> Vec3:
+    """Return xx, yy, xy at a point of the strains from ``first`` on; a_1 = (a, 0), a_2 = (p, h)."""
+    h_h = s[first + 2]
+    c11 = (s[first] + eta * s[first + 4] + eta * eta * h_h) / 16.0
+    c22 = (s[first + 1] + xi * s[first + 5] + xi * xi * h_h) / 16.0
+    c12 = (s[first + 3] + xi * s[first + 4] + eta * s[first + 5] + 2.0 * xi * eta * h_h) / 32.0
+    xx = c11 / (a * a)
+    xy = (c12 / a - xx * p) / h
+    yy = (c22 - 2.0 * c12 * p / a + xx * p * p) / (h * h)
+    return xx, yy, xy
+
+
+@inline
+def _radius(c: Vec3) -> float:
+    """Return half the difference of the principal values."""
+    return sqrt(0.25 * (c[0] - c[1]) ** 2 + c[2] ** 2)
+
+
+@kernel
+def bound_largest_eigenvalues(
+    tangent: Floats, mass: Floats, inertia: Floats, squared: Floats
+) -> None:
+    """Write a bound of the largest eigenvalue of M⁻¹ K of single quads [1/s²] to squared : (n,).
+
+    tangent : (n, 20, 20), scaled by the mass on return.  mass, inertia : (n, 4), each quad's own
+    share at its nodes.
+    """
+    n = N_FREEDOM
+    scale = np.empty(n)
+    v, w = np.empty(n), np.empty(n)
+    left = np.empty((n, n))
+    for i in range(tangent.shape[0]):
+        K = tangent[i]
+        for a in range(4):
+            for c in range(3):
+                scale[3 * a + c] = 1.0 / np.sqrt(mass[i, a])
+            for b in range(2):
+                scale[12 + 2 * a + b] = 1.0 / np.sqrt(inertia[i, a])
+        for k in range(n):
+            for j in range(n):
+                K[k, j] *= scale[k] * scale[j]
+            v[k] = 1.0 + 0.37 * ((7 * k) % 11)  # along no symmetry of any quad
+        proved = False
+        value = 0.0
+        for _ in range(_TRIES):
+            for _ in range(_TURNS):
+                value = _turn(K, v, w)
+            value *= _ABOVE
+            if _is_above(value, K, left):
+                proved = True
+                break
+        if not proved:  # by rows, always true
+            value = 0.0
+            for k in range(n):
+                value = max(value, np.abs(K[k]).sum())
+        squared[i] = value
+
+
+@inline
+def _turn(K: Floats, v: Floats, w: Floats) -> float:
+    """Replace v by K v of unit length; return the Rayleigh quotient of the old v."""
+    n = v.shape[0]
+    for k in range(n):
+        w[k] = 0.0
+    for j in range(n):
+        for k in range(n):
+            w[k] += K[j, k] * v[j]
+    vv = vw = ww = 0.0
+    for k in range(n):
+        vv += v[k] * v[k]
+        vw += v[k] * w[k]
+        ww += w[k] * w[k]
+    size = 1.0 / np.sqrt(ww)
+    for k in range(n):
+        v[k] = size * w[k]
+    return float(vw / vv)
+
+
+@inline
+def _is_above(value: float, K: Floats, left: Floats) -> bool:
+    """Whether value exceeds all eigenvalues of K : (n, n): all pivots of value - K are positive."""
+    n = K.shape[0]
+    for k in range(n):
+        for j in range(n):
+            left[k, j] = -K[k, j]
+        left[k, k] += value
+    for k in range(n):
+        pivot = left[k, k]
+        if not pivot > 0.0:
+            return False
+        for i in range(k + 1, n):
+            f = left[i, k] / pivot
+            for j in range(k + 1, n):
+                left[i, j] -= f * left[k, j]
+    return True

@@ -1,0 +1,110 @@
+"""The state of an unloaded mesh at rest, from which a simulation or a static solution starts."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.mesh.mesh import MAX_VALENCE, Mesh
+from shellcut.numerics.lanes import aligned_zeros
+from shellcut.state import RESERVE, CableTable, NodeTable, State, columns
+
+
+def initial_state(mesh: Mesh) -> State:
+    """Allocate the state of an unloaded mesh at rest; the shell lays out strains and history."""
+    n, cap = mesh.n_node, mesh.n_node + RESERVE
+
+    def rows(*shape: int) -> Floats:
+        return np.zeros((cap, *shape))
+
+    X, x, t = columns(cap, 3), columns(cap, 3), columns(cap, 3)
+    X[:n] = mesh.nodes
+    x[:n], t[:n] = mesh.nodes, mesh.directors
+    origin = np.zeros(cap, np.int64)
+    origin[:n] = mesh.origin
+    halved = np.zeros(cap, np.bool_)
+    halved[:n] = np.bincount(mesh.origin, minlength=n)[mesh.origin] > 1
+    quads_at, n_quad_at = quads_of_nodes(mesh.quads, cap)
+    node = NodeTable(
+        count=n,
+        X=X,
+        x=x,
+        t=t,
+        velocity_half=columns(cap, 3),
+        spin_half=columns(cap, 3),
+        force_rows=aligned_zeros((cap, 8)),
+        mass=rows(),
+        inertia=rows(),
+        push=columns(cap, 2),
+        contact_area=rows(),
+        origin=origin,
+        halved=halved,
+        quads=quads_at,
+        n_quad_at=n_quad_at,
+        supported=np.zeros(cap, np.bool_),
+        support=np.zeros((cap, 6), np.bool_),
+        support_rate=rows(6),
+        reaction=rows(6),
+        load_force=rows(3),
+        contact_side=np.zeros(cap, np.int8),
+        contact_depth=rows(),
+        contact_offset=rows(),
+        contact_work=rows(),
+        contact_force=rows(3),
+    )
+    cable = CableTable(
+        count=0,
+        **{
+            f.name: np.zeros((RESERVE, *shape), dtype)
+            for f, (shape, dtype) in zip(
+                [f for f in fields(CableTable) if f.name != "count"], _CABLE_ROWS, strict=True
+            )
+        },
+    )
+    return State(
+        node=node,
+        cable=cable,
+        quads=mesh.quads.astype(np.int32),
+        strain=np.zeros((0, 0, 0)),
+        strain_before=np.zeros((0, 0, 0)),
+        history=np.zeros((0, 0, 0)),
+    )
+
+
+# Shape and type of a row, in the order of CableTable's fields.
+_CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
+    ((2,), np.int64),
+    ((), np.int8),
+    ((), np.float64),
+    ((2,), np.float64),
+    ((2,), np.int64),
+    ((3,), np.float64),
+    ((3,), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.int64),
+    ((3,), np.float64),
+    ((3,), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((2, 3), np.float64),
+    ((2, 3), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
+]
+
+
+def quads_of_nodes(quads: Ints, capacity: int) -> tuple[SmallIds, SmallIds]:
+    """Return the quads at every node, ascending, shape (capacity, MAX_VALENCE), and their count."""
+    n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int32)
+    table = np.zeros((capacity, MAX_VALENCE), np.int32)
+    order = np.argsort(quads.ravel(), kind="stable")
+    start = np.concatenate([[0], np.cumsum(n_quad_at)[:-1]])
+    rank = np.arange(order.size) - np.repeat(start, n_quad_at)
+    table[quads.ravel()[order], rank] = order // 4
+    return table, n_quad_at

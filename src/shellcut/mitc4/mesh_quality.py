@@ -1,0 +1,120 @@
+"""How good a film's quads are, and what step each of them allows: :func:`mesh_quality`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+
+from .shell import MITC4Shell
+
+LISTED = 10
+"""Quads named as the worst."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshQuality:
+    """Shape of every quad and the step it allows; ``str()`` is a report of a screen."""
+
+    scaled_jacobian: Floats
+    """Least sine of the corner angles, shape (n_quad,); 1 for a rectangle."""
+    shortest_edge: Floats
+    """Of each quad [mm], shape (n_quad,)."""
+    longest_edge: Floats
+    """Of each quad [mm], shape (n_quad,)."""
+    step: Floats
+    """Stable step of each quad for itself, unloaded, without contact [s], shape (n_quad,)."""
+    centre: Floats
+    """Mean of the corners [mm], shape (n_quad, 3)."""
+    worst: Ints
+    """The quads of the shortest steps, shortest first, ten or all."""
+
+    @property
+    def aspect(self) -> Floats:
+        """Longest over shortest edge of each quad, shape (n_quad,)."""
+        return np.asarray(self.longest_edge / self.shortest_edge)
+
+    @property
+    def stable_step(self) -> float:
+        """Shortest step of all quads [s]; a safe bound for the film before contact."""
+        return float(self.step.min())
+
+    @property
+    def median_step(self) -> float:
+        """Step of the median quad [s]."""
+        return float(np.median(self.step))
+
+    @property
+    def step_cost(self) -> float:
+        """Stable step over that of the median quad: 0.5 means twice as many steps."""
+        return self.stable_step / self.median_step
+
+    def __str__(self) -> str:
+        def spread(values: Floats) -> str:
+            least, middle, most = values.min(), np.median(values), values.max()
+            return f"{least:<10.4g}{middle:<10.4g}{most:<10.4g}"
+
+        lines = [
+            f"{len(self.step)} quads            least     median    most",
+            f"scaled Jacobian      {spread(self.scaled_jacobian)}",
+            f"shortest edge [mm]   {spread(self.shortest_edge)}",
+            f"longest edge [mm]    {spread(self.longest_edge)}",
+            f"aspect               {spread(self.aspect)}",
+            f"stable step [s]      {spread(self.step)}",
+            f"the worst quad shortens the step to {self.step_cost:.2f} of the median quad's",
+            f"the {len(self.worst)} quads of the shortest step:",
+            "  quad    step [s]  of median  Jacobian  aspect  centre [mm]",
+        ]
+        for e in self.worst.tolist():
+            place = ", ".join(f"{c:.4g}" for c in self.centre[e])
+            lines.append(
+                f"  {e:<6}  {self.step[e]:.3g}  {self.step[e] / self.median_step:<9.2f}  "
+                f"{self.scaled_jacobian[e]:<8.3f}  {self.aspect[e]:<6.2f}  ({place})"
+            )
+        return "\n".join(lines)
+
+
+def mesh_quality(
+    mesh: Mesh, material: ShellMaterial | None = None, *, damping_beta: float = 5e-8
+) -> MeshQuality:
+    """Return the shape of every quad and the step that it allows.
+
+    The step is that of the run's own bound: the largest eigenvalue of a quad's stiffness on its
+    share of the mass, with the stiffness damping. Contact and pre-stress shorten it in a run.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : ShellMaterial, optional
+        The film of the paper by default.
+    damping_beta : float
+        Stiffness-proportional damping [s], as of :class:`Simulation`.
+
+    Returns
+    -------
+    MeshQuality
+
+    Examples
+    --------
+    >>> from shellcut.mesh.structured import rectangle
+    >>> quality = mesh_quality(rectangle(4.0, 2.0, n_x=4, n_y=2))
+    >>> round(quality.step_cost, 6), float(quality.aspect.max())
+    (1.0, 1.0)
+    """
+    shell = MITC4Shell(mesh, material or ShellMaterial.homogeneous(), damping_beta=damping_beta)
+    omega2 = shell.frequencies.squared
+    damped = damping_beta * omega2
+    step = (np.sqrt(damped**2 + 4.0 * omega2) - damped) / omega2
+    lengths = mesh.edge_lengths()
+    return MeshQuality(
+        scaled_jacobian=mesh.scaled_jacobian(),
+        shortest_edge=lengths.min(axis=1),
+        longest_edge=lengths.max(axis=1),
+        step=step,
+        centre=mesh.nodes[mesh.quads].mean(axis=1),
+        worst=np.argsort(step, kind="stable")[:LISTED],
+    )

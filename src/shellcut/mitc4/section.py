@@ -1,0 +1,234 @@
+"""Stiffness H of every quad in the strains of its modes, and its mass, integrated once.
+
+At a Gauss point the generalised strains are v = (E_11, E_22, 2E_12, K_11, K_22, 2K_12, 2E_13,
+2E_23), all covariant, and the energy there is ½ vᵀ h v with
+
+    h = ∫ Pᵀ Qᵀ C Q P √G dxi³ (Gauss weight 1),      √G = det(G_1, G_2, G_3).
+
+P (5 x 8) gives the covariant strains at the height xi³: E + xi³ K, and the tied shear; Q (5 x 5)
+takes covariant to Cartesian components in the frame ê_3 = T/|T|, ê_1 ∝ G_2 x ê_3 of
+[DvorkinBathe1984], by e_ij = (ê_i·G^k)(ê_j·G^l) E_kl; C is the plane-stress law with the shear
+moduli. Because G_alpha = A_alpha + xi³ T_,alpha ([Frangi2010] 6) is taken at its own height, the
+curvature of the reference surface and the volume factor mu ([Frangi2010] 20) are exact, warped
+quads included, and a layered section brings its coupling of stretching and bending along.
+
+The strains at a Gauss point are v = B s, with s the sixteen strains of the quad
+(:mod:`shellcut.mitc4`), so that the quad as a whole has the energy ½ sᵀ H s with
+
+    H = sum over the four Gauss points of Bᵀ h B:
+
+136 numbers. Where the reference quad is flat (T constant and normal to it) and bending is to
+membrane stiffness in one ratio, as in any homogeneous or evenly layered film, four numbers are left
+besides the metric of the reference surface (:func:`shellcut.mitc4.element.flat_resultants`).
+
+Between nodes the interpolated director is a little shorter than one: on a curved quad that turns by
+10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it
+matches mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats
+from shellcut.material.shell_material import ShellMaterial
+
+from .element import GAUSS, N_STRAIN, FlatModuli
+
+# A quad counts as flat when its directors agree and stand normal to its corners' edges to this
+# relative size: round-off of normalised normals, far below any curvature that matters.
+_FLAT = 1e-12
+
+_XI = np.array([-1.0, 1.0, 1.0, -1.0])
+_ETA = np.array([-1.0, -1.0, 1.0, 1.0])
+
+
+def shape_functions(xi: float, eta: float) -> tuple[Floats, Floats, Floats]:
+    """Return N_a and its derivatives by xi and eta, each of shape (4,), at one point."""
+    n = 0.25 * (1.0 + xi * _XI) * (1.0 + eta * _ETA)
+    return n, 0.25 * _XI * (1.0 + eta * _ETA), 0.25 * _ETA * (1.0 + xi * _XI)
+
+
+def gauss_geometry(X: Floats, T: Floats) -> Iterator[tuple[Floats, ...]]:
+    """Yield N_a, A_1, A_2, T, T_,1, T_,2 at the four Gauss points of quads.
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors.
+    """
+    for xi, eta in GAUSS:
+        n, n1, n2 = shape_functions(xi, eta)
+        A1, A2 = np.einsum("a,eai->ei", n1, X), np.einsum("a,eai->ei", n2, X)
+        T0 = np.einsum("a,eai->ei", n, T)
+        yield n, A1, A2, T0, np.einsum("a,eai->ei", n1, T), np.einsum("a,eai->ei", n2, T)
+
+
+def strain_map(xi: float, eta: float) -> Floats:
+    """Return B, shape (8, 16): the generalised strains at a point from those of the modes."""
+    B = np.zeros((8, N_STRAIN))
+    for row, first in ((0, 0), (3, 6)):
+        B[row, [first, first + 4, first + 2]] = 1.0, eta, eta * eta
+        B[row + 1, [first + 1, first + 5, first + 2]] = 1.0, xi, xi * xi
+        B[row + 2, [first + 3, first + 4, first + 5, first + 2]] = 1.0, xi, eta, 2.0 * xi * eta
+    B[6, 12:14] = 1.0, eta
+    B[7, 14:16] = 1.0, xi
+    return B / 16.0
+
+
+def flat_quads(X: Floats, T: Floats) -> Bools:
+    """Return which quads are flat, with directors normal to them, shape (n_quad,)."""
+    size = np.linalg.norm(X[:, 2] - X[:, 0], axis=1)[:, None]
+    edges = np.roll(X, -1, axis=1) - X
+    bent = np.abs(T - T[:, :1]).max(axis=(1, 2)) > _FLAT
+    tilted = (np.abs(np.einsum("eai,ei->ea", edges, T[:, 0])) > _FLAT * size).any(axis=1)
+    return np.asarray(~(bent | tilted))
+
+
+def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
+    """Return C_11 J⁻³ / 2¹⁴ at the Gauss points of flat quads, shape (n_quad, 4).
+
+    See :func:`shellcut.mitc4.element.flat_resultants`.
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors of flat quads.
+    material : ShellMaterial
+        With a ``bending_ratio``.
+    """
+    plane, _ = _integrated_laws(material)
+    points = gauss_geometry(X, T)
+    volume = [np.einsum("ei,ei->e", np.cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
+    return np.asarray(plane[0, 0] / 2**14 / np.stack(volume, axis=1) ** 3)
+
+
+def flat_moduli(material: ShellMaterial) -> FlatModuli:
+    """Return what all flat quads have in common.
+
+    Raises
+    ------
+    ValueError
+        If bending is to membrane stiffness not in one ratio.
+    """
+    if material.bending_ratio is None:
+        raise ValueError("flat quads need a material with a bending_ratio, this one has none")
+    plane, shear = _integrated_laws(material)
+    return FlatModuli(
+        material.bending_ratio,
+        float(2.0 * plane[2, 2] / plane[0, 0]),
+        float(material.shear_factor * shear[0, 0] / (8.0 * plane[0, 0])),
+    )
+
+
+def _integrated_laws(material: ShellMaterial) -> tuple[Floats, Floats]:
+    """Return C, shape (3, 3), and the transverse shear moduli over the thickness [N/mm]."""
+    _, weight, layers = material.thickness_points()
+    plane = np.sum([w * one.plane_stress() for w, one in zip(weight, layers, strict=True)], axis=0)
+    shear = [w * one.transverse_shear() for w, one in zip(weight, layers, strict=True)]
+    return plane, np.sum(shear, axis=0)
+
+
+def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
+    """Return the upper triangle of H of any quads, shape (n_quad, 136).
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors.
+    material : ShellMaterial
+        Layers and shear factor.
+    """
+    H = np.zeros((len(X), N_STRAIN, N_STRAIN))
+    for q, point in enumerate(GAUSS):
+        B = strain_map(*point)
+        H += B.T @ point_stiffness(X, T, material, q) @ B
+    return _upper(H)
+
+
+def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Floats:
+    """Return h at the Gauss point ``q`` of any quads, shape (n_quad, 8, 8)."""
+    _, A1, A2, T0, T1, T2 = list(gauss_geometry(X, T))[q]
+    h = np.zeros((len(X), 8, 8))
+    for z, weight, layer in zip(*material.thickness_points(), strict=True):
+        G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
+        volume = weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0)
+        C = np.zeros((5, 5))
+        C[:3, :3] = layer.plane_stress()
+        C[3:, 3:] = material.shear_factor * layer.transverse_shear()
+        P = np.zeros((5, 8))
+        P[:3, :3], P[:3, 3:6], P[3:, 6:] = np.eye(3), z * np.eye(3), np.eye(2)
+        Q, _ = cartesian_map(G1, G2, T0)
+        q_p = Q @ P
+        h += volume[:, None, None] * (q_p.transpose(0, 2, 1) @ C @ q_p)
+    return h
+
+
+def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, Floats]:
+    """Return the share of each corner in the mass [t] and the area [mm²] of quads.
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors.
+    material : ShellMaterial
+        Layers.
+
+    Returns
+    -------
+    mass : ndarray, shape (n_quad, 4)
+        ∫ N_a rho |G_1 x G_2|, row-sum lumped.
+    area : ndarray, shape (n_quad,)
+        Of the reference mid-surface.
+    """
+    mass, area = np.zeros((len(X), 4)), np.zeros(len(X))
+    for n, A1, A2, _, T1, T2 in gauss_geometry(X, T):
+        area += np.linalg.norm(np.cross(A1, A2), axis=1)
+        for z, weight, layer in zip(*material.thickness_points(), strict=True):
+            normal = np.cross(A1 + z * T1, A2 + z * T2)
+            surface = weight * np.linalg.norm(normal, axis=1)  # [Frangi2010] (20)
+            mass += layer.density * surface[:, None] * n
+    return mass, area
+
+
+def cartesian_map(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
+    """Return Q, shape (n, 5, 5), and the in-plane frame (ê_1, ê_2), shape (n, 2, 3).
+
+    Q takes the covariant (E_11, E_22, 2E_12, 2E_13, 2E_23), with E_33 = 0, to the Cartesian
+    (e_11, e_22, 2e_12, 2e_13, 2e_23).
+    """
+    c, frame = frame_components(G1, G2, G3)
+    (a, b, p), (d, f, r), d3 = c[:, 0].T, c[:, 1].T, c[:, 2, 2]
+    zero = np.zeros_like(a)
+    rows = [
+        [a * a, b * b, a * b, a * p, b * p],
+        [d * d, f * f, d * f, d * r, f * r],
+        [2 * a * d, 2 * b * f, a * f + b * d, a * r + p * d, b * r + p * f],
+        [zero, zero, zero, d3 * a, d3 * b],
+        [zero, zero, zero, d3 * d, d3 * f],
+    ]
+    Q = np.stack([np.stack(row, axis=1) for row in rows], axis=1)
+    return Q, frame
+
+
+def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
+    """Return ê_n · G^k, shape (n, 3, 3), and (ê_1, ê_2), shape (n, 2, 3).
+
+    ê_1 stands normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
+    """
+    e3 = G3 / np.linalg.norm(G3, axis=1, keepdims=True)
+    e1 = np.cross(G2, e3)
+    e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
+    e2 = np.cross(e3, e1)
+    contra = np.linalg.inv(np.stack([G1, G2, G3], axis=2))  # rows G^1, G^2, G^3
+    return (
+        np.einsum("eki,eni->enk", contra, np.stack([e1, e2, e3], axis=1)),
+        np.stack([e1, e2], axis=1),
+    )
+
+
+def _upper(matrix: Floats) -> Floats:
+    i, j = np.triu_indices(matrix.shape[1])
+    return np.asarray(matrix[:, i, j])

@@ -1,0 +1,446 @@
+"""MITC4Shell: the film. Internal and damping forces, lumped mass, stresses, stiffness bound."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Numbers
+from shellcut.material.point_law import N_PARAMETER
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.jit import bound_once
+from shellcut.numerics.lane_instructions import SIXTEEN, Lane
+from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
+from shellcut.numerics.threads import Workers, in_order
+from shellcut.state import State
+
+from .blocks import QuadBlocks, build_blocks
+from .centre_stress import CentreStress, FaceStresses
+from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
+from .forces import (
+    LinearTables,
+    PointTables,
+    add_flat_point_quads,
+    add_flat_quads,
+    add_full_point_quads,
+    add_full_quads,
+    write_corner_forces,
+    write_point_corner_forces,
+    write_products,
+)
+from .frequency import QuadFrequencies
+from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
+from .thickness_points import (
+    N_FLAT_FRAME,
+    N_FULL_FRAME,
+    PointRule,
+    build_rule,
+    flat_frames,
+    full_frames,
+)
+
+# Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
+# set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
+_INERTIA_AREA = 8.0
+
+# Quads whose tables are built at a time: their temporaries stay small beside the film.
+_BLOCKS_AT_A_TIME = 512
+
+Precision: TypeAlias = Literal["double", "single"]
+
+
+class Work(NamedTuple):
+    """What the shell books of one evaluation of its forces."""
+
+    strain_energy: float
+    """At t_n [N·mm]."""
+    damping: float
+    """Work that the damping stress has taken since t_{n-1} [N·mm]."""
+
+
+class MITC4Shell:
+    """Internal forces of all quads.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference surface.
+    material : ShellMaterial
+        Layers.
+    damping_beta : float
+        Stiffness-proportional damping [s].
+    workers : Workers, optional
+        Threads; one by default.
+    precision : {"double", "single"}
+        Of what the shell keeps and computes of each quad. Positions, directors and nodal forces are
+        double either way, and so are the differences of positions that strains are made of.
+    by_lanes : bool
+        False takes the quads one by one, as plain floats in double precision: slow, the same to
+        round-off.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        *,
+        damping_beta: float,
+        workers: Workers | None = None,
+        precision: Precision = "double",
+        by_lanes: bool = True,
+    ) -> None:
+        if precision not in get_args(Precision):
+            raise ValueError(f"precision must be 'double' or 'single', got {precision!r}")
+        self.material = material
+        self.damping_beta = damping_beta
+        self._workers = workers or Workers(mesh.n_quad)
+        self._whole: Lane = SIXTEEN if precision == "single" else None
+        self._lane: Lane = self._whole if by_lanes else 0
+        self.mass = np.empty((mesh.n_quad, 4))
+        """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
+        self.area = np.empty(mesh.n_quad)
+        """Reference area of the quads [mm²], shape (n_quad,)."""
+        flat = np.zeros(mesh.n_quad, np.bool_)
+        step = _BLOCKS_AT_A_TIME * block_width(self._whole)
+        for first in range(0, mesh.n_quad, step):
+            some = slice(first, first + step)
+            X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
+            flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
+            self.mass[some], self.area[some] = lumped_mass(X, T, material)
+        self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
+        self.tables, self.points = _build_tables(mesh, material, self.blocks, self._whole)
+        self.has_points = bool(self.points.rule.place.size)
+        """Whether the thickness is integrated by points, at every step."""
+        kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
+        if self.has_points:
+            kernels = (add_flat_point_quads, add_full_point_quads)
+        starts = (self.blocks.flat_start, self.blocks.full_start)
+        # A kernel for each kind of quads there are, and where its strips begin.
+        self._kernels = [
+            (bound_once(kernel), start)
+            for kernel, start in zip(kernels, starts, strict=True)
+            if start[0] < start[-1]
+        ]
+        self._lasting: tuple[Any, ...] = ()
+        self._write_corner_forces = bound_once(
+            write_point_corner_forces if self.has_points else write_corner_forces
+        )
+        self._state: State | None = None
+        self._revision = -1
+        self._centre_stress = CentreStress(mesh, material)
+        self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
+        """Bounds of the largest frequency of each quad."""
+
+    @property
+    def added_inertia_factor(self) -> float:
+        """Scaled over true rotary inertia of the whole film."""
+        true = self.mass.sum() * self.material.thickness**2 / 12.0
+        return float((self.mass.sum(axis=1) @ self._gyration(slice(None))) / true)
+
+    def quad_inertia(self, quads: Ints) -> Floats:
+        """Return the share of each corner in the rotary inertia of quads [t·mm²], shape (n, 4)."""
+        return np.asarray(self.mass[quads] * self._gyration(quads)[:, None])
+
+    def corner_shares(self, quads: Ints) -> tuple[Floats, Floats]:
+        """Return the corners' shares of mass [t] and inertia [t·mm²], shape (n, 4) each."""
+        return self.mass[quads], self.quad_inertia(quads)
+
+    def _gyration(self, quads: Ints | slice) -> Floats:
+        """Return the square of the radius of gyration of quads [mm²], scaled."""
+        return np.maximum(self.material.thickness**2 / 12.0, self.area[quads] / _INERTIA_AREA)
+
+    def node_inertia(self, state: State, node: int) -> tuple[float, float, float]:
+        """Return mass [t], rotary inertia [t·mm²] and contact area [mm²] of a node from its quads.
+
+        The sums run over the node's quads in ascending order, so that the two halves of a split
+        node share the mass by elements, whatever the order of the splits.
+        """
+        at = state.node.quads[node, : state.node.n_quad_at[node]]
+        corner = np.argmax(state.quads[at] == node, axis=1)
+        return (
+            float(sum(self.mass[at, corner])),
+            float(sum(self.quad_inertia(at)[np.arange(at.size), corner])),
+            0.25 * float(self.area[at].mean()),
+        )
+
+    def initialise(self, state: State) -> None:
+        """Write mass, rotary inertia and contact area of all nodes; lay out strains and history."""
+        n, node = state.n_node, state.node
+        n_block, rule = self.blocks.quad.shape[0], self.points.rule
+        width, dtype = self.blocks.width, block_dtype(self._whole)
+        n_history = 4 * rule.place.size * rule.n_history
+        state.strain = aligned_zeros((n_block, N_STRAIN, width), dtype)
+        state.strain_before = aligned_zeros((n_block, N_STRAIN, width), dtype)
+        state.history = aligned_zeros((n_block, n_history, width), dtype)
+        for a in range(4):
+            ids = state.quads[:, a]
+            node.mass[:n] += np.bincount(ids, self.mass[:, a], n)
+            node.inertia[:n] += np.bincount(ids, self.mass[:, a] * self._gyration(slice(None)), n)
+            node.contact_area[:n] += np.bincount(ids, self.area, n)
+        node.contact_area[:n] *= 0.25 / np.maximum(node.n_quad_at[:n], 1)
+        node.push[:n, 0], node.push[:n, 1] = 1.0 / node.mass[:n], 1.0 / node.inertia[:n]
+
+    def add_forces(self, state: State) -> Work:
+        """Add minus the internal and damping forces at t_n to the nodal forces."""
+        node, threads, damped = state.node, self._workers.count, self.damping_beta > 0.0
+        rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
+        sums = np.zeros((self.blocks.n_strip, 3))
+        # In the order of the kernels, after what _collect collects.
+        changing: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
+        if self.has_points:
+            changing += (state.history,)
+        changing += (node.force_rows, sums, self._lane)
+        if self._state is not state or self._revision != state.revision:
+            self._collect(state)
+
+        # Strips of one parity have no node in common (see quad_blocks).
+        for parity in range(min(2, len(sums))):
+
+            def part(thread: int, parity: int = parity) -> None:
+                for add, start in self._kernels:
+                    add(parity + 2 * thread, 2 * threads, start, *self._lasting, *changing)
+
+            self._workers.run(part)
+        if damped:
+            state.strain, state.strain_before = state.strain_before, state.strain
+        p0, p1, p2 = in_order(sums)
+        if self.has_points:
+            return Work(p0, 0.5 * rho * p1)
+        return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
+
+    def _collect(self, state: State) -> None:
+        """Collect what the kernels are given until the next split."""
+        node, blocks = state.node, self.blocks
+        self._lasting = (node.x, node.t, blocks.corner, blocks.chain, self.tables)
+        if self.has_points:
+            self._lasting += (self.points,)
+        self._state, self._revision = state, state.revision
+
+    def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
+        """Return minus the internal and damping force of single quads on one of their nodes [N].
+
+        Parameters
+        ----------
+        state : State
+            Positions at t_{n+1}, strains of t_n.
+        quads, nodes : ndarray of int, shape (n,)
+            Which quad, and which of its nodes.
+        dt : float
+            Length of the step between [s].
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+        """
+        force = np.empty((quads.size, 3))
+        self._write_corner_forces(
+            self.blocks.slot[quads],
+            np.ascontiguousarray(nodes, np.int64),
+            state.node.x,
+            state.node.t,
+            self.blocks.corner,
+            self.tables,
+            self.points,
+            self.damping_beta > 0.0,
+            self.damping_beta / dt if dt > 0 else 0.0,
+            state.strain,
+            state.history,
+            force,
+        )
+        return force
+
+    def most_strained_quad(self, state: State) -> int:
+        """Return the quad whose edges have changed most in length, or one that is not finite."""
+        X, x = state.node.X[state.quads], state.node.x[state.quads]
+        with np.errstate(all="ignore"):  # the lengths themselves may overflow
+            length = [np.linalg.norm(np.roll(v, -1, axis=1) - v, axis=2) for v in (X, x)]
+            change = np.abs(length[1] / length[0] - 1.0).max(axis=1)
+        return int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
+
+    def stress(self, state: State, quads: Ints, *, place: str = "mid") -> Floats:
+        """Return the Cauchy stress tensor at the centre of some quads [MPa].
+
+        Parameters
+        ----------
+        state : State
+            Current positions.
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        place : {"mid", "top", "bottom", "nominal"}
+            Height at which it is taken; ``nominal`` is the mid-surface's second Piola-Kirchhoff
+            stress turned with the surface, without the change of area.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            Components in space.
+        """
+        return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
+
+    def linear_stress(
+        self, state: State, displacement: Floats, rotation: Floats, quads: Ints, place: str
+    ) -> Floats:
+        """Return the Cauchy stress at the centre of some quads after a small motion [MPa].
+
+        Parameters
+        ----------
+        state : State
+            Positions before it.
+        displacement, rotation : ndarray, shape (n_node, 3)
+            The motion of the nodes [mm], and the spin vectors of the directors [rad].
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        place : {"mid", "top", "bottom"}
+            Height at which it is taken.
+
+        Returns
+        -------
+        ndarray, shape (n, 3, 3)
+            Components in space.
+        """
+        node, n = state.node, state.n_node
+        turn = np.cross(rotation, node.t[:n])
+        return self._centre_stress.linear(
+            node.x, node.t, displacement, turn, state.quads, quads, place
+        )
+
+    def face_stresses(self, state: State) -> FaceStresses:
+        """Return stresses of the membrane and at both faces, and the thickness, of all quads."""
+        return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
+
+    def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
+        """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
+
+        Freedoms as in :mod:`shellcut.mitc4.tangent`; of the linear material.
+
+        Parameters
+        ----------
+        state : State
+            Positions and directors.
+        quads : ndarray of int, shape (n,)
+            Which quads.
+        bent : ndarray, shape (n, 16), optional
+            Part of their strains that the stresses in the stiffness leave out.
+        """
+        node = state.node
+        return self._tangents(node.x, node.t, quads, bent)
+
+    def tangent_product(
+        self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Return the tangent stiffness of the film times a motion, through the strains.
+
+        Of positions [mm] and directors, shape (n_node, 3), the latter normal to these; ``bent`` as
+        of :meth:`tangents`. Returned are nodal forces [N] and director forces [N·mm] of that shape.
+        """
+        rows = np.zeros((state.n_node, 6))
+        node, slot = state.node, self.blocks.slot
+        add_tangent_products(
+            slot=slot,
+            x=node.x,
+            t=node.t,
+            corner=self.blocks.corner,
+            tables=self.tables,
+            bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            dx=np.asfortranarray(displacement),
+            dt=np.asfortranarray(turn),
+            rows=rows,
+        )
+        return rows[:, :3], rows[:, 3:]
+
+    def _tangents(self, x: Floats, t: Floats, quads: Ints, bent: Floats | None = None) -> Floats:
+        tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
+        quad_tangents(
+            slot=self.blocks.slot[quads],
+            x=x,
+            t=t,
+            corner=self.blocks.corner,
+            tables=self.tables,
+            bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
+            tangent=tangent,
+        )
+        return tangent
+
+
+def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
+    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see quad_forces."""
+    a_last, b_last = state.strain_forms
+    step, step_before = p0 - p1, p1 - p2
+    c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
+    d = (step_before - b_last) / (1.0 + rho)
+    b = step - rho * c
+    a = p0 - rho * b
+    state.strain_forms = a, b
+    return Work(0.5 * a, 0.5 * rho * (c + d))
+
+
+def _build_tables(
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
+) -> tuple[LinearTables, PointTables]:
+    """Lay out what does not change of the quads in blocks."""
+    n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
+    n_full = n_block - n_flat
+    rule = build_rule(material) if material.points_per_layer else _NO_POINTS
+    n_point = rule.place.size
+
+    def table(n_block: int, n: int) -> Numbers:
+        return np.asarray(aligned_zeros((n_block, n, blocks.width), block_dtype(lane)))
+
+    linear = LinearTables(
+        n_flat,
+        table(n_flat, N_FLAT),
+        flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
+        table(n_full, N_STRAIN),
+        table(n_full, N_FULL),
+    )
+    points = PointTables(
+        table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
+        table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
+        rule,
+    )
+    X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
+    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat, lane)
+    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference, lane)
+    for first in range(0, n_block, _BLOCKS_AT_A_TIME):
+        for start, stop, flat in (
+            (first, min(first + _BLOCKS_AT_A_TIME, n_flat), True),
+            (max(first, n_flat), min(first + _BLOCKS_AT_A_TIME, n_block), False),
+        ):
+            if start >= stop:
+                continue
+            quads = mesh.quads[blocks.quad[start:stop].ravel()]
+            X, T = mesh.nodes[quads], mesh.directors[quads]
+
+            def fill(
+                table: Numbers,
+                rows: Floats,
+                start: int = start,
+                stop: int = stop,
+                first: int = 0 if flat else n_flat,
+            ) -> None:
+                some = slice(start - first, stop - first)
+                table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
+
+            # Places that repeat a quad pull at nothing.
+            filled = blocks.filled[start:stop].reshape(-1, 1)
+            if flat:
+                fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
+            else:
+                fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
+            if n_point:
+                frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
+                fill(points.flat_frame if flat else points.full_frame, filled * frames)
+    return linear, points
+
+
+_NO_POINTS = PointRule(
+    np.zeros(0),
+    np.zeros(0),
+    np.zeros(0, np.int64),
+    np.zeros((0, N_PARAMETER)),
+    np.zeros((0, 3)),
+    0,
+)

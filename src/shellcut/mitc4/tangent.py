@@ -1,0 +1,219 @@
+"""Tangent stiffness of a quad: the element's own functions, differentiated exactly.
+
+The strains are quadratic and the nodal forces f(u, r) bilinear in u = (positions, directors) and
+the resultants r. For any motion d, of any size,
+
+    ds = ½ [s(u + d) - s(u - d)],       df = f(u, H ds) + f(d, r),
+
+exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
+forces. With d of the size of the quad round-off is that of the forces.
+
+The product of the tangent with a motion goes through these strains, too, and that makes it better
+than the assembled stiffness where a film is thin. A stiffness of entries K (1 + eps) takes energy
+eps |K| for a motion that does not stretch the film, beside the bending energy, some (h/R)² |K|. In
+ds the round-off is one of strains, and their energy is of the order eps² |K|.
+
+Each node has five freedoms: its translation and the turn of its director t along two unit tangents
+b_1, b_2, t -> t cos + b sin. On that path the energy has the second derivative b·W_tt·b - t·W_t:
+the second term, the *director's curvature*, keeps the tangent symmetric away from equilibrium too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallIds, Vec3
+from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.vec3 import dot, load, norm, sub, tangent_basis
+
+from .element import (
+    N_STRAIN,
+    Modes,
+    Sixteen,
+    modes,
+    moved_modes,
+    nodal_forces,
+    pick16,
+    products,
+    quad_modes,
+)
+from .forces import LinearTables, flat_strain, full_strain, stiffness_product, store_strain
+
+N_FREEDOM = 20
+"""Freedoms of a quad: twelve translations, then two turns a node."""
+
+
+@kernel
+def reference_products(X: Floats, T: Floats) -> Floats:
+    """Return the sixteen products of quads, shape (n_quad, 16).
+
+    X, T : (n_quad, 4, 3), positions [mm] and directors.
+    """
+    m = np.empty((X.shape[0], N_STRAIN))
+    for e in range(X.shape[0]):
+        row = products(
+            modes(load(X[e], 0), load(X[e], 1), load(X[e], 2), load(X[e], 3)),
+            modes(load(T[e], 0), load(T[e], 1), load(T[e], 2), load(T[e], 3)),
+        )
+        for k in range(N_STRAIN):
+            m[e, k] = row[k]
+    return m
+
+
+@kernel
+def quad_tangents(
+    slot: Ints,
+    x: Floats,
+    t: Floats,
+    corner: SmallIds,
+    tables: LinearTables,
+    bent: Floats,
+    tangent: Floats,
+) -> None:
+    """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
+
+    Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four nodes.
+    bent : (n, 16), taken off the strains.  The other arguments as the force kernel's.
+    """
+    basis = np.empty((4, 2, 3))
+    along = np.empty((4, 6))
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        flat = b < tables.n_flat
+        for a in range(4):
+            tangent_basis(t, corner[b, a, lane], basis[a])
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        store_strain(row, 0, 0, s)
+        for k in range(N_STRAIN):
+            row[0, k, 0] -= bent[i, k]
+        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+        forces = nodal_forces(xm, tm, r)
+        for a in range(4):
+            pull = 0.0
+            for c in range(3):
+                pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
+            for d in range(2):
+                for column in range(N_FREEDOM):
+                    tangent[i, 12 + 2 * a + d, column] = 0.0
+                tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
+        # A step of the quad's own size: round-off is that of the strains.
+        size = norm(sub(xm[0], xm[1]))
+        for column in range(N_FREEDOM):
+            step = size if column < 12 else 1.0
+            for a in range(4):
+                for c in range(6):
+                    along[a, c] = 0.0
+            if column < 12:
+                along[column // 3, column % 3] = step
+            else:
+                a, d = (column - 12) // 2, (column - 12) % 2
+                for c in range(3):
+                    along[a, 3 + c] = basis[a, d, c]
+            xd, td = _modes_along(along, 0), _modes_along(along, 3)
+            ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+            behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
+            store_strain(row, 0, 0, ahead)
+            for k in range(N_STRAIN):
+                row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
+            dr = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+            moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+            for a in range(4):
+                for c in range(3):
+                    tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
+                for d in range(2):
+                    for c in range(3):
+                        force = moved[a][3 + c] + turned[a][3 + c]
+                        tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
+
+
+@kernel
+def add_tangent_products(
+    slot: Ints,
+    x: Floats,
+    t: Floats,
+    corner: SmallIds,
+    tables: LinearTables,
+    bent: Floats,
+    dx: Floats,
+    dt: Floats,
+    rows: Floats,
+) -> None:
+    """Add the stiffness of quads times a motion to rows : (n_node, 6), forces and director forces.
+
+    dx, dt : (n_node, 3), of nodes and directors, dt normal to t.  The other arguments as those of
+    :func:`quad_tangents`, in the same order.
+    """
+    width = corner.shape[2]
+    row = np.empty((1, N_STRAIN, width))
+    work = np.empty((2, N_STRAIN, width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        flat = b < tables.n_flat
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        xd, td = quad_modes(dx, dt, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        store_strain(row, 0, 0, s)
+        for k in range(N_STRAIN):
+            row[0, k, 0] -= bent[i, k]
+        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+        at_rest = nodal_forces(xm, tm, r)
+        dr = stiffness_product(tables, flat, b, lane, _products_change(xm, tm, xd, td), work)
+        moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+        for a in range(4):
+            n = corner[b, a, lane]
+            pull = 0.0
+            for c in range(3):
+                pull -= at_rest[a][3 + c] * t[n, c]
+            for c in range(3):
+                rows[n, c] -= moved[a][c] + turned[a][c]
+                rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
+
+
+@inline
+def _both(a: Vec3, da: Vec3, b: Vec3, db: Vec3) -> float:
+    """Return the change of a · b."""
+    return dot(a, db) + dot(da, b)
+
+
+@inline
+def _products_change(x: Modes, t: Modes, dx: Modes, dt: Modes) -> Sixteen:
+    """Return the linear change of :func:`products`, each term to its own last digit."""
+    p, q, h, _ = x
+    tp, tq, th, tm = t
+    dp, dq, dh, _ = dx
+    dtp, dtq, dth, dtm = dt
+    ptq, qtp = _both(p, dp, tq, dtq), _both(q, dq, tp, dtp)
+    htp, htq, htm = _both(h, dh, tp, dtp), _both(h, dh, tq, dtq), _both(h, dh, tm, dtm)
+    return (
+        dot(p, dp),
+        dot(q, dq),
+        dot(h, dh),
+        _both(p, dp, q, dq),
+        _both(p, dp, h, dh),
+        _both(q, dq, h, dh),
+        _both(p, dp, tp, dtp),
+        _both(q, dq, tq, dtq),
+        _both(h, dh, th, dth),
+        ptq + qtp,
+        _both(p, dp, th, dth) + htp,
+        _both(q, dq, th, dth) + htq,
+        _both(p, dp, tm, dtm) + htq,
+        ptq + htm,
+        _both(q, dq, tm, dtm) + htp,
+        qtp + htm,
+    )
+
+
+@inline
+def _modes_along(along: Floats, first: int) -> Modes:
+    """Return the modes of three columns of along : (4, 6)."""
+    return modes(
+        (along[0, first], along[0, first + 1], along[0, first + 2]),
+        (along[1, first], along[1, first + 1], along[1, first + 2]),
+        (along[2, first], along[2, first + 1], along[2, first + 2]),
+        (along[3, first], along[3, first + 1], along[3, first + 2]),
+    )

@@ -1,0 +1,205 @@
+"""Sections of the film: ``[membrane]``, its mesh, and ``[material]``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.mesh.film_file import read_film
+from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut.models import free_cut, guillotine, opening_test
+from shellcut.models.guillotine import notched_strip
+
+from .key import (
+    Section,
+    choice,
+    default_of,
+    file,
+    flag,
+    key,
+    length_unit,
+    names,
+    number,
+    numbers,
+    polygon,
+    polygons,
+    section,
+    tables,
+    whole,
+)
+
+_IMPRINT = "put the blade's path into the mesh as a line of edges"
+_NOTCH = "length of the cut in which the blade starts"
+_CLAMP = "node set or sets that are clamped"
+
+
+@section("membrane", kind="opening", sign="mesh", of=opening_disc)
+class OpeningDisc(Section):
+    """The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre."""
+
+    mesh: str = key(
+        choice("quick", "M1", "M2"),
+        "612, 2660 or 8625 quads",
+        default=default_of(opening_test, "mesh"),
+        parameter="name",
+    )
+    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
+
+
+@section("membrane", kind="opening", sign="mesh", of=opening_disc)
+class FreeOpeningDisc(OpeningDisc):
+    """The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre."""
+
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+@section("membrane", kind="strip", sign="length", of=notched_strip)
+class Strip(Section):
+    """A strip from x = 0 with its long sides clamped."""
+
+    length: float = key(number("mm"), "along the cut", default=default_of(guillotine, "length"))
+    width: float = key(
+        number("mm"), "between the clamped sides", default=default_of(guillotine, "width")
+    )
+    size: float = key(
+        number("mm"), "edge length of the quads", default=default_of(guillotine, "size")
+    )
+    notch: float = key(number("mm"), _NOTCH, default=default_of(guillotine, "notch"))
+
+
+@section("membrane", kind="rectangle", sign="length", of=rectangle)
+class Rectangle(Section):
+    """A sheet, x from 0, y about 0, with node sets left, right, bottom and top."""
+
+    length: float = key(number("mm"), "along x")
+    width: float = key(number("mm"), "along y")
+    size: float = key(number("mm"), "edge length of the quads", default=None, unset="n_x, n_y say")
+    n_x: int | None = key(whole, "quads along x", unset="size says")
+    n_y: int | None = key(whole, "quads along y", unset="size says")
+    imprint: bool = key(flag, _IMPRINT, default=default_of(free_cut, "imprint"))
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+@section("membrane", kind="disc", sign="radius", of=disc)
+class Disc(Section):
+    """A disc about the origin with node sets rim, centre and one a ring."""
+
+    radius: float = key(number("mm"), "of the rim")
+    n_side: int = key(whole, "quads along a side of the core")
+    n_layer: int | None = key(whole, "layers of quads around the core", unset="square quads")
+    ring_radii: tuple[float, ...] = key(
+        numbers("mm"), "circles on which nodes lie, decreasing", default=()
+    )
+    imprint: bool = key(flag, _IMPRINT, default=default_of(free_cut, "imprint"))
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+@section("membrane", kind="file", sign="file", of=read_film, deferred=True)
+class FilmFile(Section):
+    """A mesh of Gmsh, Abaqus, LS-DYNA or VTK, flat in z = 0."""
+
+    file: str = key(file, "the mesh", parameter="path")
+    unit: str | float | None = key(
+        length_unit,
+        "of the file: um, mm, cm, m, inch, mil",
+        also="scale",
+        unset="guessed, and said",
+    )
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
+    triangles: str = key(choice("refuse", "split"), "what to do with triangles")
+    leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
+    merge: float | None = key(
+        number("mm"), "nodes nearer than this are one", unset="none are merged"
+    )
+    max_fold_deg: float = key(number("deg"), "sharpest fold allowed")
+    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
+
+
+@section("membrane", kind="file", sign="file", of=read_film, deferred=True)
+class StripFile(FilmFile):
+    """A strip of Gmsh, Abaqus, LS-DYNA or VTK, flat in z = 0, cut along y = 0."""
+
+    clamp: tuple[str, ...] = key(
+        names, "node sets of the two long sides", default=("bottom", "top")
+    )
+    notch: float = key(number("mm"), _NOTCH, default=default_of(guillotine, "notch"))
+
+
+@section("membrane", kind="file", sign="file", of=read_film, deferred=True)
+class FreeFile(FilmFile):
+    """A mesh of Gmsh, Abaqus, LS-DYNA or VTK."""
+
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+@section("membrane", kind="outline", sign="outline", of=mesh_from_outline, deferred=True)
+class Outline(Section):
+    """A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ..."""
+
+    outline: tuple[Any, ...] = key(polygon(), "vertices in order")
+    holes: tuple[Any, ...] = key(polygons(), "polygons inside")
+    size: float = key(number("mm"), "edge length of the quads")
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=("outline",))
+    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
+
+
+@section("membrane", kind="outline", sign="outline", of=mesh_from_outline, deferred=True)
+class FreeOutline(Outline):
+    """A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ..."""
+
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+_YOUNG = "Young's modulus"
+_POISSON = "Poisson's ratio"
+_DENSITY = "reference density; 1 g/cm^3 is 1e-9 t/mm^3"
+_SHEAR = "factor on the transverse shear stiffness"
+_POINTS = "points through the thickness of each layer, 1 to 9"
+_ONCE = "integrated once, before the run"
+
+
+@section("material", of=ShellMaterial.homogeneous)
+class Homogeneous(Section):
+    """A single elastic layer."""
+
+    young: float = key(number("MPa"), _YOUNG)
+    poisson: float = key(number(), _POISSON)
+    density: float = key(number("t/mm^3"), _DENSITY)
+    thickness: float = key(number("mm"), "of the film")
+    shear_factor: float = key(number(), _SHEAR)
+    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
+
+
+@section("material.layers", of=Elastic)
+class Ply(Section):
+    """One layer, listed from the bottom to the top."""
+
+    young: float = key(number("MPa"), _YOUNG)
+    poisson: float = key(number(), _POISSON)
+    density: float = key(number("t/mm^3"), _DENSITY)
+    thickness: float = key(number("mm"), "of the layer")
+
+    def made(self) -> Layer:
+        """Return the layer."""
+        return Layer(super().made(), self.thickness)
+
+
+@section("material", sign="layers", of=ShellMaterial)
+class Laminate(Section):
+    """Layers through the thickness."""
+
+    shear_factor: float = key(number(), _SHEAR)
+    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
+    layers: tuple[Ply, ...] = key(tables(Ply), "from the bottom to the top")
+
+    def made(self) -> ShellMaterial:
+        """Return the layers as a film."""
+        return ShellMaterial(
+            [ply.made() for ply in self.layers], self.shear_factor, self.points_per_layer
+        )

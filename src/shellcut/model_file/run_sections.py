@@ -1,0 +1,246 @@
+"""Sections of the law, the run and its output, and what holds and loads the film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.settings import Contact
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.loads import (
+    EdgeTraction,
+    Gravity,
+    Load,
+    NodalForce,
+    NodalMoment,
+    Pressure,
+    steady,
+)
+from shellcut.loads.supports import Support
+from shellcut.models import Case
+from shellcut.simulation.simulation import Simulation
+from shellcut.simulation.stable_step import Stepping
+
+from .key import (
+    Section,
+    axes,
+    choice,
+    count,
+    default_of,
+    flag,
+    key,
+    number,
+    numbers,
+    rates,
+    section,
+    set_or_ids,
+    text,
+    whole,
+)
+
+
+@section("")
+class Head(Section):
+    """Keys before the first section."""
+
+    model: str = key(choice("opening", "guillotine", "free"), "what is built")
+    name: str | None = key(text, "stem of the result file", default=None, unset="that of the model")
+    directional: bool = key(
+        flag,
+        "whether cables meet the blade; false: classical cohesive elements",
+        default=default_of(Simulation, "directional"),
+    )
+    precision: str = key(
+        choice("double", "single"),
+        "of what is kept and computed of each quad; nodes are double either way",
+        default=default_of(Simulation, "precision"),
+    )
+    threads: int | None = key(
+        count(1),
+        "1 to 256; results do not depend on it",
+        default=default_of(Simulation, "threads"),
+        unset="one for a small film, else the cores there are",
+    )
+
+
+@section("cohesive", of=CohesiveLaw)
+class Cohesive(Section):
+    """Stress of a cable against its length."""
+
+    strength: float = key(number("MPa"), "sigma_F, at which a node splits")
+    plateau: float = key(number("MPa"), "sigma_C")
+    opening_a: float = key(number("mm"), "l_A, end of the drop")
+    opening_p: float = key(number("mm"), "l_P, end of the plateau")
+    opening_u: float = key(number("mm"), "l_U, at which the cable breaks")
+    onset: float = key(number("mm"), "delta_0, over which the force turns to the opening")
+    unloading: str = key(choice("secant", "elastic"), "how a cable unloads")
+    unloading_stiffness: float = key(number("MPa/mm"), "slope of the elastic unloading")
+
+
+@section("contact", of=Contact)
+class ContactSection(Section):
+    """Penalty contact of the nodes with the tool."""
+
+    penalty: float | None = key(
+        number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
+    )
+    smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
+
+
+@section("fracture", of=Fracture)
+class FractureSection(Section):
+    """How cracks start and run."""
+
+    criterion: str = key(choice("force", "stress"), "measure of a split")
+    stress_place: str = key(
+        choice("mid", "top", "bottom", "largest", "nominal"), "where the stress is read"
+    )
+    candidates: str = key(choice("tips", "all"), "which nodes may split by the measure")
+    blade_cut: bool = key(flag, "whether the blade splits what it pierces and passes")
+    turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
+    check_every: int = key(whole, "steps between two checks")
+    equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
+
+
+@section("time", of=Stepping)
+class Time(Section):
+    """How the step is chosen."""
+
+    safety: float = key(number(), "factor on the safe step")
+    evaluate_every: int = key(whole, "steps between two looks at the quads")
+    fixed: float | None = key(number("s"), "a step of your own", unset="the safe step")
+
+
+@section("damping")
+class Damping(Section):
+    """Rayleigh damping."""
+
+    alpha: float = key(
+        number("1/s", least=0.0), "of the mass", default=default_of(Simulation, "damping_alpha")
+    )
+    beta: float = key(
+        number("s", least=0.0), "of the stiffness", default=default_of(Simulation, "damping_beta")
+    )
+
+
+@section("output", of=Case.run)
+class Output(Section):
+    """What a run leaves; see also the flags of ``shellcut run``."""
+
+    rows: int = key(count(1), "rows of history.csv", parameter="n_row")
+    frames: int = key(count(1), "frames of the result file", parameter="n_frame")
+    snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
+    pvd: bool = key(flag, "frames as PVD + VTU too, for ParaView before 5.12")
+    checkpoint_every_s: float = key(
+        number("s", least=0.0), "wall time between two checkpoints", parameter="checkpoint_every"
+    )
+
+
+@section("supports", of=Support)
+class SupportSection(Section):
+    """Hold or move nodes, any number of [[supports]]."""
+
+    nodes: str | tuple[int, ...] = key(set_or_ids, "which nodes")
+    translation: str = key(axes, "held axes of the position")
+    rotation: str = key(axes, "held axes of the director's spin")
+    velocity: tuple[tuple[str, float], ...] | None = key(
+        rates("mm/s"), "of held axes", default=None, unset="at rest"
+    )
+    spin: tuple[tuple[str, float], ...] | None = key(
+        rates("rad/s"), "of held axes", default=None, unset="at rest"
+    )
+
+    def made(self) -> Support:
+        """Return the support."""
+        return Support(
+            self.nodes,
+            self.translation,
+            self.rotation,
+            velocity={axis: Constant(rate) for axis, rate in self.velocity or ()},
+            spin={axis: Constant(rate) for axis, rate in self.spin or ()},
+        )
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A rate that does not change."""
+
+    value: float
+
+    def __call__(self, _time: float) -> float:
+        """Return it."""
+        return self.value
+
+
+@dataclass(frozen=True)
+class Rising:
+    """A factor that rises linearly from 0 to 1 over a time [s]."""
+
+    ramp: float
+
+    def __call__(self, time: float) -> float:
+        """Return the factor at a time [s]."""
+        return min(max(time / self.ramp, 0.0), 1.0)
+
+
+class _Load(Section):
+    """A load that is there from the start or rises."""
+
+    ramp: float
+
+    def made(self) -> Load:
+        """Return the load."""
+        assert self.constructor is not None
+        factor = Rising(self.ramp) if self.ramp else steady
+        load: Load = self.constructor(**self.arguments(), factor=factor)
+        return load
+
+
+def _ramp() -> Any:
+    return key(number("s", least=0.0), "time over which it rises from nothing", default=0.0)
+
+
+@section("loads", kind="gravity", sign="acceleration", of=Gravity)
+class GravityLoad(_Load):
+    """A body force."""
+
+    acceleration: tuple[float, ...] = key(numbers("mm/s^2", count=3), "times mass")
+    ramp: float = _ramp()
+
+
+@section("loads", kind="pressure", sign="value", of=Pressure)
+class PressureLoad(_Load):
+    """A pressure along the directors."""
+
+    value: float = key(number("MPa"), "towards the directors' side")
+    following: bool = key(flag, "turns and stretches with the surface")
+    quads: str | None = key(text, "quad set", unset="all quads")
+    ramp: float = _ramp()
+
+
+@section("loads", kind="force", sign="force", of=NodalForce)
+class ForceLoad(_Load):
+    """A force on every node of a set."""
+
+    nodes: str | tuple[int, ...] = key(set_or_ids, "which nodes")
+    force: tuple[float, ...] = key(numbers("N", count=3), "on each")
+    ramp: float = _ramp()
+
+
+@section("loads", kind="moment", sign="moment", of=NodalMoment)
+class MomentLoad(_Load):
+    """A moment on the director of every node of a set."""
+
+    nodes: str | tuple[int, ...] = key(set_or_ids, "which nodes")
+    moment: tuple[float, ...] = key(numbers("N*mm", count=3), "on each")
+    ramp: float = _ramp()
+
+
+@section("loads", kind="traction", sign="traction", of=EdgeTraction)
+class TractionLoad(_Load):
+    """A force per length on the boundary edges between nodes of a set."""
+
+    nodes: str | tuple[int, ...] = key(set_or_ids, "which nodes")
+    traction: tuple[float, ...] = key(numbers("N/mm", count=3), "dead")
+    ramp: float = _ramp()

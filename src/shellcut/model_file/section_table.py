@@ -1,0 +1,92 @@
+"""Which sections each model has, and which kinds of them; the first is the default."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .film_sections import (
+    Disc,
+    FilmFile,
+    FreeFile,
+    FreeOpeningDisc,
+    FreeOutline,
+    Homogeneous,
+    Laminate,
+    OpeningDisc,
+    Outline,
+    Rectangle,
+    Strip,
+    StripFile,
+)
+from .key import Section
+from .run_sections import (
+    Cohesive,
+    ContactSection,
+    Damping,
+    ForceLoad,
+    FractureSection,
+    GravityLoad,
+    MomentLoad,
+    Output,
+    PressureLoad,
+    SupportSection,
+    Time,
+    TractionLoad,
+)
+from .tool_sections import (
+    Blade,
+    OpeningScrew,
+    Screw,
+    Straight,
+    StripBlade,
+    StripWay,
+    Table,
+    Teeth,
+    ToolFile,
+)
+
+Kinds = tuple[type[Section], ...]
+
+
+def _sections(membrane: Kinds, tool: Kinds, motion: Kinds) -> dict[str, Kinds]:
+    return {
+        "membrane": membrane,
+        "material": (Homogeneous, Laminate),
+        "cohesive": (Cohesive,),
+        "tool": tool,
+        "motion": motion,
+        "contact": (ContactSection,),
+        "fracture": (FractureSection,),
+        "time": (Time,),
+        "damping": (Damping,),
+        "output": (Output,),
+    }
+
+
+SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
+    "opening": _sections(
+        (OpeningDisc, FilmFile, Outline),
+        (Teeth, ToolFile),
+        (OpeningScrew,),
+    ),
+    "guillotine": _sections(
+        (Strip, StripFile),
+        (StripBlade, ToolFile),
+        (StripWay,),
+    ),
+    "free": _sections(
+        (FreeOpeningDisc, Rectangle, Disc, FreeFile, FreeOutline),
+        (Teeth, Blade, ToolFile),
+        (Screw, Straight, Table),
+    ),
+}
+"""By model: the sections that stand once."""
+
+LISTS: Mapping[str, Mapping[str, Kinds]] = {
+    model: {
+        **({"supports": (SupportSection,)} if model == "free" else {}),
+        "loads": (GravityLoad, PressureLoad, ForceLoad, MomentLoad, TractionLoad),
+    }
+    for model in SECTIONS
+}
+"""By model: the sections that stand any number of times, as [[loads]]."""

@@ -1,0 +1,255 @@
+"""A look at a model before its run, or at as much of one as can be made."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
+from shellcut.checks.finding import Finding
+from shellcut.mesh.film_doubts import film_doubts
+from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
+from shellcut.numerics.connected_parts import connected_parts
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
+from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
+
+# Colours of the cutting edges: in the film to the end, leaving it, never in it.
+_STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelParts:
+    """What there is of a model; what is None could not be made."""
+
+    mesh: Mesh | None = None
+    held: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Supported nodes."""
+    tool: Tool | None = None
+    motion: Motion | None = None
+    duration: float | None = None
+    """[s]"""
+
+    def sweep(self) -> Sweep | None:
+        """Return the way of the cutting edges, if all is there that it takes."""
+        if self.mesh is None or self.tool is None or self.motion is None or self.duration is None:
+            return None
+        return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
+
+
+def preview(
+    simulation: Simulation,
+    path: str | os.PathLike[str],
+    *,
+    time: float | None = None,
+    check: ModelCheck | None = None,
+) -> str:
+    """Draw film, held nodes, the quads that set the step, tool and cutting edges; return a report.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Not changed.
+    path : path-like
+        Picture to write; the ending tells the format.
+    time : float, optional
+        End of the run [s]: the tool is drawn there too, cutting edges that never meet the film or
+        leave it by then have colours of their own, and the model is checked.
+    check : ModelCheck, optional
+        Of this model up to ``time``, if it is known.
+
+    Returns
+    -------
+    str
+        What the model has, how many are in its sets, what in the film looks as if a quad or a
+        node were lost, the step it starts with and where that comes from, the quads that shorten
+        it, and what its checks found, a line each.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If ``time`` is not a finite number that is not negative.
+
+    Examples
+    --------
+    >>> from shellcut import opening_test
+    >>> case = opening_test("quick")
+    >>> print(preview(case.simulation, "model.png", time=case.duration))  # doctest: +SKIP
+    """
+    if time is not None and not 0.0 <= time < np.inf:
+        raise ValueError(f"time must be finite and not negative in s, got {time!r}")
+    sim, mesh = simulation, simulation.mesh
+    quality = mesh_quality(mesh, sim.material, damping_beta=sim.shell.damping_beta)
+    step_lines = list(_step_lines(sim, quality))
+    if check is None and time:
+        check = check_model(sim, time)
+    sweep = check.sweep if check is not None else None
+    held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
+    parts = ModelParts(mesh=mesh, held=held, tool=sim.tool, motion=sim.motion, duration=time)
+    film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64))
+    lines = [film, *_film_lines(mesh), *step_lines, *others, *_worst_lines(quality)]
+    lines += [said(finding) for finding in check.findings] if check is not None else []
+    return "\n".join(lines)
+
+
+def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
+    """Draw what there is of a model that cannot be run; return what it has, a line each.
+
+    Parameters
+    ----------
+    parts : ModelParts
+        With a film or a tool.
+    path : path-like
+        Picture to write.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    ValueError
+        If there is neither film nor tool.
+    """
+    if parts.mesh is None and parts.tool is None:
+        raise ValueError("there is neither film nor tool to draw")
+    title = "what there is of a model that is refused"
+    return "\n".join(_draw(parts, path, parts.sweep(), np.zeros(0, np.int64), title))
+
+
+def said(finding: Finding) -> str:
+    """Return a finding as it is printed."""
+    word = {"refuse": "refused", "doubt": "distrust", "note": "note"}[finding.severity]
+    return f"{word}: {finding}"
+
+
+def _draw(
+    parts: ModelParts,
+    path: str | os.PathLike[str],
+    sweep: Sweep | None,
+    worst: Ints,
+    title: str = "the model before its run",
+) -> list[str]:
+    """Draw the parts; return what they are, a line each."""
+    mesh, tool = parts.mesh, parts.tool
+    poses, titles = _poses(parts)
+    lines = []
+    if mesh is not None:
+        lines.append(
+            f"film   {mesh.n_node} nodes, {mesh.n_quad} quads, {mesh.quad_areas().sum():.5g} mm², "
+            f"{parts.held.size} nodes held"
+        )
+    if tool is not None:
+        lines.append(
+            f"tool   {tool.n_body} bodies, {tool.n_triangle} triangles, {tool.n_chain} cutting "
+            "edges"
+        )
+    if sweep is not None:
+        lines.append(edge_line(sweep))
+    none = np.zeros((0, 3))
+    draw_model(
+        ModelView(
+            nodes=none if mesh is None else mesh.nodes,
+            quads=np.zeros((0, 4), np.int64) if mesh is None else np.asarray(mesh.quads, np.int64),
+            held=np.asarray(parts.held, np.int64),
+            worst=np.asarray(worst, np.int64),
+            tool=poses,
+            triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
+            edges=[] if tool is None else list(_edge_groups(tool, sweep)),
+            way=none if sweep is None else sweep.place[sweep.within],
+            titles=titles,
+        ),
+        path,
+        title=title,
+        caption="\n".join(lines),
+    )
+    return lines
+
+
+def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
+    """Return the tool's vertices at the start and, if there is one, at the end, and titles."""
+    tool, motion = parts.tool, parts.motion
+    if tool is None:
+        return [], ["t = 0 ms"]
+    if motion is None:
+        return [tool.vertices], ["the tool as it is given"]
+    poses, titles = [], []
+    for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
+        rotation, translation = motion.pose(at)
+        poses.append(tool.vertices @ rotation.T + translation)
+        place, unit = motion.coordinate(at), motion.coordinate_unit
+        where = f"{np.degrees(place):.4g}°" if unit == "rad" else f"{place:.4g} {unit}"
+        titles.append(f"t = {1e3 * at:.4g} ms, {where}")
+    return poses, titles
+
+
+def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
+    """Yield the cutting edges by what becomes of them."""
+    if sweep is None:
+        yield EdgeGroup(f"{tool.n_chain} cutting edges", np.asarray(tool.edges), _STAYS)
+        return
+    groups = (
+        ("in the film to the end", _STAYS, [f.chain for f in sweep.fates if f.stays]),
+        ("leave the film", _LEAVES, [f.chain for f in sweep.fates if f.meets and not f.stays]),
+        ("never meet the film", _NEVER, [f.chain for f in sweep.fates if not f.meets]),
+    )
+    for what, color, chains in groups:
+        if chains:
+            mine = np.isin(tool.edge_chain, chains)
+            label = f"{len(chains)} cutting edge{'s' if len(chains) > 1 else ''}: {what}"
+            yield EdgeGroup(label, np.asarray(tool.edges[mine]), color, dashed=color != _STAYS)
+
+
+def _film_lines(mesh: Mesh) -> Iterator[str]:
+    """Say how many are in the sets, and what looks as if something were lost."""
+    for kind, sets, joined in (
+        ("nodes", mesh.node_sets, mesh.edges().nodes),
+        ("quads", mesh.quad_sets, mesh.edges().quads),
+    ):
+        if sets:
+            n = mesh.n_node if kind == "nodes" else mesh.n_quad
+            counts = (f"{name} {_extent(ids, joined, n)}" for name, ids in sets.items())
+            yield f"sets   of {kind}: {', '.join(counts)}"
+    for doubt in film_doubts(mesh):
+        yield f"doubt  {doubt}"
+
+
+def _extent(ids: Ints, joined: Ints, n: int) -> str:
+    """Return how many are in a set, and in how many pieces; ``joined`` are pairs of neighbours."""
+    held = np.zeros(n, np.bool_)
+    held[ids] = True
+    one, two = joined[held[joined].all(axis=1)].T
+    pieces = len(np.unique(connected_parts(one, two, n)[ids]))
+    return f"{len(ids)} in {pieces} pieces" if pieces > 1 else f"{len(ids)}"
+
+
+def _worst_lines(quality: MeshQuality) -> Iterator[str]:
+    """Say which quads shorten the step."""
+    yield f"worst  the {len(quality.worst)} quads of the shortest steps by themselves:"
+    for e in quality.worst.tolist():
+        x, y, z = quality.centre[e]
+        yield (
+            f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) mm: step {quality.step[e]:.3g} s, "
+            f"{quality.step[e] / quality.median_step:.2f} of the median"
+        )
+
+
+def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
+    """Say which step the run begins with, and which steps of the film it comes from."""
+    stepping, allowed = sim.time_step.stepping, sim.time_step.bound(sim.state)
+    safe = stepping.safety * allowed
+    yield f"step   {quality.median_step:.4g} s is stable for the median quad by itself,"
+    yield f"       {quality.stable_step:.4g} s for the worst quad by itself, the first one below,"
+    yield f"       {allowed:.4g} s for the film with what contact and cables hold at the start;"
+    if stepping.fixed is None:
+        of_that = f"time.safety, {stepping.safety:g}, of that"
+        yield f"       {sim.dt:.4g} s is the first of the run: {of_that}"
+    else:
+        times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
+        yield f"       {sim.dt:.4g} s is that of the run, since time.fixed is given: {times}"

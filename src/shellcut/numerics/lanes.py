@@ -1,0 +1,465 @@
+"""Lanes: eight doubles, or sixteen singles, that a kernel handles as one number.
+
+A loop over quads written with plain floats is not turned into vector instructions by the compiler:
+the gathers at its start and the scatters at its end stand in the way. Lanes say it outright. The
+mechanics are functions of *numbers* (:data:`shellcut.numerics.jit.Number`); given floats they treat
+one quad, given lanes as many at a time as a block has.
+
+Where a number comes from is the only difference, and the functions here hide it. Their argument
+``lane`` says which of a block are meant: an integer takes one, as a float; ``None`` takes all
+eight, as doubles; :data:`SIXTEEN` takes all sixteen, as singles. What is read at nodes is double
+always, and :func:`narrow` makes singles of it:
+
+=====================================  ===================================================
+:func:`turns`, :func:`nth`             the visits that a block takes
+:func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8 or 16)
+:func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
+:func:`first_node`                     the first of them, for :func:`at` where they follow
+                                       each other
+:func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
+:func:`at`, :func:`along`              values at consecutive nodes, and
+:func:`put_at`                         how they are written
+:func:`row_columns`,                   the first six columns of consecutive force rows,
+:func:`add_row_columns`,               what is added to the first three,
+:func:`put_row_columns`,               what they become, the others zero,
+:func:`clear_rows`                     and how the rows are cleared
+:func:`narrow`, :func:`widen`          from doubles to what is meant, and back
+:func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
+:func:`multiply_add`                   a b + c, one instruction where there is one
+:func:`make_prefetch`                  a function that asks for a block needed soon
+:func:`align_stack`                    the first line of a kernel with more lanes than registers
+:func:`flush_subnormals`               what numbers too small do in a kernel, and
+:func:`set_rounding`                   what they did before
+=====================================  ===================================================
+
+Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
+addition may become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` and
+``<16 x float>`` to one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler
+(NUMBA_DISABLE_JIT=1) the same functions run on NumPy arrays.
+"""
+
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeGuard
+
+import numpy as np
+import numpy.typing as npt
+from numba.extending import overload
+
+from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
+
+from .lane_instructions import (
+    CACHE_LINE,
+    FLUSH,
+    SIXTEEN,
+    SIXTEEN_TYPE,
+    WIDTH,
+    Lane,
+    LaneIdsType,
+    LanesType,
+    add_to_rows,
+    align_stack_of_function,
+    fewer_bits,
+    fused,
+    gather_column,
+    load_along,
+    load_at,
+    load_block,
+    load_ids,
+    load_row_columns,
+    more_bits,
+    mxcsr,
+    no_lanes,
+    prefetch_lines,
+    put_into_rows,
+    scatter_add_rows,
+    set_mxcsr,
+    store_at,
+    store_block,
+    sum_of_lanes,
+    takes_all,
+    zero_rows,
+)
+
+
+def _one(lane: Lane) -> TypeGuard[int]:
+    """Whether one place is meant."""
+    return isinstance(lane, int | np.integer)
+
+
+def block_width(lane: Lane) -> int:
+    """Return how many quads a block has that is taken whole; by floats, one by one, eight."""
+    return 2 * WIDTH if lane is SIXTEEN else WIDTH
+
+
+def block_dtype(lane: Lane) -> npt.DTypeLike:
+    """Return the kind of number that tables in blocks hold."""
+    return np.float32 if lane is SIXTEEN else np.float64
+
+
+def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
+    """Return an array of zeros that starts on a cache line, so that no vector straddles two."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    raw = np.zeros(size + CACHE_LINE, np.uint8)
+    start = -raw.ctypes.data % CACHE_LINE
+    return raw[start : start + size].view(dtype).reshape(shape)
+
+
+# ---------------------------------------------------------------- the functions kernels call
+
+_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+
+def turns(table: Numbers, lane: Lane) -> int:
+    """Return how often a block must be visited: once by lanes, or as often as it has places."""
+    return int(table.shape[2]) if _one(lane) else 1
+
+
+@overload(turns, jit_options=_OPTIONS)
+def _turns(table, lane):
+    return (lambda table, lane: 1) if takes_all(lane) else (lambda table, lane: table.shape[2])
+
+
+def nth(lane: Lane, turn: int) -> Lane:
+    """Return the lane of a visit: all of them, or the one whose turn it is."""
+    return turn if _one(lane) else lane
+
+
+@overload(nth, jit_options=_OPTIONS)
+def _nth(lane, turn):
+    return (lambda lane, turn: lane) if takes_all(lane) else (lambda lane, turn: turn)
+
+
+def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
+    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+    return table[b, k, lane] if _one(lane) else table[b, k].copy()
+
+
+@overload(pick, jit_options=_OPTIONS)
+def _pick(table, b, k, lane):
+    if takes_all(lane):
+        return lambda table, b, k, lane: load_block(table, b, k)
+    return lambda table, b, k, lane: table[b, k, lane]
+
+
+def put(table: Numbers, b: int, k: int, lane: Lane, value: Number) -> None:
+    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8 or 16)."""
+    if _one(lane):
+        table[b, k, lane] = value
+    else:
+        table[b, k] = value
+
+
+@overload(put, jit_options=_OPTIONS)
+def _put(table, b, k, lane, value):
+    if takes_all(lane):
+        return lambda table, b, k, lane, value: store_block(table, b, k, value)
+
+    def one(table, b, k, lane, value):
+        table[b, k, lane] = value
+
+    return one
+
+
+def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
+    """Return the node ids at corner ``a`` of block ``b``, for :func:`gather`."""
+    return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
+
+
+@overload(corner_node, jit_options=_OPTIONS)
+def _corner_node(corner, b, a, lane):
+    if takes_all(lane):
+        return lambda corner, b, a, lane: load_ids(corner, b, a, lane)
+    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+
+
+def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
+    """Return the node id at corner ``a`` of block ``b``, of the first place if all are meant."""
+    return int(corner[b, a, lane if _one(lane) else 0])
+
+
+@overload(first_node, jit_options=_OPTIONS)
+def _first_node(corner, b, a, lane):
+    if takes_all(lane):
+        return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
+    return lambda corner, b, a, lane: np.int64(corner[b, a, lane])
+
+
+def gather(values: Floats, c: int, ids: Any) -> Number:
+    """Return column ``c`` of values : (n, 3), one column after the other, at some nodes."""
+    return values[ids, c]
+
+
+@overload(gather, jit_options=_OPTIONS)
+def _gather(values, c, ids):
+    if isinstance(ids, LaneIdsType):
+        return lambda values, c, ids: gather_column(values, c, ids)
+    return lambda values, c, ids: values[ids, c]
+
+
+def scatter_add(
+    rows: Floats, corner: SmallIds, b: int, a: int, lane: Lane, force: tuple[Number, ...]
+) -> None:
+    """Add six numbers to the rows : (n, 8) of the nodes at corner ``a``, lane after lane."""
+    for place in (lane,) if _one(lane) else range(corner.shape[2]):
+        for c in range(6):
+            rows[corner[b, a, place], c] += force[c] if _one(lane) else force[c][place]
+
+
+@overload(scatter_add, jit_options=_OPTIONS)
+def _scatter_add(rows, corner, b, a, lane, force):
+    if takes_all(lane):
+        return lambda rows, corner, b, a, lane, force: scatter_add_rows(rows, corner, b, a, force)
+
+    def one(rows, corner, b, a, lane, force):
+        for c in range(6):
+            rows[corner[b, a, lane], c] += force[c]
+
+    return one
+
+
+def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
+    """Return column ``c`` of values : (m, 3) at node ``n``, or at the 8 or 16 nodes from ``n``."""
+    return values[n, c] if _one(lane) else values[n : n + block_width(lane), c].copy()
+
+
+@overload(at, jit_options=_OPTIONS)
+def _at(values, n, c, lane):
+    if takes_all(lane):
+        return lambda values, n, c, lane: load_at(values, n, c, lane)
+    return lambda values, n, c, lane: values[n, c]
+
+
+def along(values: Floats, n: int, lane: int | None) -> Number:
+    """Return values : (m,) at node ``n``, or at the eight nodes from ``n``."""
+    return values[n : n + WIDTH].copy() if lane is None else values[n]
+
+
+@overload(along, jit_options=_OPTIONS)
+def _along(values, n, lane):
+    if takes_all(lane):
+        return lambda values, n, lane: load_along(values, n)
+    return lambda values, n, lane: values[n]
+
+
+def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> None:
+    """Write column ``c`` of values : (m, 3) at node ``n``, or at the eight nodes from ``n``."""
+    if lane is None:
+        values[n : n + WIDTH, c] = value
+    else:
+        values[n, c] = value
+
+
+@overload(put_at, jit_options=_OPTIONS)
+def _put_at(values, n, c, lane, value):
+    if takes_all(lane):
+        return lambda values, n, c, lane, value: store_at(values, n, c, value)
+
+    def one(values, n, c, lane, value):
+        values[n, c] = value
+
+    return one
+
+
+def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
+    """Return the first six columns of rows : (m, 8) at node ``n``, or the eight from ``n``."""
+    if lane is None:
+        return tuple(rows[n : n + WIDTH, c].copy() for c in range(6))
+    return tuple(rows[n, c] for c in range(6))
+
+
+@overload(row_columns, jit_options=_OPTIONS)
+def _row_columns(rows, n, lane):
+    if takes_all(lane):
+        return lambda rows, n, lane: load_row_columns(rows, n)
+
+    def one(rows, n, lane):
+        return rows[n, 0], rows[n, 1], rows[n, 2], rows[n, 3], rows[n, 4], rows[n, 5]
+
+    return one
+
+
+def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
+    """Add to the first three columns of rows : (m, 8) at node ``n``, or at the eight from ``n``."""
+    for c, column in enumerate(columns):
+        rows[n : n + (WIDTH if lane is None else 1), c] += column
+
+
+@overload(add_row_columns, jit_options=_OPTIONS)
+def _add_row_columns(rows, n, lane, columns):
+    if takes_all(lane):
+        return lambda rows, n, lane, columns: add_to_rows(rows, n, columns)
+
+    def add(rows, n, lane, columns):
+        for c in range(3):
+            rows[n, c] += columns[c]
+
+    return add
+
+
+def put_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> None:
+    """Set rows : (m, 8) at node ``n``, or the eight from ``n``: three columns, the others zero."""
+    clear_rows(rows, n, lane)
+    add_row_columns(rows, n, lane, columns)
+
+
+@overload(put_row_columns, jit_options=_OPTIONS)
+def _put_row_columns(rows, n, lane, columns):
+    if takes_all(lane):
+        return lambda rows, n, lane, columns: put_into_rows(rows, n, columns)
+
+    def put_one(rows, n, lane, columns):
+        for c in range(3):
+            rows[n, c] = columns[c]
+        for c in range(3, 8):
+            rows[n, c] = 0.0
+
+    return put_one
+
+
+def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
+    """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
+    rows[n : n + (WIDTH if lane is None else 1)] = 0.0
+
+
+@overload(clear_rows, jit_options=_OPTIONS)
+def _clear_rows(rows, n, lane):
+    if takes_all(lane):
+        return lambda rows, n, lane: zero_rows(rows, n)
+
+    def clear(rows, n, lane):
+        for c in range(8):
+            rows[n, c] = 0.0
+
+    return clear
+
+
+def narrow(value: Number, lane: Lane) -> Number:
+    """Return what was read at nodes in the precision of the tables in blocks."""
+    return value.astype(np.float32) if lane is SIXTEEN else value
+
+
+@overload(narrow, jit_options=_OPTIONS)
+def _narrow(value, lane):
+    if lane == SIXTEEN_TYPE:
+        return lambda value, lane: fewer_bits(value)
+    return lambda value, lane: value
+
+
+def widen(value: Number, lane: Lane) -> Number:
+    """Return a number in double precision, to sum it over many blocks."""
+    return value.astype(np.float64) if lane is SIXTEEN else value
+
+
+@overload(widen, jit_options=_OPTIONS)
+def _widen(value, lane):
+    if lane == SIXTEEN_TYPE:
+        return lambda value, lane: more_bits(value)
+    return lambda value, lane: value
+
+
+def zero(lane: Lane) -> Number:
+    """Return nothing to begin a sum with."""
+    return 0.0 if _one(lane) else np.zeros(block_width(lane), block_dtype(lane))
+
+
+@overload(zero, jit_options=_OPTIONS)
+def _zero(lane):
+    if takes_all(lane):
+        return lambda lane: no_lanes(lane)
+    return lambda lane: 0.0
+
+
+def total(value: Number) -> float:
+    """Return the sum over the lanes, doubles, from the first to the last."""
+    sum_ = 0.0
+    for one in np.atleast_1d(value):
+        sum_ += float(one)
+    return sum_
+
+
+@overload(total, jit_options=_OPTIONS)
+def _total(value):
+    if isinstance(value, LanesType):
+        return lambda value: sum_of_lanes(value)
+    return lambda value: value
+
+
+def multiply_add(a: Number, b: Number, c: Number) -> Number:
+    """Return a b + c, rounded once where the processor can.
+
+    Of a b + c d the compiler fuses either product with the sum, in one kernel this and in another
+    that; this says which, where two kernels must get the same bits.
+    """
+    return a * b + c
+
+
+@overload(multiply_add, jit_options=_OPTIONS)
+def _multiply_add(a, b, c):
+    if isinstance(a, LanesType):
+        return lambda a, b, c: fused(a, b, c)
+    return lambda a, b, c: fused(np.float64(a), np.float64(b), np.float64(c))
+
+
+def align_stack() -> None:
+    """Let the kernel that calls this begin its stack on a cache line.
+
+    More lanes are alive in a quad than there are registers. Without this LLVM puts those set aside
+    anywhere, each across two cache lines, which costs a kernel a tenth of its time, more or less as
+    the caller's stack lies.
+    """
+
+
+@overload(align_stack, inline="always")
+def _aligned_stack():
+    return lambda: align_stack_of_function()
+
+
+def flush_subnormals() -> int:
+    """Let numbers too small for all their digits be zero; return the setting before.
+
+    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in singles such numbers are subnormal,
+    and arithmetic with them takes a hundred times as long on x86. Elsewhere this does nothing.
+    """
+    return 0
+
+
+@overload(flush_subnormals, jit_options=_OPTIONS)
+def _flush_subnormals():
+    def flush():
+        before: int = mxcsr()
+        set_mxcsr(before | FLUSH)
+        return before
+
+    return flush
+
+
+def set_rounding(setting: int) -> None:
+    """Take back the setting that :func:`flush_subnormals` returned."""
+
+
+@overload(set_rounding, jit_options=_OPTIONS)
+def _restore_rounding(setting):
+    return lambda setting: set_mxcsr(setting)
+
+
+def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
+    """Return a function that asks for the ``lines`` cache lines of block ``b`` of a table.
+
+    The hardware looks ahead along a few streams only; a quad's tables are more. The block after
+    the last one does no harm.
+    """
+    ask = prefetch_lines(lines)
+
+    def prefetch(table: Floats, b: int) -> None:
+        pass
+
+    @overload(prefetch, jit_options=_OPTIONS)
+    def _prefetch(table, b):
+        return lambda table, b: ask(table, b)
+
+    return prefetch

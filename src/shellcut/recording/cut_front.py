@@ -1,0 +1,222 @@
+r"""Where the cuts of a run stand: what each edge has cut, what still holds, what lies ahead.
+
+======================  ==========================================================================
+cut length              reference length of cut that the edge has met: half-edges of the cables
+                        that were bent around it
+process zone            the part of it whose cables still hold, dragged by the edge
+uncut film ahead        way from the crack tip that the edge drives on to the first node of the
+                        film's boundary or of any crack, along the circle (or line) that the tool's
+                        motion describes in the sheet there: exact for screws and straight motions
+edge to spare           length of the edge from its joints to its nearer end, the least of those in
+                        the process zone: 0 where the edge is just entering the film or leaving it
+======================  ==========================================================================
+
+All of it is of the reference film: what lies ahead has hardly moved, what lies at the tip is bent
+aside. A cutting edge is a chain of :meth:`shellcut.tool.Tool.chains`. Its tip is the one nearest to
+its process zone among those that lie ahead, seen as the tool moves. A tool that moves through the
+sheet without moving along it has no such way; there the last edge of the crack points ahead.
+
+These figures tell whether a cut is steady (:mod:`shellcut.results.steady_window`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.fracture.quad_fans import arriving, fans_of
+from shellcut.simulation.simulation import Simulation
+from shellcut.state import JOINTED, NOT_MET
+from shellcut.tool.tool import Tool
+
+# Of a node beside the way, in local edge lengths: a boundary that crosses the way between two of
+# its nodes has one of them within half of that.
+_BESIDE = 0.75
+# How far ahead in time the way is looked at, relative to the run.
+_LOOK_AHEAD = 5e-3
+# Of the speed: below, the tool does not move along the sheet.
+_ALONG = 1e-3
+# Of a curvature times the film's extent: straight.
+_STRAIGHT = 1e-9
+
+
+class _EdgeLength:
+    """Lengths along the cutting edges of a tool."""
+
+    def __init__(self, tool: Tool) -> None:
+        ends = tool.vertices[tool.edges]
+        self._start, vector = ends[:, 0], ends[:, 1] - ends[:, 0]
+        length = np.linalg.norm(vector, axis=1)
+        self._unit = vector / length[:, None]
+        whole = np.bincount(tool.edge_chain, length, tool.n_chain)[tool.edge_chain]
+        first = np.flatnonzero(np.diff(tool.edge_chain, prepend=-1))
+        passed = np.cumsum(length) - length
+        self._before = passed - passed[first][tool.edge_chain]
+        self._length = whole
+        closed = np.array([chain.closed for chain in tool.chains()])
+        self._closed = closed[tool.edge_chain]
+
+    def to_spare(self, segment: Ints, point: Floats) -> float:
+        """Return the least way from points on segments to the nearer end of the edge [mm].
+
+        A closed edge has no end: half of its length.
+        """
+        on = np.einsum("ic,ic->i", point - self._start[segment], self._unit[segment])
+        before, length = self._before[segment] + on, self._length[segment]
+        spare = np.minimum(before, length - before)
+        spare[self._closed[segment]] = 0.5 * length[self._closed[segment]]
+        return float(np.maximum(spare, 0.0).min())
+
+
+class CutFront:
+    """Read the cuts of a simulation with a tool; what was found lasts until a cable changes.
+
+    Parameters
+    ----------
+    sim : Simulation
+        With a tool.
+    until : float
+        End of the run [s].
+    """
+
+    def __init__(self, sim: Simulation, until: float) -> None:
+        assert sim.tool is not None
+        self._chain = sim.tool.edge_chain
+        self._n_chain = sim.tool.n_chain
+        self._rim = sim.mesh.boundary_nodes()
+        self._normal = sim.mesh.directors
+        self._extent = float(np.linalg.norm(np.ptp(sim.mesh.nodes, axis=0)))
+        self._look = _LOOK_AHEAD * until
+        self._seen = (-1, -1, -1)
+        self._rows = np.zeros((self._n_chain, 4))
+        self._edge = _EdgeLength(sim.tool)
+
+    def rows(self, sim: Simulation) -> Floats:
+        """Return cut length, process zone, uncut film ahead, edge to spare, (n_chain, 4), [mm].
+
+        The last two are 0 where an edge has no process zone.
+        """
+        seen = (sim.state.revision, sim.n_joint_made, sim.n_cable_broken)
+        if seen != self._seen:
+            self._seen, self._rows = seen, self._read(sim)
+        return self._rows
+
+    def saved(self) -> dict[str, Any]:
+        """Return what was found last, and when: the same found later differs in its last digits."""
+        return {"seen": np.array(self._seen), "rows": self._rows}
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._seen, self._rows = tuple(saved["seen"].tolist()), saved["rows"]
+
+    def _read(self, sim: Simulation) -> Floats:
+        cable, n = sim.state.cable, sim.state.cable.count
+        met = np.flatnonzero(cable.edge[:n] != NOT_MET)
+        chain = self._chain[cable.edge[met]]
+        length = cable.half_edge[met].sum(axis=1)
+        holds = cable.status[met] == JOINTED
+        rows = np.zeros((self._n_chain, 4))
+        rows[:, 0] = np.bincount(chain, length, self._n_chain)
+        rows[:, 1] = np.bincount(chain[holds], length[holds], self._n_chain)
+        tips = np.array(sim.tips, np.int64)
+        obstacles = self._obstacles(sim, tips)
+        for k in np.unique(chain[holds]).tolist():
+            mine = met[holds & (chain == k)]
+            rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
+            tip = self._driven(sim, cable.ends[mine, 0], tips)
+            if tip is not None:
+                rows[k, 2] = self._ahead(sim, tip, obstacles)
+        return rows
+
+    def _obstacles(self, sim: Simulation, tips: Ints) -> Ints:
+        """Return the nodes of boundary and cracks."""
+        halves = np.flatnonzero(sim.state.node.halved[: sim.state.n_node])
+        return np.unique(np.concatenate([self._rim, halves, tips]))
+
+    def _driven(self, sim: Simulation, zone: Ints, tips: Ints) -> int | None:
+        """Return the tip that the tool drives on from a process zone, None if none is ahead."""
+        if not tips.size:
+            return None
+        n = sim.state.node
+        gap = n.X[tips] - n.X[zone][:, None]
+        distance = np.linalg.norm(gap, axis=2)
+        velocity = self._velocity(sim, zone)
+        ahead = np.einsum("ztc,zc->zt", gap, velocity)
+        moving = np.linalg.norm(velocity, axis=1) > 0.0
+        distance[moving[:, None] & (ahead <= 0.0)] = np.inf
+        nearest = distance.min(axis=0)
+        best = int(nearest.argmin())
+        return int(tips[best]) if np.isfinite(nearest[best]) else None
+
+    def _velocity(self, sim: Simulation, nodes: Ints) -> Floats:
+        """Return the tool's velocity along the sheet at nodes, 0 where it only goes through."""
+        assert sim.motion is not None
+        spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
+        n = sim.state.node
+        whole = velocity + np.cross(spin, n.X[nodes] - sim.translation)
+        t = self._normal[n.origin[nodes]]
+        along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
+        along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
+        return np.asarray(along)
+
+    def _ahead(self, sim: Simulation, tip: int, obstacles: Ints) -> float:
+        if tip in self._rim:
+            return 0.0
+        n = sim.state.node
+        first, second, curvature = self._course(sim, tip)
+        others = obstacles[obstacles != tip]
+        gap = n.X[others] - n.X[tip]
+        a, b = gap @ first, gap @ second
+        if abs(curvature) * self._extent <= _STRAIGHT:
+            way, beside = a, np.abs(b)
+        else:
+            # Seen from the centre of the circle, which lies on the side that it turns to.
+            radius = 1.0 / abs(curvature)
+            b = np.copysign(1.0, curvature) * b
+            way = radius * np.mod(np.arctan2(a, radius - b), 2.0 * np.pi)
+            beside = np.abs(np.hypot(a, radius - b) - radius)
+        size = np.sqrt(4.0 * n.contact_area[others])
+        through = np.abs(gap @ np.cross(first, second))  # the far side of a tube is no obstacle
+        met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
+        return float(way[met].min(initial=self._extent))
+
+    def _course(self, sim: Simulation, tip: int) -> tuple[Floats, Floats, float]:
+        """Return unit vectors ahead and to the left in the sheet, and the curvature to the left."""
+        n, motion = sim.state.node, sim.motion
+        assert motion is not None
+        director, here = self._normal[n.origin[tip]], n.X[tip]
+        local = sim.rotation.T @ (here - sim.translation)
+        places = []
+        for k in (1, 2):
+            rotation, translation = motion.pose(sim.state.time + k * self._look)
+            places.append(np.asarray(rotation) @ local + np.asarray(translation) - here)
+        first, second = (p - (p @ director) * director for p in places)
+        length = float(np.linalg.norm(first))
+        if length <= _ALONG * np.linalg.norm(places[0]) or length == 0.0:
+            along = self._last_edge(sim, tip)
+            return along, np.cross(director, along), 0.0
+        chord = first / length
+        left = np.cross(director, chord)
+        onward = second - first
+        if np.linalg.norm(onward) <= _ALONG * length:  # it comes to rest
+            return chord, left, 0.0
+        # Circle through three points: curvature 4 area / product of the sides; the tangent at the
+        # first is the chord turned back by half the arc.
+        sides = length * float(np.linalg.norm(second) * np.linalg.norm(onward))
+        curvature = 2.0 * length * float(second @ left) / sides
+        sine = 0.5 * curvature * length
+        ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
+        return ahead, np.cross(director, ahead), curvature
+
+    def _last_edge(self, sim: Simulation, tip: int) -> Floats:
+        """Return the direction in which a crack's last edge points."""
+        n = sim.state.node
+        crack = arriving(sim.state, fans_of(sim.state, tip))
+        way = n.X[tip] - n.X[crack[0][0]]
+        t = self._normal[n.origin[tip]]
+        way = way - (way @ t) * t
+        return np.asarray(way / np.linalg.norm(way))

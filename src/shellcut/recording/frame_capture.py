@@ -1,0 +1,146 @@
+"""Take one :class:`Frame`, a picture of the run at t_n, from a simulation.
+
+Most of the work is deriving what a frame shows from the state: stresses, crack, branches of the
+cables. A run that goes on meanwhile only waits for an :class:`Exposure`, copies of what changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.fracture.quad_fans import open_edge_copies
+from shellcut.frame import Frame
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.simulation.simulation import Simulation
+from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, State
+from shellcut.tool.tool import Tool
+
+# What a frame needs of the tables, all that is copied of them; the reference never changes.
+_OF_NODES = ("x", "t", "velocity_half", "supported", "halved", "origin", "quads", "n_quad_at")
+_OF_CABLES = ("ends", "status", "joint", "traction", "opening")
+
+_Table = TypeVar("_Table", NodeTable, CableTable)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What a frame needs of a simulation at t_n, which may go on while the frame is made."""
+
+    _shell: MITC4Shell
+    _tool: Tool | None
+    _pose: tuple[Floats, Floats]
+    _state: State
+    _figures: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, sim: Simulation, **figures: Any) -> Exposure:
+        """Copy what changes; ``figures`` as the keywords of :func:`capture`."""
+        s = sim.state
+        state = replace(
+            s,
+            node=_copied(s.node, _OF_NODES),
+            cable=_copied(s.cable, _OF_CABLES),
+            quads=s.quads.copy(),
+        )
+        pose = sim.rotation.copy(), sim.translation.copy()
+        return cls(sim.shell, sim.tool, pose, state, figures)
+
+    def frame(self) -> Frame:
+        """Return the frame; raises ValueError as :class:`Frame`."""
+        s, n = self._state, self._state.n_node
+        faces = self._shell.face_stresses(s)
+        return Frame(
+            time=s.time,
+            points=s.node.x[:n],
+            reference=s.node.X[:n],
+            director=s.node.t[:n],
+            velocity=s.node.velocity_half[:n],
+            quads=s.quads.astype(np.int64),
+            held=s.node.supported[:n],
+            quad_stress=faces.stress[:, 0],
+            quad_stress_top=faces.stress[:, 1],
+            quad_stress_bottom=faces.stress[:, 2],
+            quad_principal=faces.principal[:, 0],
+            quad_principal_top=faces.principal[:, 1],
+            quad_principal_bottom=faces.principal[:, 2],
+            quad_thickness=faces.thickness,
+            crack_edges=open_edge_copies(s).astype(np.int64),
+            **_cables(s),
+            **_placed(self._tool, *self._pose),
+            **self._figures,
+        )
+
+
+def capture(
+    sim: Simulation,
+    *,
+    coordinate: float,
+    coordinate_name: str,
+    coordinate_unit: str,
+    scalars: Mapping[str, float] | None = None,
+    scalar_units: Mapping[str, str] | None = None,
+) -> Frame:
+    """Return the present state as plain arrays, with stresses, crack, cables and tool.
+
+    Parameters
+    ----------
+    sim : Simulation
+        What to look at.
+    coordinate, coordinate_name, coordinate_unit : float, str, str
+        What curves are drawn over, as :class:`Frame`.
+    scalars, scalar_units : mapping, optional
+        Figures to go with the picture.
+    """
+    return Exposure.of(
+        sim,
+        coordinate=coordinate,
+        coordinate_name=coordinate_name,
+        coordinate_unit=coordinate_unit,
+        scalars=dict(scalars or {}),
+        scalar_units=dict(scalar_units or {}),
+    ).frame()
+
+
+def _copied(table: _Table, names: tuple[str, ...]) -> _Table:
+    """Return a table that has copies of these arrays; the others it shares."""
+    return replace(table, **{name: getattr(table, name).copy(order="K") for name in names})
+
+
+def _placed(tool: Tool | None, rotation: Floats, translation: Floats) -> dict[str, Any]:
+    if tool is None:
+        return {}
+    points = tool.vertices @ rotation.T + translation
+    return {
+        "tool_points": points,
+        "tool_triangles": tool.triangles,
+        "tool_tooth": tool.triangle_body + 1,
+        "tool_rotation": rotation,
+        "tool_translation": translation,
+        "edge_points": points[tool.edges],
+        "edge_tooth": tool.edge_body + 1,
+    }
+
+
+def _cables(state: State) -> dict[str, Any]:
+    c, x = state.cable, state.node.x
+    live = np.flatnonzero(c.status[: c.count] != BROKEN)
+    bent = c.status[live] == JOINTED
+    straight, jointed = live[~bent], live[bent]
+    minus, plus = x[c.ends[:, 0]], x[c.ends[:, 1]]
+    branches = [
+        np.stack([minus[straight], plus[straight]], axis=1),
+        np.stack([minus[jointed], c.joint[jointed]], axis=1),
+        np.stack([c.joint[jointed], plus[jointed]], axis=1),
+    ]
+    order = np.concatenate([straight, jointed, jointed])
+    return {
+        "cable_segments": np.concatenate(branches),
+        "cable_state": np.repeat(np.array([0, 1], np.int8), [straight.size, 2 * jointed.size]),
+        "cable_traction": c.traction[order],
+        "cable_opening": c.opening[order],
+    }

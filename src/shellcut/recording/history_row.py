@@ -1,0 +1,84 @@
+"""One row of ``history.csv``: what is written of a run at a moment, and in which units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
+from shellcut.simulation.simulation import Simulation
+
+from .cut_front import CutFront
+from .tool_resistance import COMPONENTS, Resistance
+
+_ENERGIES = (
+    "tool_work",
+    "load_work",
+    "support_work",
+    "kinetic_translation",
+    "kinetic_rotation",
+    "strain",
+    "cohesive_work",
+    "cohesive_start_work",
+    "cohesive_stored",
+    "cohesive_dissipated",
+    "contact_work",
+    "contact_stored",
+    "contact_absorbed",
+    "damping_stiffness",
+    "damping_mass",
+)
+"""Entries of :class:`shellcut.simulation.ledger.Ledger`, [N·mm]."""
+
+
+def history_row(
+    sim: Simulation, resistance: Resistance, front: CutFront, *, unfelt: float
+) -> Iterator[tuple[str, str, float]]:
+    """Yield name, unit and value of every column.
+
+    Time, the coordinate and the figure to plot come first.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Between two steps, with a tool.
+    resistance : Resistance
+        Of its motion.
+    front : CutFront
+        Of its cuts.
+    unfelt : float
+        How deep the tool was between nodes without being felt, when last looked at [mm].
+    """
+    s, r = sim.state, resistance
+    contact, joints = sim.contact_forces.wrench, sim.cable_forces.wrench
+    yield "time", "s", s.time
+    yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
+    contact_sum, joints_sum = contact.sum(axis=0), joints.sum(axis=0)
+    of_contact = r.of(contact_sum, sim.translation, s.time)
+    of_joints = r.of(joints_sum, sim.translation, s.time)
+    for (figure, unit), c, j in zip(r.columns, of_contact, of_joints, strict=True):
+        yield figure, unit, c + j
+        yield f"{figure}_contact", unit, c
+        yield f"{figure}_joints", unit, j
+    first, unit = r.columns[0]
+    for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
+        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.translation, s.time)[0]
+    whole = r.components(contact_sum + joints_sum, sim.translation)
+    for (component, unit), value in zip(COMPONENTS, whole, strict=True):
+        yield component, unit, value
+    book = sim.close_ledger()
+    for energy in _ENERGIES:
+        yield energy, "N*mm", getattr(book, energy)
+    yield "imbalance", "N*mm", book.imbalance
+    yield "imbalance_rel", "-", book.relative(book.imbalance)
+    yield "dt", "s", s.dt
+    yield "cables_created", "-", s.n_cable
+    yield "cables_jointed", "-", sim.n_joint_made
+    yield "cables_broken", "-", sim.n_cable_broken
+    yield "crack_length", "mm", s.crack_length
+    for edge, (length, zone, ahead, spare) in enumerate(front.rows(sim).tolist(), start=1):
+        yield f"{CUT_LENGTH}{edge}", "mm", length
+        yield f"{PROCESS_ZONE}{edge}", "mm", zone
+        yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
+        yield f"{TO_SPARE}{edge}", "mm", spare
+    yield "deepest_penetration", "mm", sim.contact_forces.deepest
+    yield "unfelt_penetration", "mm", unfelt

@@ -1,0 +1,446 @@
+"""Recorder: the hook that leaves a run in a folder, as it goes.
+
+History, frames and pictures of the film are written during the run, so that a killed run leaves
+what it had; figures, splits and curves when it ends, however it ends
+(:mod:`shellcut.files.run_folder` lists the files). The checkpoint is renewed now and then, so that
+an interrupted run can go on: what was written after it is then dropped and written again.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import logging
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.checks import ModelCheck, check_model
+from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
+from shellcut.files.whole_file import written_whole
+from shellcut.frame import Frame
+from shellcut.results.run_results import read
+from shellcut.results.splits_csv import write_splits
+from shellcut.results.verdict import Line, say, verdict
+from shellcut.simulation.hooks import Trigger
+from shellcut.simulation.simulation import Simulation
+from shellcut.view.progress import Progress
+
+from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from .cut_evidence import cut_evidence
+from .cut_front import CutFront
+from .frame_capture import Exposure
+from .history_row import history_row
+from .run_files import RunFiles
+from .run_summary import run_summary
+from .schedule import Bookmark
+from .status_line import account_line
+from .tool_resistance import Resistance
+
+_log = logging.getLogger(__name__)
+
+# Lines of account over a run: where it is, its energies, cracks and cables.
+_N_ACCOUNT = 20
+
+# Wall time between two looks whether the files are still where they were [s].
+_LOOK_EVERY = 1.0
+
+
+class RunEnded(Exception):
+    """A run to be resumed has reached its end already: there is nothing left to do."""
+
+
+class Recorder:
+    """Write history, frames, snapshots and a summary of a run with a moving tool.
+
+    Parameters
+    ----------
+    sim : Simulation
+        The run; it must have a tool.
+    folder : path
+        Where to; made if need be, and held until :meth:`close`: no other run may write there. The
+        files of an earlier run are removed, all of them and no others, unless it is resumed.
+    until : float
+        End of the run [s], for the intervals and the progress.
+    name : str
+        Stem of the result file and title of the pictures.
+    n_row, n_frame, n_snapshot : int
+        How many rows, frames and pictures over the run.
+    progress : bool
+        Whether to show on standard error how far the run is, with a line of account every 5 %.
+    pvd : bool
+        Whether to write the frames as PVD + VTU too, for ParaView before 5.12; that takes some
+        eight times as long as a frame else.
+    log : callable, optional
+        Also given each line that is shown.
+    checkpoint_every : float or None
+        Wall time between two checkpoints [s], the first one at the start; None makes one only when
+        the run ends or is interrupted. One is always made then, unless the run died within a step.
+    resume : bool
+        Go on from the checkpoint in ``folder``: ``sim``, just built, is put into its state, and the
+        files are appended to. Rows, frames and pictures keep the intervals they began with.
+    check : ModelCheck, optional
+        Of this very model, if it is known; else it is made here.
+    force : bool
+        Run what a check refuses, where that can make sense.
+
+    Attributes
+    ----------
+    verdict : tuple of Line
+        What of the run may be trusted; empty before it has ended.
+    replace : bool
+        Whether an earlier run in the folder may be removed.
+    also : sequence of str
+        Names of further files in the folder that belong to the run and go with it.
+
+    Raises
+    ------
+    FolderInUse
+        If another run writes in the folder, of this or of another process; it is not disturbed.
+    FileExistsError
+        If something in the folder that no run has written would be replaced, or an earlier run that
+        shall not be; nothing in the folder has been touched.
+    FileNotFoundError
+        If there is no run in the folder to resume, or one of its files is gone.
+    CheckpointError
+        If it was a run of another model.
+    RunEnded
+        If the run to resume has reached ``until``; nothing in the folder has been touched.
+    RefusedModel
+        If a check of the model refuses it; nothing in the folder has been touched.
+        If the run to resume has reached ``until`` and left everything; nothing in the folder has
+        been touched.
+    FolderLost
+        During the run, if somebody removes, moves or empties the folder.
+    OSError
+        During the run, if a file cannot be written, as on a full disk: it goes on with ``resume``.
+    """
+
+    def __init__(
+        self,
+        sim: Simulation,
+        folder: str | os.PathLike[str],
+        *,
+        until: float,
+        name: str,
+        n_row: int = 1900,
+        n_frame: int = 100,
+        n_snapshot: int = 5,
+        progress: bool = True,
+        pvd: bool = False,
+        log: Callable[[str], None] | None = None,
+        checkpoint_every: float | None = 60.0,
+        resume: bool = False,
+        check: ModelCheck | None = None,
+        force: bool = False,
+        replace: bool = True,
+        also: Sequence[str] = (),
+    ) -> None:
+        if sim.motion is None or sim.tool is None:
+            raise ValueError("a Recorder needs a simulation with a tool and its motion")
+        if checkpoint_every is not None and not checkpoint_every >= 0:
+            raise ValueError(
+                f"checkpoint_every must be a wall time in s, or None, got {checkpoint_every!r}"
+            )
+        self._check = check or check_model(sim, until)
+        if not resume:
+            self._check.enforce(force=force)
+        self._check.say()
+        self.verdict: tuple[Line, ...] = ()
+        self.folder = Path(folder)
+        self.name = name
+        self.resistance = Resistance(sim.motion, until)
+        self._sim = sim
+        self._front = CutFront(sim, until)
+        self._until = until
+        self._can_draw = _matplotlib_is_there()
+        # One scale for all pictures of a run: from nothing to where the film splits. Without a law
+        # nothing is known beforehand, and each picture has its own.
+        self._stress_limits = None if sim.law is None else (0.0, sim.law.strength)
+        self._mark = Bookmark.at_start(
+            until=until, n_row=n_row, n_frame=n_frame, n_snapshot=n_snapshot
+        )
+        if resume and not (self.folder / CHECKPOINT).exists():
+            raise FileNotFoundError(
+                f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
+            )
+        columns = [(column, unit) for column, unit, _ in self._row()]
+        curve = self.resistance.columns[0][0]
+        self._files = RunFiles(folder, name, curve, columns=columns, pvd=pvd, also=also)
+        with ExitStack() as on_error:
+            on_error.callback(self._files.give_back)
+            if resume:
+                self._mark = self._take_up_run()
+                self._files.go_on(
+                    row_time=self._mark.row_time,
+                    frame_time=self._mark.frame_time,
+                    n_picture=self._mark.n_picture,
+                )
+            else:
+                self._files.begin(n_snapshot=n_snapshot, n_frame=n_frame, replace=replace)
+            on_error.pop_all()
+        self._account_due = Trigger(until / _N_ACCOUNT)
+        self._accounted = -1  # step of the last line of account
+        self._progress = self._make_progress(log) if progress else None
+        self._wires = ToolWires(sim.tool)
+        self._checkpoint_every = np.inf if checkpoint_every is None else checkpoint_every
+        self._checkpoint_failed = False
+        self._started = self._looked = time.perf_counter()
+        self._saved = self._started if resume else -np.inf
+        self._record_failed = self._closed = False
+
+    def due(self, sim: Simulation) -> bool:
+        """Whether a row, a frame or a picture is due, or the progress wants to be shown."""
+        return sim.state.step % 10 == 0
+
+    def __call__(self, sim: Simulation) -> None:
+        """Write what is due."""
+        now = sim.state.time
+        if self._mark.due(now):
+            before = self._mark.copy()
+            try:
+                self._record(sim, now, self._mark)
+            except BaseException:
+                # What was due is due again when the run goes on from here.
+                self._mark, self._record_failed = before, True
+                raise
+        if self._progress is not None:
+            if self._account_due(now) and now > 0.0:
+                self._give_account(self._progress)
+            if self._progress.wants:
+                self._show_progress(self._progress)
+        clock = time.perf_counter()
+        if clock - self._looked >= _LOOK_EVERY:
+            self._looked = clock
+            self._files.look()
+        if clock - self._saved >= self._checkpoint_every:
+            self._save_checkpoint()
+
+    def _record(self, sim: Simulation, now: float, mark: Bookmark) -> None:
+        if mark.row_due(now):
+            self._files.history.append({column: value for column, _, value in self._row()})
+            mark.row_time = now
+        frame_due = mark.frame_due(now)
+        picture_due = mark.picture_due is not None and mark.picture_due(now)
+        if frame_due or picture_due:
+            exposure = self._expose(sim)
+            mark.captured_time = now
+            if frame_due:
+                _, mark.unfelt = unfelt_penetration(
+                    self._wires, sim.state, sim.rotation, sim.translation
+                )
+                mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
+                self._files.frames.append(exposure.frame)
+                mark.frame_time = now
+            if picture_due:
+                self._draw(exposure.frame())
+
+    def place(self) -> str:
+        """Return where the run is, like "angle 34.5 deg"."""
+        r = self.resistance
+        at = r.coordinate(self._sim.state.time)
+        return f"{r.coordinate_name} {at:.4g} {r.coordinate_unit}"
+
+    def close(self) -> None:
+        """Write checkpoint, summary and curves, log the verdict, close files and folder.
+
+        After an error of writing there is nothing but the checkpoint, where it can be written: the
+        rest is of a run that has ended, and comes when this one has been gone on with.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        with ExitStack() as at_last:  # all of it, whatever goes wrong with any
+            at_last.callback(self._files.give_back)
+            with ExitStack() as before:
+                before.callback(self._end_progress)
+                before.callback(self._files.close)
+                self._end_records()
+            if not self._has_failed():
+                self._sum_up()
+        say(self.verdict)
+
+    def give_up(self) -> None:
+        """Close the files of a run that shall not begin: none of them is left, or all as before."""
+        if not self._closed:
+            self._closed = True
+            self._files.give_up()
+
+    def _end_records(self) -> None:
+        if not self._sim.between_steps:
+            self._settle_quietly()
+        if not self._has_failed():
+            self._files.look()
+        # A run that died within a step, or lacks a frame, goes on from its last checkpoint.
+        if self._sim.between_steps and not (self._files.lost or self._files.frames.failed):
+            self._save_checkpoint()
+        if not self._has_failed():
+            self._show_end()
+
+    def _has_failed(self) -> bool:
+        frame_failed = self._files.frames.failed and self._sim.between_steps
+        return self._record_failed or self._files.lost or frame_failed
+
+    def _settle_quietly(self) -> None:
+        """Wait for a frame on its way: what broke the step is what the caller shall be told."""
+        try:
+            self._files.frames.settle()
+        except ValueError as problem:
+            _log.warning("the last frame before the end could not be made: %s", problem)
+
+    # ------------------------------------------------------------------ restart
+
+    def _wall(self) -> float:
+        return self._mark.wall + time.perf_counter() - self._started
+
+    def _take_up_run(self) -> Bookmark:
+        """Put the simulation where the checkpoint was made; return where the records were."""
+        path = self.folder / CHECKPOINT
+        saved = load_checkpoint(self._sim, path)
+        self._front.restore(saved.pop("cut_front", self._front.saved()))
+        mark = Bookmark.restored(saved)
+        if mark is None:
+            raise CheckpointError(
+                f"{path} was saved by hand: it goes on with load_checkpoint, in another folder"
+            )
+        # Killed, or failed, after its last step it has still to be summed up.
+        if self._sim.state.time >= self._until and self._files.are_summed_up(self._can_draw):
+            raise RunEnded(f"{self.name} in {self.folder} ended already, at {self.place()}")
+        return mark
+
+    def _save_checkpoint(self) -> None:
+        # What it counts as written shall be there when it is gone on with, whatever happens.
+        self._files.frames.settle()
+        mark = replace(self._mark, wall=self._wall())
+        try:
+            saved = {**mark.saved(), "cut_front": self._front.saved()}
+            self._files.frames.sync()
+            self._files.history.sync()
+            save_checkpoint(self._sim, self.folder / CHECKPOINT, extra=saved)
+            self._checkpoint_failed = False
+        except OSError as problem:
+            if not self._checkpoint_failed:  # once, not every minute
+                _log.warning("no checkpoint could be written, the run goes on: %s", problem)
+            self._checkpoint_failed = True
+        self._saved = time.perf_counter()
+
+    # ------------------------------------------------------------------ parts
+
+    def _row(self) -> Iterator[tuple[str, str, float]]:
+        return history_row(self._sim, self.resistance, self._front, unfelt=self._mark.unfelt)
+
+    def _felt(self) -> list[float]:
+        """Return the figures of the resistance, contact and joints of all teeth together."""
+        sim = self._sim
+        return self.resistance.of(sim.tooth_wrenches.sum(axis=0), sim.translation, sim.state.time)
+
+    def _show_end(self) -> None:
+        """Leave a frame and a picture of the end of the run.
+
+        A film that blew up may have no finite stress: then the frames before are the last.
+        """
+        sim, now = self._sim, self._sim.state.time
+        frame_due = now > self._mark.frame_time
+        picture_due = self._can_draw and self._mark.picture_due is not None
+        picture_due = picture_due and now > self._mark.captured_time
+        if not (frame_due or picture_due):
+            return
+        with np.errstate(all="ignore"):
+            try:
+                frame = self._expose(sim).frame()
+            except ValueError:
+                if sim.between_steps:
+                    raise
+                return  # what broke the step is on its way to the caller
+            if frame_due:
+                self._files.frames.append(lambda: frame)
+            if picture_due:
+                self._draw(frame)
+
+    def _make_progress(self, log: Callable[[str], None] | None) -> Progress:
+        r = self.resistance
+        first, unit = r.columns[0]
+        units = {r.coordinate_name: r.coordinate_unit, first: unit, "imbalance": "%"}
+        return Progress(self.name, figure_units=units, log=log)
+
+    @property
+    def _share(self) -> float:
+        """Part of the run that is done, 0 to 1."""
+        return self._sim.state.time / self._until
+
+    def _end_progress(self) -> None:
+        if self._progress is not None:
+            if self._accounted < self._sim.state.step:
+                self._give_account(self._progress)
+            self._show_progress(self._progress)
+            self._progress.close()
+
+    def _give_account(self, progress: Progress) -> None:
+        progress.note(account_line(self._sim, self.resistance, self._share))
+        self._accounted = self._sim.state.step
+
+    def _show_progress(self, progress: Progress) -> None:
+        sim, r = self._sim, self.resistance
+        figures = {
+            r.coordinate_name: r.coordinate(sim.state.time),
+            r.columns[0][0]: self._felt()[0],
+            "imbalance": 100.0 * sim.ledger.relative(sim.ledger.imbalance),
+        }
+        progress.update(self._share, step=sim.state.step, **figures)
+
+    def _expose(self, sim: Simulation) -> Exposure:
+        r = self.resistance
+        scalars = dict(zip((name for name, _ in r.columns), self._felt(), strict=True))
+        return Exposure.of(
+            sim,
+            coordinate=r.coordinate(sim.state.time),
+            coordinate_name=r.coordinate_name,
+            coordinate_unit=r.coordinate_unit,
+            scalars=scalars | {"crack length": sim.state.crack_length},
+            scalar_units=dict(r.columns) | {"crack length": "mm"},
+        )
+
+    def _draw(self, frame: Frame) -> None:
+        if not self._can_draw:
+            return
+        from shellcut.view import draw_snapshot
+
+        began = time.perf_counter()
+        path = self._files.new_picture(self._mark.n_picture)
+        draw_snapshot(path, frame, stress_limits=self._stress_limits)
+        self._mark.n_picture += 1
+        self._mark.drawing += time.perf_counter() - began
+
+    def _sum_up(self) -> None:
+        """Write what is known at the end: figures, splits, curves."""
+        results = read(result_file(self.folder, self.name))
+        figures = run_summary(
+            self._sim,
+            self.resistance,
+            results.history,
+            stepping=self._wall() - self._mark.drawing,
+            drawing=self._mark.drawing,
+            unfelt=self._mark.largest_unfelt,
+        )
+        figures |= cut_evidence(self._sim, self._check.sweep)
+        figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
+        if not self._sim.between_steps:
+            figures["broke_off"] = 1
+        self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
+        said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
+        write_splits(self.folder / SPLITS, self._sim.state.split_log)
+        with written_whole(self.folder / SUMMARY) as aside:
+            aside.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+        if self._can_draw and len(results.history["time"]) > 1:
+            results.plot_torque()
+            results.plot_energy()
+
+
+def _matplotlib_is_there() -> bool:
+    return importlib.util.find_spec("matplotlib") is not None

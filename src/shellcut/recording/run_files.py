@@ -1,0 +1,212 @@
+"""The files of a run: opened anew or gone on with, and looked after, in a folder of its own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from shellcut.files.run_folder import (
+    ENERGY_PICTURE,
+    HISTORY,
+    SPLITS,
+    SUMMARY,
+    planned_names,
+    resistance_picture,
+    result_file,
+    snapshot,
+    snapshots,
+)
+from shellcut.files.taken_folder import TakenFolder
+from shellcut.results.frame_writer import FrameOutput
+from shellcut.results.history import HistoryWriter
+
+
+class FolderLost(OSError):
+    """Somebody has removed, moved or emptied the folder of a run that goes on."""
+
+
+class RunFiles:
+    """Hold the folder of a run, and in it the files that grow.
+
+    One of :meth:`begin` and :meth:`go_on` opens them; :meth:`close` closes them, and
+    :meth:`give_back` the folder.
+
+    Parameters
+    ----------
+    folder : path
+        The folder; made if need be.
+    name : str
+        Stem of the result file.
+    curve : str
+        What the curve of the run shows, like ``"torque"``.
+    columns : sequence of (name, unit)
+        Of the history.
+    pvd : bool
+        Whether to write the frames as PVD + VTU too.
+    also : sequence of str
+        Names of further files that belong to the run.
+
+    Raises
+    ------
+    ValueError
+        If the name is not that of a file in the folder.
+    FolderInUse
+        If another run writes in the folder.
+    OSError
+        If it cannot be made or written.
+    """
+
+    history: HistoryWriter
+    frames: FrameOutput
+
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        name: str,
+        curve: str,
+        *,
+        columns: Sequence[tuple[str, str]],
+        pvd: bool,
+        also: Sequence[str],
+    ) -> None:
+        if name != Path(name).name or not name.isprintable():
+            raise ValueError(f"name must be the stem of a file, without a folder, got {name!r}")
+        self.folder, self._name = Path(folder), name
+        self._curve, self._columns, self._pvd, self._also = curve, columns, pvd, also
+        self._taken = TakenFolder(self.folder)
+        self.lost = False
+        """Whether the folder is no longer that of this run."""
+        self._is_new = False
+
+    def begin(self, *, n_snapshot: int, n_frame: int, replace: bool) -> None:
+        """Remove the run before, if it may be, and begin anew.
+
+        Raises
+        ------
+        FileExistsError
+            As :meth:`TakenFolder.begin`.
+        OSError
+            If a file cannot be written.
+        """
+        always, later = self._planned(n_snapshot=n_snapshot, n_frame=n_frame)
+        self._taken.begin(always, later, replace=replace)
+        try:
+            self._open("w", None, None)
+        except BaseException:
+            self._taken.clear()
+            raise
+        self._is_new = True
+
+    def go_on(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
+        """Go on with the run in the folder behind its checkpoint, and drop what came after it.
+
+        Parameters
+        ----------
+        row_time, frame_time : float
+            Of the last row and the last frame before the checkpoint [s].
+        n_picture : int
+            Number of pictures before it.
+
+        Raises
+        ------
+        FileNotFoundError
+            If a file is not there.
+        ValueError
+            If a file is not of this run.
+        OSError
+            If a file cannot be written.
+        """
+        growing = (self.folder / HISTORY, result_file(self.folder, self._name))
+        gone = [str(file) for file in growing if not file.exists()]
+        if gone:
+            raise FileNotFoundError(
+                f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
+            )
+        own = [snapshot(self.folder, k).name for k in range(n_picture)]
+        self._taken.go_on([*self._planned(n_snapshot=0, n_frame=0)[0], *own])
+        later = [path.name for path in snapshots(self.folder, first=n_picture)]
+        self._taken.remove([*self._last_names(drawn=True), *later])
+        self._open("a", row_time, frame_time)
+
+    def are_summed_up(self, drawn: bool) -> bool:
+        """Whether all files are there that tell that the run has ended, drawn ones if need be."""
+        return all((self.folder / name).exists() for name in self._last_names(drawn))
+
+    def new_picture(self, number: int) -> Path:
+        """Return where the next picture of the film goes."""
+        path = snapshot(self.folder, number)
+        self._taken.add(path)
+        return path
+
+    def look(self) -> None:
+        """Look whether the files are still where they are written.
+
+        Raises
+        ------
+        FolderLost
+            If they are not: what would still be written would be nowhere.
+        FolderInUse
+            If another run has the folder now.
+        OSError
+            If a frame could not be written.
+        """
+        self.frames.check()
+        self.lost = True
+        if not (self.history.in_place() and result_file(self.folder, self._name).exists()):
+            raise FolderLost(
+                f"{self.folder} has been removed, moved or emptied while {self._name} was written "
+                "there; if it was moved, the run can be resumed where it is now"
+            )
+        self._taken.hold()
+        self.lost = False
+
+    def close(self) -> None:
+        """Close the files."""
+        try:
+            self.frames.close()
+        finally:
+            self.history.close()
+
+    def give_up(self) -> None:
+        """Close the files of a run that has not begun, and remove them unless it was to go on."""
+        try:
+            self.close()
+            if self._is_new:
+                self._taken.clear()
+        finally:
+            self.give_back()
+
+    def give_back(self) -> None:
+        """Let others write in the folder; a second call does nothing."""
+        self._taken.close()
+
+    def _last_names(self, drawn: bool) -> list[str]:
+        curves = [resistance_picture(self.folder, self._curve).name, ENERGY_PICTURE]
+        return [SUMMARY, SPLITS, *(curves if drawn else ())]
+
+    def _planned(self, *, n_snapshot: int, n_frame: int) -> tuple[list[str], list[str]]:
+        always, later = planned_names(
+            self._name, self._curve, n_snapshot=n_snapshot, n_frame=n_frame, pvd=self._pvd
+        )
+        return [*always, *self._also], later
+
+    def _open(
+        self, mode: Literal["w", "a"], row_time: float | None, frame_time: float | None
+    ) -> None:
+        self.history = HistoryWriter(
+            self.folder / HISTORY, self._columns, mode=mode, until=row_time
+        )
+        try:
+            self.frames = FrameOutput(
+                self.folder,
+                self._name,
+                pvd=self._pvd,
+                mode=mode,
+                until=frame_time,
+                announce=self._taken.add,
+            )
+        except BaseException:
+            self.history.close()
+            raise

@@ -1,0 +1,97 @@
+"""The figures of ``summary.json``: what a run came to, in numbers whose names carry the units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.results.energy_balance import largest_shares, trusted_rows
+from shellcut.results.steady_window import steady_figures
+from shellcut.simulation.simulation import Simulation
+
+from .tool_resistance import Resistance
+
+
+def run_summary(
+    sim: Simulation,
+    resistance: Resistance,
+    history: Mapping[str, Floats],
+    *,
+    stepping: float,
+    drawing: float,
+    unfelt: float,
+) -> dict[str, float | str]:
+    """Return the figures by name; counts are whole numbers, reasons are texts.
+
+    A figure that is not finite, of a film that blew up, is left out: JSON has no word for it.
+
+    Parameters
+    ----------
+    sim : Simulation
+        At its end, with a tool.
+    resistance : Resistance
+        Of its motion.
+    history : mapping of ndarray, shape (n_row,)
+        Its history.
+    stepping, drawing : float
+        Wall time without and for the pictures [s].
+    unfelt : float
+        How deep the tool was between nodes at most without being felt [mm].
+    """
+    s, r = sim.state, resistance
+    book = sim.close_ledger()
+    figures = {
+        "n_quad": sim.mesh.n_quad,
+        "n_step": s.step,
+        "dt_s": s.time / max(s.step, 1),
+        "wall_s": stepping,
+        "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
+        "pictures_s": drawing,
+        f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
+        "tool_work_Nmm": book.tool_work,
+        "kinetic_Nmm": book.kinetic,
+        "strain_Nmm": book.strain,
+        "cohesive_work_Nmm": book.cohesive_work,
+        "cohesive_dissipated_Nmm": book.cohesive_dissipated,
+        "cohesive_stored_Nmm": book.cohesive_stored,
+        "contact_Nmm": book.contact_work,
+        "contact_absorbed_Nmm": book.contact_absorbed,
+        "damping_Nmm": book.damping,
+        **largest_shares(history, trusted_rows(history)),
+        "n_cable_created": s.n_cable,
+        "n_cable_jointed": sim.n_joint_made,
+        "n_cable_broken": sim.n_cable_broken,
+        "crack_length_mm": s.crack_length,
+        "n_recovery_borrowed": sim.criterion.n_borrowed if sim.criterion else 0,
+        "deepest_penetration_mm": sim.deepest_penetration,
+        "tool_half_thickness_mm": sim.contact.law.tool_half_thickness if sim.contact else 0.0,
+        "unfelt_penetration_mm": unfelt,
+        "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
+        "added_inertia_factor": sim.shell.added_inertia_factor,
+        **_peaks(history, r),
+    }
+    finite: dict[str, float | str] = {
+        name: int(value) if name.startswith("n_") else float(value)
+        for name, value in figures.items()
+        if isfinite(value)
+    }
+    coordinate = r.coordinate_name, r.coordinate_unit
+    finite |= steady_figures(history, coordinate, r.columns[0])
+    return finite | {"resistance": r.meaning}
+
+
+def _peaks(history: Mapping[str, Floats], r: Resistance) -> dict[str, float]:
+    """Return the value of the largest magnitude, with its sign, and where it was met."""
+    name, unit = r.columns[0]
+    values = history[name]
+    finite = np.flatnonzero(np.isfinite(values))
+    if not finite.size:
+        return {}
+    k = int(finite[np.argmax(np.abs(values[finite]))])
+    return {
+        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
+        f"{name}_peak_at_{r.coordinate_unit}": float(history[r.coordinate_name][k]),
+    }

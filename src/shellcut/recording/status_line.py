@@ -1,0 +1,103 @@
+"""A run in plain lines: what it starts from, and where its work has gone so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shellcut.checks import Sweep, edge_line
+from shellcut.simulation.simulation import Simulation
+from shellcut.view.progress import percent
+
+if TYPE_CHECKING:
+    from .tool_resistance import Resistance
+
+# Cost of a step [s] as of the opening test in docs/performance.md, M1 and M2 on one free core: a
+# part that does not depend on the film, and one a quad.
+_STEP_COST, _QUAD_COST = 50e-6, 48e-9
+
+
+def start_lines(
+    sim: Simulation, resistance: Resistance, until: float, sweep: Sweep | None = None
+) -> Iterator[str]:
+    """Yield what a run starts from: film, tool, step, and how long it may take.
+
+    Parameters
+    ----------
+    sim : Simulation
+        Before its first step, with a tool.
+    resistance : Resistance
+        Of its motion.
+    until : float
+        End of the run [s].
+    sweep : Sweep, optional
+        The way of the cutting edges, for what becomes of them.
+    """
+    mesh, tool = sim.mesh, sim.tool
+    edges = mesh.edge_lengths()
+    held = int(sim.state.node.supported[: mesh.n_node].sum())
+    yield (
+        f"film   {mesh.n_quad:,} quads, {mesh.n_node:,} nodes, {held:,} of them held, edges "
+        f"{edges.min():.3g} to {edges.max():.3g} mm, {sim.material.thickness:.3g} mm thick"
+    )
+    if tool is not None:
+        n, length = tool.n_chain, sum(chain.length for chain in tool.chains())
+        yield (
+            f"tool   {tool.n_body} {'body' if tool.n_body == 1 else 'bodies'}, "
+            f"{tool.n_triangle:,} triangles, {n} cutting {'edge' if n == 1 else 'edges'}, "
+            f"{length:.4g} mm"
+        )
+    if sweep is not None:
+        yield edge_line(sweep)
+    r = resistance
+    yield f"shown  {r.meaning}, over the {r.coordinate_name}"
+    n_step = until / sim.dt
+    cost = n_step * (_STEP_COST + _QUAD_COST * mesh.n_quad)
+    yield (
+        f"step   {sim.dt:.4g} s at first, so about {round(n_step, -2):,.0f} steps to "
+        f"{r.coordinate_name} {r.coordinate(until):.4g} {r.coordinate_unit}, {1e3 * until:.4g} ms; "
+        f"about {_rough(cost)} on a free core"
+    )
+
+
+def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
+    """Return where a run is: coordinate, resistance, energies, balance, crack and cables.
+
+    Parameters
+    ----------
+    sim : Simulation
+        After a complete step, with a tool.
+    resistance : Resistance
+        Of its motion.
+    share : float
+        Part of the run that is done.
+    """
+    r, s, book = resistance, sim.state, sim.ledger
+    figure, unit = r.columns[0]
+    energies = {
+        "kin": book.kinetic,
+        "int": book.strain,
+        "cohesive": book.cohesive_work + book.cohesive_start_work,
+        "contact": book.contact_work,
+        "damping": book.damping,
+        "ext": book.put_in,
+    }
+    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation, s.time)[0]
+    parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
+    return (
+        f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
+        f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
+        f"E: {parts} N*mm | balance {100.0 * book.relative(book.imbalance):+.2f} % | "
+        f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
+        f"{sim.n_joint_made} jointed {sim.n_cable_broken} broken"
+    )
+
+
+def _rough(seconds: float) -> str:
+    """Return a time to the precision of an estimate."""
+    for size, unit in ((3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{np.ceil(seconds):.0f} s"

@@ -1,0 +1,198 @@
+r"""What the drive of the tool has to overcome, read from the wrench on the tool.
+
+Signs: all figures are of what the tool does to the film, so that what resists is positive and
+resistance x rate is the power that the tool puts in.
+
+==================  ========================  ======================================================
+the motion keeps    figures                   power
+==================  ========================  ======================================================
+an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the way along the advance;
+                                              of a screw of pitch p du = p/(2 pi) dtheta
+a line              force F along it          F ds/dt
+neither             dW/dq                     (dW/dq) dq/dt, q the coordinate
+==================  ========================  ======================================================
+
+The last one is the generalised force of the coordinate q: with f and m the force and the moment
+about a point that the tool exerts, w and v its angular velocity and the velocity of that point,
+
+    dW/dq = (f · v + m · w) / (dq/dt).
+
+Over an angle it is a torque [N·mm], over a path a force [N], and is named so. Where a motion keeps
+an axis and does not slide along it, or keeps a line, it is the same number as T or F. Where the
+coordinate rests no work tells it: the wrench is then taken along the way of the nearest instant at
+which the coordinate moves.
+
+Besides, the whole wrench is given in the axes of the world, its moment about the world's origin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.tool.motion import Motion
+from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
+
+COMPONENTS = [(f"force_{c}", "N") for c in "xyz"] + [(f"moment_{c}", "N*mm") for c in "xyz"]
+"""Names and units of the wrench; the moment is about the world's origin."""
+
+_Triple = Sequence[float]
+
+
+class Resistance:
+    """Read the resistance from the wrench on the tool.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of the tool.
+    until : float
+        End of the run [s]: what a motion keeps is looked for up to there.
+
+    Attributes
+    ----------
+    columns : list of (name, unit)
+        Names and units of the figures; the first is the one that does the work.
+    meaning : str
+        What the first one is.
+    coordinate_name, coordinate_unit : str
+        What the figures are plotted over, in the unit shown to users.
+    coordinate_scale : float
+        From the motion's own coordinate to that unit.
+
+    Examples
+    --------
+    >>> import shellcut as sc
+    >>> r = Resistance(sc.StraightMotion((0.0, 0.0, -1.0), speed=10.0), until=1.0)
+    >>> r.columns, r.meaning
+    ([('force', 'N')], 'force along (0, 0, -1)')
+    """
+
+    def __init__(self, motion: Motion, until: float) -> None:
+        self._motion = motion
+        turns = motion.coordinate_unit == "rad"
+        self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
+        self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
+        kept = kept_axis(motion, until)
+        self._reading: _AboutAxis | _AlongLine | _OfCoordinate
+        if isinstance(kept, Axis):
+            self._reading = _AboutAxis(kept, motion)
+        elif isinstance(kept, Line):
+            self._reading = _AlongLine(kept)
+        else:
+            self._reading = _OfCoordinate(motion, until)
+        self.columns, self.meaning = self._reading.columns, self._reading.meaning
+
+    def coordinate(self, time: float) -> float:
+        """Return the coordinate at a time in the unit shown to users."""
+        return self._motion.coordinate(time) * self.coordinate_scale
+
+    def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
+        """Return the figures of one wrench, in the order of ``columns``.
+
+        Parameters
+        ----------
+        wrench : ndarray, shape (6,)
+            Force [N] and moment about ``origin`` [N·mm] on the tool.
+        origin : ndarray, shape (3,)
+            Where the moment is taken: the present place of the body's origin [mm].
+        time : float
+            Now [s].
+        """
+        # Plain numbers: six of them in NumPy cost ten times as much.
+        *force, mx, my, mz = wrench.tolist()
+        return self._reading.of(force, (mx, my, mz), origin.tolist(), time)
+
+    def components(self, wrench: Floats, origin: Floats) -> list[float]:
+        """Return the wrench that the tool exerts, in the order of :data:`COMPONENTS`.
+
+        ``wrench`` and ``origin`` as of :meth:`of`; the moment is about the world's origin.
+        """
+        *force, mx, my, mz = wrench.tolist()
+        moment = _moment_about((0.0, 0.0, 0.0), force, (mx, my, mz), origin.tolist())
+        # Taken from zero rather than negated: nothing shall read 0, not -0.
+        return [0.0 - c for c in (*force, *moment)]
+
+
+class _AboutAxis:
+    """Torque about the axis, force along the advance."""
+
+    def __init__(self, kept: Axis, motion: Motion) -> None:
+        self.columns = [("torque", "N*mm"), ("axial_force", "N")]
+        self._axis, self._advance, self._point = kept.direction, kept.advance, kept.point
+        self._drift, self._motion = kept.drift, motion
+        self._moves = any(kept.drift)
+        moving = ", which moves, at the start" if self._moves else ""
+        self.meaning = (
+            f"torque about the axis {_shown(kept.direction)}{moving} through "
+            f"{_shown(kept.point)} mm"
+        )
+
+    def of(self, force: _Triple, moment: _Triple, origin: _Triple, time: float) -> list[float]:
+        point = self._point
+        if self._moves:
+            q = self._motion.coordinate(time)
+            (px, py, pz), (dx, dy, dz) = point, self._drift
+            point = (px + q * dx, py + q * dy, pz + q * dz)
+        about = _moment_about(point, force, moment, origin)
+        return [0.0 - _dot(self._axis, about), 0.0 - _dot(self._advance, force)]
+
+
+class _AlongLine:
+    """Force along the line."""
+
+    def __init__(self, kept: Line) -> None:
+        self.columns = [("force", "N")]
+        self._direction = kept.direction
+        self.meaning = f"force along {_shown(kept.direction)}"
+
+    def of(self, force: _Triple, _moment: _Triple, _origin: _Triple, _time: float) -> list[float]:
+        return [0.0 - _dot(self._direction, force)]
+
+
+class _OfCoordinate:
+    """Generalised force of the coordinate."""
+
+    def __init__(self, motion: Motion, until: float) -> None:
+        self._motion, self._until = motion, until
+        self._seen = instants(motion, until)
+        if motion.coordinate_unit == "rad":
+            self.columns = [("torque", "N*mm")]
+            self.meaning = "generalised torque: work of the tool per radian; it keeps no axis"
+        else:
+            self.columns = [("force", "N")]
+            self.meaning = "generalised force: work of the tool per mm; it keeps no direction"
+        rates = [abs(coordinate_rate(motion, t, until)) for t in self._seen.time.tolist()]
+        self._slowest = AT_REST * max(rates, default=0.0)
+
+    def of(self, force: _Triple, moment: _Triple, origin: _Triple, time: float) -> list[float]:
+        rate = coordinate_rate(self._motion, time, self._until)
+        if abs(rate) > self._slowest:
+            spin, velocity = (np.asarray(part, float).tolist() for part in self._motion.twist(time))
+            power = _dot(force, velocity) + _dot(moment, spin)
+            return [0.0 - power / rate]
+        if not self._seen.time.size:
+            return [0.0]
+        k = int(np.abs(self._seen.time - time).argmin())
+        spin, shift = self._seen.spin[k], self._seen.shift[k]
+        return [0.0 - _dot(force, shift.tolist()) - _dot(moment, spin.tolist())]
+
+
+def _moment_about(
+    point: _Triple, force: _Triple, moment: _Triple, origin: _Triple
+) -> tuple[float, float, float]:
+    """Return the moment about a point of a wrench whose moment is about ``origin``."""
+    (px, py, pz), (fx, fy, fz), (x, y, z) = point, force, origin
+    x, y, z = x - px, y - py, z - pz
+    mx, my, mz = moment
+    return mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx
+
+
+def _dot(a: _Triple, b: _Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _shown(v: _Triple) -> str:
+    return f"({', '.join(f'{c + 0.0:.4g}' for c in v)})"

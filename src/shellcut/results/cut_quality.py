@@ -1,0 +1,427 @@
+"""Figures of a cut's quality at one frame: what is cut, what still holds, how far it has tipped.
+
+Everything is found from the quads, the two flanks of the crack edges and the held nodes; lengths
+and areas are those of the reference surface, widths of the slit and angles those of the present.
+
+**Cracks.** A *place* is where flanks lie one on the other before the cut: one node, or a node and
+its twins. Crack edges with a place in common are one *crack*, unless the node there is still whole:
+there cracks *end*. An end on the film's boundary is open and no end in this sense.
+
+**Bridges.** Two crack ends face each other if each lies ahead of the other, less than 90° off the
+direction in which the last crack edge points. Ends that face each other are paired, the narrowest
+bridge first. Its *width* is the arc between the ends, c a / sin a, with c their distance and
+a the mean angle between the crack edges and the line that joins the ends: exact on a circle and on
+a straight path. Where cracks meet at a node that still holds, the width is 0. A single crack around
+a circle has a bridge once it has gone half of the way.
+
+**Flaps.** A flap is the film between a crack and the straight line between its two ends, which is
+the hinge by which it hangs. Its *angle* is that between its mean normal (of the area vectors) now
+and in the reference; its *steepest* angle is the largest of that of any of its quads. A crack
+without two ends, and a straight one, has no flap.
+
+**Cut-out.** The piece that the cut is to free: the film inside the closed line of cracks and the
+straight lines across bridges, once there is such a line. The tipping of a disc that still hangs by
+four bridges, by one, or by none is the angle of its mean normal, as of a flap. The share of the
+line that is cut is crack length over crack length and bridge widths together.
+
+**Pieces.** Quads that share a node are of one piece; cables are not counted. A piece is loose if it
+has no held node; where nothing is held, if it is not the largest. A piece that hangs on others by
+live cables is loose, too: none of its film holds.
+
+The cut-out and flaps are found in the plane that fits the line best, so the film should be flat or
+gently curved in the reference, as an imprinted one is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.frame import Frame
+from shellcut.numerics.connected_parts import connected_parts
+
+UNITS = {
+    "crack_length": "mm",
+    "n_crack": "-",
+    "slit_width_mean": "mm",
+    "slit_width_largest": "mm",
+    "n_bridge": "-",
+    "bridge_width": "mm",
+    "bridge_width_least": "mm",
+    "n_flap": "-",
+    "flap_angle_largest": "deg",
+    "flap_angle_steepest": "deg",
+    "cut_share": "-",
+    "cutout_area": "mm^2",
+    "cutout_angle": "deg",
+    "n_piece": "-",
+    "n_loose": "-",
+    "loose_area": "mm^2",
+}
+"""Names and units of :meth:`CutQuality.figures`."""
+
+# A flap is more than round-off of a straight crack: of the square of the hinge's length.
+_LEAST_FLAP = 1e-6
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """Film between two crack ends that face each other."""
+
+    ends: Floats
+    """Reference positions of the two ends, shape (2, 3), [mm]."""
+    width: float
+    """Length of the arc between them [mm]."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A flap or the cut-out."""
+
+    quads: Ints
+    """Its quads, ascending, shape (n,)."""
+    line: Floats
+    """The closed line around it in the reference, shape (n_point, 3), [mm]; of a flap the hinge
+    joins the last point to the first."""
+    area: float
+    """Reference area [mm²]."""
+    angle: float
+    """Between its mean normal now and in the reference [deg]."""
+    steepest: float
+    """Largest angle of any of its quads [deg]."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Quads that hang together."""
+
+    quads: Ints
+    """Ascending, shape (n,)."""
+    area: float
+    """Reference area [mm²]."""
+    loose: bool
+
+
+@dataclass(frozen=True)
+class CutQuality:
+    """What :func:`cut_quality` found in a frame."""
+
+    cracks: tuple[Floats, ...]
+    """Reference places along each crack, from end to end, shape (n_place, 3), [mm]; of a branched
+    one along its longest way. A closed crack has its first place again at the end."""
+    crack_length: float
+    """Of all crack edges [mm], pre-cuts included."""
+    slit_width: Floats
+    """Present distance of the two flanks at the middle of each crack edge, shape (n_crack_edge,),
+    [mm]."""
+    slit_width_mean: float
+    """Over the crack length [mm]."""
+    bridges: tuple[Bridge, ...]
+    flaps: tuple[Part, ...]
+    """The largest first."""
+    cutout: Part | None
+    """The largest, if there are several closed lines."""
+    cut_share: float
+    """Part of the cut-out's line that is cut; 0 without such a line."""
+    pieces: tuple[Piece, ...]
+    """The largest first."""
+
+    def figures(self) -> dict[str, float]:
+        """Return the figures by the names of :data:`UNITS`; 0 where there is no such thing."""
+        loose = [piece.area for piece in self.pieces if piece.loose]
+        widths = [bridge.width for bridge in self.bridges]
+        return {
+            "crack_length": self.crack_length,
+            "n_crack": len(self.cracks),
+            "slit_width_mean": self.slit_width_mean,
+            "slit_width_largest": float(self.slit_width.max(initial=0.0)),
+            "n_bridge": len(widths),
+            "bridge_width": sum(widths),
+            "bridge_width_least": min(widths, default=0.0),
+            "n_flap": len(self.flaps),
+            "flap_angle_largest": max((flap.angle for flap in self.flaps), default=0.0),
+            "flap_angle_steepest": max((flap.steepest for flap in self.flaps), default=0.0),
+            "cut_share": self.cut_share,
+            "cutout_area": self.cutout.area if self.cutout else 0.0,
+            "cutout_angle": self.cutout.angle if self.cutout else 0.0,
+            "n_piece": len(self.pieces),
+            "n_loose": len(loose),
+            "loose_area": sum(loose),
+        }
+
+
+def cut_quality(frame: Frame) -> CutQuality:
+    """Return the figures of a cut's quality at one frame; the module defines each.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from shellcut.frame import Frame
+    >>> points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+    >>> points = np.concatenate([points, points + [2, 0, 0]])
+    >>> frame = Frame(
+    ...     time=0.0, coordinate=0.0, coordinate_name="angle", coordinate_unit="deg",
+    ...     points=points, reference=points, director=np.tile([0, 0, 1.0], (8, 1)),
+    ...     velocity=0 * points, quads=np.arange(8).reshape(2, 4),
+    ...     quad_stress=np.zeros((2, 3)), quad_principal=np.zeros((2, 2)), held=np.arange(8) == 3,
+    ... )
+    >>> figures = cut_quality(frame).figures()
+    >>> figures["n_piece"], figures["n_loose"], figures["loose_area"]
+    (2, 1, 1.0)
+    """
+    edges = frame.crack_edges
+    lengths = np.linalg.norm(
+        frame.reference[edges[:, 0, 1]] - frame.reference[edges[:, 0, 0]], axis=1
+    )
+    minus, plus = frame.points[edges].mean(axis=2).transpose(1, 0, 2)
+    slit = np.linalg.norm(plus - minus, axis=1)
+    total = float(lengths.sum())
+    surface = _Surface(frame)
+    cracks = list(_cracks(frame, lengths))
+    bridges = list(_bridges(cracks))
+    lines = [crack.line for crack in cracks if len(crack.tips) == 2]
+    flaps = [flap for line in lines if (flap := surface.part(line)) is not None]
+    cutouts = [
+        (part, length / (length + width))
+        for line, length, width in _closed_lines(cracks, bridges)
+        if (part := surface.part(line)) is not None
+    ]
+    cutout, share = max(cutouts, key=lambda found: found[0].area, default=(None, 0.0))
+    return CutQuality(
+        cracks=tuple(crack.line for crack in cracks),
+        crack_length=total,
+        slit_width=slit,
+        slit_width_mean=float(slit @ lengths) / total if total else 0.0,
+        bridges=tuple(Bridge(np.stack([a.place, b.place]), width) for a, b, width in bridges),
+        flaps=tuple(sorted(flaps, key=lambda flap: -flap.area)),
+        cutout=cutout,
+        cut_share=share,
+        pieces=tuple(_pieces(frame, surface)),
+    )
+
+
+# --- cracks --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Tip:
+    """An end of a crack, with the direction in which its last edge points."""
+
+    place: Floats
+    ahead: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Crack:
+    line: Floats
+    length: float
+    closed: bool
+    tips: list[_Tip] = field(default_factory=list)
+    """At most two, the one at the begin of the line first."""
+
+
+def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
+    edges = frame.crack_edges
+    if len(edges) == 0:
+        return
+    # Places: the two flanks of a crack edge begin at one and end at one.
+    n_node = len(frame.points)
+    flanks = edges.transpose(1, 0, 2).reshape(2, -1)
+    place = connected_parts(flanks[0], flanks[1], n_node)
+    whole = np.bincount(place, minlength=n_node)[place[flanks[0]]] == 1
+    # A node that is still whole is an end of every crack that arrives: a place for each.
+    ends = np.where(whole, n_node + np.arange(whole.size), place[flanks[0]])
+    names, first, ends = np.unique(ends, return_index=True, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    node = flanks[0][first]
+    is_tip = names >= n_node
+    crack = connected_parts(ends[:, 0], ends[:, 1], names.size)
+    for k in np.unique(crack):
+        mine = crack[ends[:, 0]] == k
+        way = _way(ends[mine], lengths[mine], is_tip)
+        line = frame.reference[node[way]]
+        tips = [
+            _Tip(line[i], _unit(line[i] - line[j])) for i, j in ((0, 1), (-1, -2)) if is_tip[way[i]]
+        ]
+        length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+        yield _Crack(line, length, bool(way[0] == way[-1]), tips)
+
+
+def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
+    """Return the places along a crack: from end to end, or around."""
+    places, degree = np.unique(edges, return_counts=True)
+    ends = places[degree == 1]
+    if ends.size == 0:  # closed: the other way between the ends of one of its edges, and back
+        for k, (start, stop) in enumerate(edges.tolist()):
+            way = _shortest(np.delete(edges, k, 0), np.delete(lengths, k), start, stop)
+            if way.size:  # empty at an edge that joins two loops
+                return np.append(way, start)
+    tips = ends[is_tip[ends]]
+    begins = tips if tips.size else ends
+    stops = tips if tips.size > 1 else ends if ends.size > 1 else places
+    distance = np.asarray(
+        scipy.sparse.csgraph.dijkstra(_graph(edges, lengths), directed=False, indices=begins)
+    )
+    i, j = np.unravel_index(np.argmax(distance[:, stops]), (begins.size, stops.size))
+    return _shortest(edges, lengths, int(begins[i]), int(stops[j]))
+
+
+def _shortest(edges: Ints, lengths: Floats, begin: int, stop: int) -> Ints:
+    """Return the places on the shortest way, none if there is no way."""
+    graph = _graph(edges, lengths)
+    _, before = scipy.sparse.csgraph.dijkstra(
+        graph, directed=False, indices=begin, return_predecessors=True
+    )
+    way = [stop]
+    while way[-1] != begin:
+        if before[way[-1]] < 0:
+            return np.zeros(0, np.int64)
+        way.append(int(before[way[-1]]))
+    return np.array(way[::-1])
+
+
+def _graph(edges: Ints, lengths: Floats) -> Any:
+    n = int(edges.max()) + 1
+    return scipy.sparse.coo_array((lengths, tuple(edges.T)), (n, n)).tocsr()
+
+
+# --- bridges -------------------------------------------------------------------------------------
+
+
+def _bridges(cracks: list[_Crack]) -> Iterator[tuple[_Tip, _Tip, float]]:
+    tips = [tip for crack in cracks for tip in crack.tips]
+    pairs = [
+        (width, i, j)
+        for j in range(len(tips))
+        for i in range(j)
+        if (width := _width(tips[i], tips[j])) is not None
+    ]
+    taken: set[int] = set()
+    for width, i, j in sorted(pairs):
+        if not taken & {i, j}:
+            taken |= {i, j}
+            yield tips[i], tips[j], width
+
+
+def _width(a: _Tip, b: _Tip) -> float | None:
+    """Return the arc between two ends, None if they do not face each other."""
+    way = b.place - a.place
+    chord = float(np.linalg.norm(way))
+    if chord == 0.0:
+        return 0.0
+    cosines = float(a.ahead @ way) / chord, -float(b.ahead @ way) / chord
+    if min(cosines) <= 0.0:
+        return None
+    off = float(np.mean(np.arccos(np.minimum(cosines, 1.0))))
+    return chord / float(np.sinc(off / np.pi))
+
+
+def _closed_lines(
+    cracks: list[_Crack], bridges: list[tuple[_Tip, _Tip, float]]
+) -> Iterator[tuple[Floats, float, float]]:
+    """Yield the closed lines of cracks and bridges: places, length cut, width of the bridges."""
+    across: dict[_Tip, tuple[_Tip, float]] = {}
+    for a, b, width in bridges:
+        across[a], across[b] = (b, width), (a, width)
+    other = {}
+    for crack in cracks:
+        if crack.closed:
+            yield crack.line[:-1], crack.length, 0.0
+        elif len(crack.tips) == 2:
+            first, last = crack.tips
+            other[first], other[last] = (last, crack, 1), (first, crack, -1)
+    left = dict.fromkeys(other)
+    while left:
+        start = tip = next(iter(left))
+        lines, cut, bridged = [], 0.0, 0.0
+        while tip in left:
+            tip, crack, sense = other[tip]
+            for end in crack.tips:
+                del left[end]
+            lines.append(crack.line[::sense])
+            cut += crack.length
+            if tip not in across:
+                break
+            tip, width = across[tip]
+            bridged += width
+        if tip is start:
+            yield np.concatenate(lines), cut, bridged
+
+
+# --- flaps, cut-out, pieces ----------------------------------------------------------------------
+
+
+class _Surface:
+    """Centres and area vectors of the quads."""
+
+    def __init__(self, frame: Frame) -> None:
+        self.centre = frame.reference[frame.quads].mean(axis=1)
+        self.before = _area_vectors(frame.reference, frame.quads)
+        self.now = _area_vectors(frame.points, frame.quads)
+        self.area = np.linalg.norm(self.before, axis=1)
+
+    def part(self, line: Floats) -> Part | None:
+        """Return the film inside a closed line; None if the line goes around next to nothing."""
+        middle = line.mean(axis=0)
+        _, size, axes = np.linalg.svd(line - middle, full_matrices=False)
+        if len(line) < 3 or size[1] ** 2 <= _LEAST_FLAP * size[0] ** 2:
+            return None
+        inside = _inside((self.centre - middle) @ axes[:2].T, (line - middle) @ axes[:2].T)
+        # Above and below the line's own plane may lie other film: of a tube the far side.
+        near = np.abs((self.centre - middle) @ axes[2]) <= size[0]
+        quads = np.flatnonzero(inside & near)
+        if quads.size == 0:
+            return None
+        before, now = self.before[quads], self.now[quads]
+        return Part(
+            quads,
+            line,
+            float(self.area[quads].sum()),
+            float(_angles(before.sum(axis=0), now.sum(axis=0))),
+            float(_angles(before, now).max()),
+        )
+
+
+def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
+    n_node, quads = len(frame.points), frame.quads
+    piece_of_node = connected_parts(np.repeat(quads[:, 0], 3), quads[:, 1:].ravel(), n_node)
+    of_quad = piece_of_node[quads[:, 0]]
+    found = []
+    for k in np.unique(of_quad):
+        mine = np.flatnonzero(of_quad == k)
+        loose = not frame.held[quads[mine]].any()
+        found.append(Piece(mine, float(surface.area[mine].sum()), loose))
+    found.sort(key=lambda piece: -piece.area)
+    if found and not frame.held.any():
+        found[0] = Piece(found[0].quads, found[0].area, loose=False)
+    return found
+
+
+def _area_vectors(points: Floats, quads: Ints) -> Floats:
+    x = points[quads]
+    return np.asarray(0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]))
+
+
+def _angles(a: Floats, b: Floats) -> Floats:
+    # By sine and cosine: the arc cosine alone loses half of the digits at small angles.
+    sine = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.asarray(np.degrees(np.arctan2(sine, (a * b).sum(axis=-1))))
+
+
+def _inside(points: Floats, polygon: Floats) -> Bools:
+    """Return which points (n, 2) lie inside a closed polygon (m, 2): odd crossings to the right."""
+    x, y = points.T[:, :, None]
+    (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
+    spans = (y0 > y) != (y1 > y)
+    rise = np.where(y1 == y0, 1.0, y1 - y0)
+    right = x < x0 + (y - y0) * (x1 - x0) / rise
+    return np.asarray((spans & right).sum(axis=1) % 2 == 1)
+
+
+def _unit(v: Floats) -> Floats:
+    return np.asarray(v / np.linalg.norm(v))

@@ -1,0 +1,82 @@
+"""The ledger over a run, from the columns of its history: what was put in, where it went."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats
+
+# Imbalance and kinetic energy are compared with the tool's work where that is at least this part of
+# the most it ever is: at first touch there is next to nothing to compare with.
+_COMPARED_FROM = 0.1
+
+# A share below this, relative to the largest, is not drawn: thinner than a line.
+_NEGLIGIBLE_SHARE = 2e-3
+
+
+def work_put_in(history: Mapping[str, Floats]) -> Floats:
+    """Return the work of tool, loads and supports, shape (n_row,), [N·mm]."""
+    return np.asarray(history["tool_work"] + history["load_work"] + history["support_work"])
+
+
+def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return where the work is by name, each of shape (n_row,), [N·mm].
+
+    What absorbed jumps took from the contact's share or gave the film is a share of its own
+    unless it is negligible.
+    """
+    shares = {
+        "cables": history["cohesive_work"] + history["cohesive_start_work"],
+        "damping": history["damping_stiffness"] + history["damping_mass"],
+        "strain": history["strain"],
+        "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
+        "contact": history["contact_work"],
+    }
+    absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions have none
+    largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
+    if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:
+        shares["contact"] = shares["contact"] - absorbed
+        shares["absorbed jumps"] = absorbed
+    return shares
+
+
+def trusted_rows(history: Mapping[str, Floats]) -> Bools:
+    """Return in which rows the tool has done enough work to compare with, shape (n_row,).
+
+    These are the rows with a tenth of the most that it has done in the run, short or long; none of
+    a run in which it has done no work.
+
+    Examples
+    --------
+    >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
+    array([False, False,  True,  True])
+    """
+    work = np.abs(history["tool_work"])
+    finite = np.isfinite(work)
+    most = work[finite].max(initial=0.0)
+    return np.asarray(finite & (work > 0.0) & (work >= _COMPARED_FROM * most))
+
+
+def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
+    """Return the largest imbalance and kinetic energy relative to the tool's work, [-].
+
+    Nothing if no row can be trusted: where the tool has done no work there is no balance to close.
+
+    Examples
+    --------
+    >>> columns = {"tool_work": [0.0, 10.0], "imbalance": [0.2, -0.1]}
+    >>> columns |= {"kinetic_translation": [0.0, 0.4], "kinetic_rotation": [0.0, 0.1]}
+    >>> history = {name: np.array(column) for name, column in columns.items()}
+    >>> largest_shares(history, np.array([False, True]))
+    {'imbalance_rel': 0.01, 'kinetic_rel': 0.05}
+    """
+    if not trusted.any():
+        return {}
+    work = np.maximum(np.abs(history["tool_work"][trusted]), np.finfo(float).tiny)
+    kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
+    return {
+        "imbalance_rel": float((np.abs(history["imbalance"][trusted]) / work).max()),
+        "kinetic_rel": float((np.abs(kinetic[trusted]) / work).max()),
+    }

@@ -1,0 +1,291 @@
+"""A frame as one unstructured grid with named arrays, the form in which result files hold it.
+
+Points: the nodes in their deformed positions, so that the crack opens without a filter; then the
+ends of the cables' branches, two a segment; the vertices of the tool; the ends of the segments of
+the cutting edges, two a segment. Cells, told apart by the cell array ``part``:
+
+====  ============  =======================================================================
+part  cell          is
+====  ============  =======================================================================
+0     quad          the membrane
+1     line          a straight branch of a cable
+2     triangle      the tool
+3     line          a flank of the crack: an edge of the membrane; two in a row, minus and
+                    plus, were one edge before the cut
+4     line          a segment of a cutting edge
+====  ============  =======================================================================
+
+=======================================  ======  ==============================================
+array                                    on      holds
+=======================================  ======  ==============================================
+``displacement [mm]``                    points  3 components
+``velocity [mm per s]``                  points  3 components
+``director``                             points  3 components
+``held``                                 points  1 where a support prescribes a motion
+``part``                                 cells   as above
+``membrane stress [MPa]``                cells   s11, s22, s12 in the lamina
+``top stress [MPa]``                     cells   likewise at the outer face of the top layer
+``bottom stress [MPa]``                  cells   likewise at the outer face of the bottom layer
+``largest principal stress [MPa]``       cells   of the membrane
+``smallest principal stress [MPa]``      cells   of the membrane
+``largest principal stress, top [MPa]``  cells   likewise ``smallest``, likewise ``bottom``
+``thickness [mm]``                       cells   of the membrane, at present
+``traction [MPa]``                       cells   of the cables
+``opening [mm]``                         cells   of the cables, both branches together
+``cable state``                          cells   0 straight, 1 jointed
+``tooth``                                cells   of the tool and its edges, counted from 1
+=======================================  ======  ==============================================
+
+Where an array has nothing to say it is zero. A "/" in a unit becomes "per", because HDF5 reads it
+as a path. Floating-point arrays are rounded to 12 bits (1.2e-4 of the value), which packs them to
+half their size; points are left in single precision (1e-6 mm at 10 mm).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
+
+MEMBRANE, CABLE, TOOL, FLANK, EDGE = range(5)
+"""Values of the cell array ``part``."""
+
+LINE, TRIANGLE, QUAD = 3, 5, 9
+"""VTK's numbers of cell types."""
+
+KEPT_BITS = 12
+"""Of the 23 in the mantissa of a single, for all floating-point arrays but the points."""
+
+POINT_ARRAYS: dict[str, tuple[Any, tuple[int, ...]]] = {
+    "displacement [mm]": (np.float32, (3,)),
+    "velocity [mm per s]": (np.float32, (3,)),
+    "director": (np.float32, (3,)),
+    "held": (np.uint8, ()),
+}
+"""Type and shape of a row of each array on the points; they speak of the nodes."""
+
+# Cell arrays of the membrane, each with the field of Frame that it holds, all of it or a column.
+_OF_QUADS: dict[str, tuple[str, int | None]] = {
+    "membrane stress [MPa]": ("quad_stress", None),
+    "top stress [MPa]": ("quad_stress_top", None),
+    "bottom stress [MPa]": ("quad_stress_bottom", None),
+    "largest principal stress [MPa]": ("quad_principal", 0),
+    "smallest principal stress [MPa]": ("quad_principal", 1),
+    "largest principal stress, top [MPa]": ("quad_principal_top", 0),
+    "smallest principal stress, top [MPa]": ("quad_principal_top", 1),
+    "largest principal stress, bottom [MPa]": ("quad_principal_bottom", 0),
+    "smallest principal stress, bottom [MPa]": ("quad_principal_bottom", 1),
+    "thickness [mm]": ("quad_thickness", None),
+}
+
+CELL_ARRAYS: dict[str, tuple[Any, tuple[int, ...]]] = {
+    "part": (np.uint8, ()),
+    **{
+        name: (np.float32, (3,) if field.startswith("quad_stress") else ())
+        for name, (field, _) in _OF_QUADS.items()
+    },
+    "traction [MPa]": (np.float32, ()),
+    "opening [mm]": (np.float32, ()),
+    "cable state": (np.uint8, ()),
+    "tooth": (np.uint16, ()),
+}
+"""Type and shape of a row of each array on the cells."""
+
+
+class Counts(NamedTuple):
+    """How many of each a frame has; what the grid's arrays do not say of themselves."""
+
+    node: int
+    quad: int
+    segment: int
+    vertex: int
+    triangle: int
+    crack: int
+    edge: int
+
+    @classmethod
+    def of(cls, frame: Frame) -> Counts:
+        """Count what a frame holds."""
+        return cls(
+            len(frame.points),
+            len(frame.quads),
+            len(frame.cable_segments),
+            len(frame.tool_points),
+            len(frame.tool_triangles),
+            len(frame.crack_edges),
+            len(frame.edge_points),
+        )
+
+    @property
+    def points(self) -> tuple[int, ...]:
+        """Where the nodes, cable ends, vertices and edge ends end among the points."""
+        return _ends(self.node, 2 * self.segment, self.vertex, 2 * self.edge)
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """Where the parts 0 to 4 end among the cells."""
+        return _ends(self.quad, self.segment, self.triangle, 2 * self.crack, self.edge)
+
+
+@dataclass(frozen=True)
+class FrameGrid:
+    """One frame as one unstructured grid; arrays as the module's tables say."""
+
+    counts: Counts
+    points: Any
+    """Shape (n_point, 3), [mm]."""
+    connectivity: Any
+    """Point ids, cell after cell."""
+    types: Any
+    """VTK's number of the type of each cell, shape (n_cell,)."""
+    sizes: Any
+    """Number of points of each cell, shape (n_cell,)."""
+    point_arrays: Mapping[str, Any]
+    cell_arrays: Mapping[str, Any]
+
+
+def grid_of(frame: Frame) -> FrameGrid:
+    """Return a frame as a grid."""
+    n = Counts.of(frame)
+    first_cable, first_vertex, first_end, _ = n.points
+    connectivity = np.concatenate(
+        (
+            frame.quads.ravel(),
+            np.arange(first_cable, first_vertex),
+            frame.tool_triangles.ravel() + first_vertex,
+            frame.crack_edges.ravel(),
+            np.arange(first_end, first_end + 2 * n.edge),
+        )
+    )
+    counts = (n.quad, n.segment, n.triangle, 2 * n.crack, n.edge)
+    types = np.repeat(np.array([QUAD, LINE, TRIANGLE, LINE, LINE], dtype=np.uint8), counts)
+    points = np.concatenate(
+        (
+            frame.points,
+            frame.cable_segments.reshape(-1, 3),
+            frame.tool_points,
+            frame.edge_points.reshape(-1, 3),
+        )
+    )
+    return FrameGrid(
+        n,
+        points,
+        connectivity,
+        types,
+        np.repeat((4, 2, 3, 2, 2), counts),
+        _point_arrays(frame, n),
+        _cell_arrays(frame, n),
+    )
+
+
+def frame_of(
+    counts: Counts, points: Any, connectivity: Any, arrays: Mapping[str, Any], **others: Any
+) -> Frame:
+    """Return the frame of a grid.
+
+    Parameters
+    ----------
+    counts : Counts
+        As written.
+    points, connectivity : ndarray
+        As of :class:`FrameGrid`.
+    arrays : mapping of str to ndarray
+        Arrays on points and cells by name.
+    **others
+        Fields of :class:`Frame` that a grid does not hold: time, coordinate, scalars, pose.
+    """
+    n = counts
+    nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])
+    row_ends = _ends(4 * n.quad, 2 * n.segment, 3 * n.triangle, 4 * n.crack)
+    quads, _, triangles, flanks, _ = np.split(np.asarray(connectivity, np.int64), row_ends)
+    quad_end, segment_end, triangle_end, crack_end, _ = n.cells
+    segments = slice(quad_end, segment_end)
+    columns: dict[str, list[Any]] = {}
+    for name, (field, _) in _OF_QUADS.items():
+        columns.setdefault(field, []).append(arrays[name][:quad_end])
+    of_quads: dict[str, Any] = {
+        field: values[0] if len(values) == 1 else np.stack(values, axis=1)
+        for field, values in columns.items()
+    }
+    return Frame(
+        points=nodes,
+        reference=nodes - arrays["displacement [mm]"][: n.node],
+        director=arrays["director"][: n.node],
+        velocity=arrays["velocity [mm per s]"][: n.node],
+        held=arrays["held"][: n.node].astype(bool),
+        quads=quads.reshape(-1, 4),
+        **of_quads,
+        crack_edges=flanks.reshape(-1, 2, 2),
+        cable_segments=cable_ends.reshape(-1, 2, 3),
+        cable_state=arrays["cable state"][segments].astype(np.int8),
+        cable_traction=arrays["traction [MPa]"][segments],
+        cable_opening=arrays["opening [mm]"][segments],
+        tool_points=vertices,
+        tool_triangles=triangles.reshape(-1, 3) - n.points[1],
+        tool_tooth=arrays["tooth"][segment_end:triangle_end].astype(np.int64),
+        edge_points=edge_ends.reshape(-1, 2, 3),
+        edge_tooth=arrays["tooth"][crack_end:].astype(np.int64),
+        **others,
+    )
+
+
+def series_of(frame: Frame) -> dict[str, float]:
+    """Return time, coordinate and scalars of a frame by the names of their arrays."""
+    series = {
+        "time [s]": frame.time,
+        array_name(frame.coordinate_name, frame.coordinate_unit): frame.coordinate,
+    }
+    for name, value in frame.scalars.items():
+        series[array_name(name, frame.scalar_units[name])] = value
+    return series
+
+
+def array_name(name: str, unit: str) -> str:
+    """Return the name of an array: ``speed [mm per s]``."""
+    return f"{name} [{unit}]".replace("/", " per ")
+
+
+def _ends(*counts: int) -> tuple[int, ...]:
+    return tuple(np.cumsum(counts).tolist())
+
+
+def _point_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
+    zeros = np.zeros((n.points[-1] - n.node, 3), np.float32)
+    values = (frame.displacement, frame.velocity, frame.director)
+    arrays = {
+        name: np.concatenate((_rounded(value), zeros))
+        for name, value in zip(POINT_ARRAYS, values, strict=False)
+    }
+    return arrays | {"held": np.concatenate((frame.held, zeros[:, 0])).astype(np.uint8)}
+
+
+def _cell_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
+    n_cell = n.cells[-1]
+    quad_end, segment_end, triangle_end, crack_end, _ = n.cells
+    arrays = {
+        name: np.zeros((n_cell, *shape), dtype) for name, (dtype, shape) in CELL_ARRAYS.items()
+    }
+    for part, (first, last) in enumerate(zip((0, *n.cells), n.cells, strict=False)):
+        arrays["part"][first:last] = part
+    for name, (field, column) in _OF_QUADS.items():
+        values = getattr(frame, field)
+        arrays[name][:quad_end] = _rounded(values if column is None else values[:, column])
+    segments = slice(quad_end, segment_end)
+    arrays["traction [MPa]"][segments] = _rounded(frame.cable_traction)
+    arrays["opening [mm]"][segments] = _rounded(frame.cable_opening)
+    arrays["cable state"][segments] = frame.cable_state
+    arrays["tooth"][segment_end:triangle_end] = frame.tool_tooth
+    arrays["tooth"][crack_end:] = frame.edge_tooth
+    return arrays
+
+
+def _rounded(values: Floats) -> Any:
+    # To nearest, on the bits of the single: half of the last kept bit is added, the rest cut off.
+    dropped = 23 - KEPT_BITS
+    bits = values.astype(np.float32).view(np.int32)
+    return ((bits + (1 << (dropped - 1))) & -(1 << dropped)).view(np.float32)

@@ -1,0 +1,116 @@
+"""Frames on their way into the files of a run, while the run goes on.
+
+Making, packing and writing a frame takes as long as forty steps of a small film; a thread of its
+own does it. At most one frame is on its way: the next one waits for it, and so does whoever needs
+the files whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Literal
+
+from shellcut.files.run_folder import frame_list, result_file
+from shellcut.frame import Frame
+
+from .pvd import PvdWriter
+from .vtkhdf import VtkHdfWriter
+
+
+class FrameOutput:
+    """Write frames to ``NAME.vtkhdf`` and, if asked for, to ``NAME.pvd`` with its ``.vtu`` files.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to.
+    name : str
+        NAME.
+    pvd : bool
+        Whether to write PVD + VTU too.
+    mode, until
+        As :class:`GrowingFile`, ``until`` in s.
+    announce : callable, optional
+        Given the path of each further file before it is written.
+
+    Raises
+    ------
+    ValueError
+        If the file to go on with was not written by :class:`VtkHdfWriter`.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        name: str,
+        *,
+        pvd: bool = False,
+        mode: Literal["w", "a"] = "w",
+        until: float | None = None,
+        announce: Callable[[Path], None] = lambda _: None,
+    ) -> None:
+        self._announce = announce
+        self._result = VtkHdfWriter(result_file(folder, name), mode=mode, until=until)
+        try:
+            self._pvd = self._pvd_writer(frame_list(folder, name)) if pvd else None
+        except BaseException:
+            self._result.close()
+            raise
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
+        self._writing: Future[None] | None = None
+        self.failed = False
+        """Whether a frame that was handed over is not in the files."""
+
+    def append(self, make: Callable[[], Frame]) -> None:
+        """Begin to make and write a frame; raises what went wrong with the one before it."""
+        self.settle()
+        self._writing = self._thread.submit(lambda: self._write(make()))
+
+    def settle(self) -> None:
+        """Wait until all frames are in the files; raises what went wrong with the last."""
+        writing, self._writing = self._writing, None
+        if writing is not None:
+            try:
+                writing.result()
+            except BaseException:
+                self.failed = True
+                raise
+
+    def sync(self) -> None:
+        """Settle, and wait until the result file is on the disk.
+
+        Raises
+        ------
+        OSError
+            If it cannot be.
+        """
+        self.settle()
+        self._result.sync()
+
+    def check(self) -> None:
+        """Raise what went wrong with the last frame, without waiting for one on its way."""
+        if self._writing is not None and self._writing.done():
+            self.settle()
+
+    def close(self) -> None:
+        """Settle and close the files; a second call does nothing."""
+        try:
+            self.settle()
+        finally:
+            self._thread.shutdown()
+            self._result.close()
+            if self._pvd is not None:
+                self._pvd.close()
+
+    def _pvd_writer(self, path: Path) -> PvdWriter:
+        if self._result.goes_on:  # with the frames that are kept there
+            until = self._result.last_time
+            return PvdWriter(path, mode="a", until=until, announce=self._announce)
+        return PvdWriter(path, announce=self._announce)
+
+    def _write(self, frame: Frame) -> None:
+        self._result.append(frame)
+        if self._pvd is not None:
+            self._pvd.append(frame)

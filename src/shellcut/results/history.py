@@ -1,0 +1,191 @@
+"""The time histories of a run: one CSV file, units in its header, one flushed line a row.
+
+The file reads in any spreadsheet and by one line of NumPy. Numbers are written with the fewest
+digits that give the same double back. A killed run leaves whole lines, because each line goes to
+the operating system in one piece before `HistoryWriter.append` returns.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import BinaryIO, Literal
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.files.appendable_file import GrowingFile
+from shellcut.files.whole_file import write_all
+
+_FORBIDDEN = ',"[]\r\n'
+_SHOWN_BYTES = 120  # as much of a foreign file's first line as an error message quotes
+
+
+def _header(columns: Sequence[tuple[str, str]]) -> str:
+    return ",".join(f"{name} [{unit}]" for name, unit in columns)
+
+
+def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
+    columns = []
+    for cell in line.split(","):
+        name, bracket, unit = cell.partition(" [")
+        if not bracket or not unit.endswith("]"):
+            raise ValueError(
+                f"{path} is no history file: its header must be 'name [unit],...', "
+                f"got {cell[:_SHOWN_BYTES]!r}"
+            )
+        columns.append((name, unit[:-1]))
+    return columns
+
+
+class HistoryWriter(GrowingFile):
+    """Write rows of named numbers to a CSV file, e.g. ``time [s],angle [deg],torque [N*mm]``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    columns : sequence of (name, unit)
+        Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
+    mode, until
+        As :class:`GrowingFile`; an unfinished last line is dropped, and with ``until`` the rows
+        whose first column exceeds it, in its unit.
+
+    Raises
+    ------
+    ValueError
+        If a name or unit cannot stand in the header, or the file of mode ``"a"`` has other
+        columns.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        columns: Sequence[tuple[str, str]],
+        *,
+        mode: Literal["w", "a"] = "w",
+        until: float | None = None,
+    ) -> None:
+        super().__init__(path, mode=mode, until=until)
+        self.columns = tuple((str(name), str(unit)) for name, unit in columns)
+        self._names = tuple(name for name, _ in self.columns)
+        self._check_columns()
+        if self.goes_on:
+            kept = self._kept_bytes(until)
+            self._file: BinaryIO = self.path.open("r+b", buffering=0)
+            self._file.truncate(kept)
+            self._file.seek(kept)
+        else:
+            self._file = self.path.open("wb", buffering=0)
+            write_all(self._file, (_header(self.columns) + "\n").encode())
+        self._can_be_told = self._is_the_one_there()
+
+    def append(self, row: Mapping[str, float]) -> None:
+        """Write one row; its keys must be the names of the columns, all of them.
+
+        Raises
+        ------
+        KeyError
+            If names are missing or unknown; nothing is written then.
+        OSError
+            If the disk is full; of the row there may be a part then, which is dropped when the file
+            is gone on with.
+        """
+        if tuple(row) != self._names:
+            missing = [name for name in self._names if name not in row]
+            unknown = [name for name in row if name not in self._names]
+            if missing or unknown:
+                raise KeyError(f"history row: missing {missing}, unknown {unknown}")
+            row = {name: row[name] for name in self._names}
+        line = ",".join(map(repr, map(float, row.values()))) + "\n"
+        write_all(self._file, line.encode("ascii"))
+
+    def in_place(self) -> bool:
+        """Whether the file is still where it was begun: nobody has moved or removed it."""
+        return self._is_the_one_there() if self._can_be_told else self.path.exists()
+
+    def sync(self) -> None:
+        """Wait until all rows are on the disk.
+
+        Raises
+        ------
+        OSError
+            If they cannot be.
+        """
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Close the file; a second call does nothing."""
+        self._file.close()
+
+    def _is_the_one_there(self) -> bool:
+        try:
+            return os.path.samestat(os.fstat(self._file.fileno()), self.path.stat())
+        except FileNotFoundError:
+            return False
+
+    def _check_columns(self) -> None:
+        if not self.columns:
+            raise ValueError("columns must name at least one (name, unit)")
+        if len(set(self._names)) != len(self._names):
+            twice = sorted({name for name in self._names if self._names.count(name) > 1})
+            raise ValueError(f"columns must differ in name, {twice} come twice")
+        for text in (text for column in self.columns for text in column):
+            if not text or text != text.strip() or any(c in _FORBIDDEN for c in text):
+                raise ValueError(
+                    f"a column's name and unit must be non-empty, without outer blanks and "
+                    f"without any of {_FORBIDDEN!r}, got {text!r}"
+                )
+
+    def _kept_bytes(self, until: float | None) -> int:
+        lines = self.path.read_bytes().splitlines(keepends=True)
+        if lines and not lines[-1].endswith(b"\n"):
+            lines.pop()
+        found = lines[0].decode(errors="replace").rstrip("\r\n") if lines else ""
+        if found != _header(self.columns):
+            raise ValueError(
+                f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
+                f"move it away or begin anew with mode 'w'"
+            )
+        if until is not None:
+            while len(lines) > 1 and float(lines[-1].split(b",", 1)[0]) > until:
+                lines.pop()
+        return sum(map(len, lines))
+
+
+def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Return the columns of a history file and their units, both by name.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file of `HistoryWriter`, of a finished or of a killed run, or one still being written.
+
+    Returns
+    -------
+    columns : dict of ndarray, shape (n_row,)
+        The columns in the order of the file, each in its unit.
+    units : dict of str
+        Their units.
+
+    Raises
+    ------
+    ValueError
+        If the header is not ``name [unit],...`` or a line has another number of cells.
+    """
+    path = Path(path)
+    with path.open("rb") as file:
+        lines = file.read().decode().split("\n")
+    # What follows the last line break is empty, or a line that was never finished.
+    header, rows = lines[0].rstrip("\r"), lines[1:-1]
+    columns = _parse_header(header, path)
+    for i, row in enumerate(rows):
+        n_cell = row.count(",") + 1
+        if n_cell != len(columns):
+            raise ValueError(f"{path}, line {i + 2}: {len(columns)} numbers wanted, got {n_cell}")
+    cells = chain.from_iterable(row.split(",") for row in rows)
+    table = np.fromiter(map(float, cells), float).reshape(-1, len(columns))
+    values = {name: table[:, k].copy() for k, (name, _) in enumerate(columns)}
+    return values, dict(columns)

@@ -1,0 +1,263 @@
+"""A curve that a test machine has recorded, in the library's units.
+
+The file is a table as :mod:`shellcut.formats.number_table` reads it; which columns are meant is
+said by heading or number, their units stand in the headings or are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats
+from shellcut.formats.errors import FileError, named
+from shellcut.formats.number_table import NumberTable, read_number_table
+from shellcut.unit import DIMENSIONS, LIBRARY_UNITS, canonical, conversion, dimension
+
+_JITTER = 0.01
+"""Of the range: as far as a coordinate may run back and still be the noise of an encoder."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve:
+    """A measured quantity over an increasing coordinate.
+
+    Examples
+    --------
+    >>> curve = MeasuredCurve([0.0, 45.0, 90.0], [0.0, 0.14, 0.13], x_unit="deg", y_unit="N*m")
+    >>> curve.y, curve.y_unit
+    (array([  0., 140., 130.]), 'N*mm')
+    """
+
+    x: npt.ArrayLike
+    """Coordinate, increasing, shape (n,); given in ``x_unit``, held in the library's."""
+    y: npt.ArrayLike
+    """What was measured, shape (n,); given in ``y_unit``, held in the library's."""
+    x_unit: str
+    """Given as people write it, held as the library's unit of that dimension: deg, mm or s."""
+    y_unit: str
+    """The same of ``y``: N*mm, N, ..."""
+    x_name: str = "x"
+    y_name: str = "y"
+    notes: tuple[str, ...] = ()
+    """What was done to the points, in words."""
+
+    def __post_init__(self) -> None:
+        x, y = np.array(self.x, dtype=float), np.array(self.y, dtype=float)
+        problems = []
+        if x.ndim != 1 or x.shape != y.shape or len(x) < 2:
+            problems.append(
+                "x and y must have one dimension and the same two points or more, got shapes "
+                f"{x.shape} and {y.shape}"
+            )
+        elif not (np.isfinite(x).all() and np.isfinite(y).all()):
+            rows = np.flatnonzero(~np.isfinite(x) | ~np.isfinite(y))
+            problems.append(f"x and y must be finite, they are not in rows {named(rows)}")
+        problems += [
+            f"{name}: {_unknown(unit)}"
+            for name, unit in (("x_unit", self.x_unit), ("y_unit", self.y_unit))
+            if canonical(unit) is None
+        ]
+        if problems:
+            raise ValueError("; ".join(problems))
+        x, y, notes = _in_order(x, y)
+        for name, values, unit in (("x", x, self.x_unit), ("y", y, self.y_unit)):
+            ours = LIBRARY_UNITS[str(dimension(unit))]
+            values *= conversion(unit, ours)
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+            object.__setattr__(self, f"{name}_unit", ours)
+        object.__setattr__(self, "notes", (*self.notes, *notes))
+
+
+def read_measured_curve(
+    path: str | Path,
+    x: str | int | None = None,
+    y: str | int | None = None,
+    *,
+    units: str | Sequence[str] | None = None,
+    expected: tuple[str, str] | None = None,
+) -> MeasuredCurve:
+    """Read two columns of a table of text.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file with semicolons, tabs, commas or blanks between its columns.
+    x, y : str or int, optional
+        Columns by heading (with or without unit, any case) or by number from 1 on; by default
+        those of the ``expected`` headings, or the first and second of a table of two columns.
+    units : str or (str, str), optional
+        Units of ``x`` and ``y``, as ``"deg, N*mm"``; by default those of the headings.
+    expected : (str, str), optional
+        Headings to look for where ``x`` or ``y`` is not given, as ``("angle", "torque")``.
+
+    Returns
+    -------
+    MeasuredCurve
+        In the library's units, the coordinate increasing.
+
+    Raises
+    ------
+    FileError
+        Naming columns that are not there, units that are unknown, and lines that are not numbers.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> lines = "Winkel [Grad];Drehmoment [Ncm]", "0,0;0,00", "0,5;1,32"
+    >>> with Path("cap.csv").open("w") as file:
+    ...     print(*lines, sep=chr(10), file=file)
+    >>> curve = read_measured_curve("cap.csv")
+    >>> curve.y, curve.y_unit
+    (array([ 0. , 13.2]), 'N*mm')
+    """
+    table = read_number_table(path)
+    given = _split_units(units)
+    found = [
+        _column(table, which, k, name)
+        for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True))
+    ]
+    problems = [which for which in found if isinstance(which, str)]
+    columns = [which for which in found if isinstance(which, int)]
+    if len(columns) == 2 and columns[0] == columns[1]:
+        problems.append(f"x and y must be two columns, both are {_name(table, columns[0])}")
+    if problems:
+        raise FileError(path, "; ".join(dict.fromkeys(problems)))
+    notes = []
+    taken = []
+    for column, unit in zip(columns, given, strict=True):
+        written = table.headings[column].unit if table.headings else ""
+        name = _name(table, column)
+        taken.append(unit or written)
+        if not unit and not written:
+            problems.append(f'the unit of {name} must be given, as units="deg, N*mm"')
+        elif canonical(unit or written) is None:
+            problems.append(f"{name}: {_unknown(unit or written)}")
+        elif unit and written and canonical(written) != canonical(unit):
+            notes.append(f"{name} is headed {written}, taken as {unit} as told")
+    if problems:
+        raise FileError(path, "; ".join(problems))
+    values = table.numbers(columns)
+    rows = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(rows):
+        where = named(table.lines[row] for row in rows)
+        raise FileError(path, f"numbers must be finite, they are not in lines {where}")
+    try:
+        return MeasuredCurve(
+            values[:, 0],
+            values[:, 1],
+            x_unit=taken[0],
+            y_unit=taken[1],
+            x_name=_name(table, columns[0]),
+            y_name=_name(table, columns[1]),
+            notes=tuple(notes),
+        )
+    except _RunsBack as back:
+        problem = f"{back}; there in line {table.lines[back.row]}"
+        raise FileError(path, problem) from None
+    except ValueError as problem:
+        raise FileError(path, str(problem)) from None
+
+
+def _split_units(units: str | Sequence[str] | None) -> list[str]:
+    if units is None:
+        return ["", ""]
+    parts = [u.strip() for u in (units.split(",") if isinstance(units, str) else units)]
+    if len(parts) != 2:
+        raise ValueError(f'units must be two, of x and y, as "deg, N*mm", got {units!r}')
+    return parts
+
+
+def _name(table: NumberTable, column: int) -> str:
+    name = table.headings[column].name if table.headings else ""
+    return name or f"column {column + 1}"
+
+
+def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int | str:
+    """Return the index of a column, or what is wrong."""
+    n = table.n_column
+    if which is None:
+        hits = _headed(table, name) if name else []
+        if len(hits) == 1:
+            return hits[0]
+        if n == 2:
+            return position
+        return f"a table of {n} columns: say which are meant; there are {_listing(table)}"
+    if isinstance(which, str):
+        hits = _headed(table, which)
+        if len(hits) > 1:
+            numbers = " and ".join(str(k + 1) for k in hits)
+            return f"{which!r} stands above columns {numbers}: give the number"
+        if hits:
+            return hits[0]
+        if not which.strip().isdecimal():
+            names = {heading.name.casefold(): heading.name for heading in table.headings}
+            near = get_close_matches(which.strip().casefold(), names, n=1)
+            hint = f"did you mean {names[near[0]]!r}? " if near else ""
+            return f"no column {which!r}: {hint}there are {_listing(table)}"
+        which = int(which)
+    if not 1 <= which <= n:
+        return f"column must be a number from 1 to {n}, got {which}; there are {_listing(table)}"
+    return which - 1
+
+
+def _headed(table: NumberTable, name: str) -> list[int]:
+    """Return the columns under a heading, with its unit or without."""
+    wanted = name.strip().casefold()
+    whole = [k for k, h in enumerate(table.headings) if h.text.strip().casefold() == wanted]
+    return whole or [k for k, h in enumerate(table.headings) if h.name.casefold() == wanted]
+
+
+def _listing(table: NumberTable) -> str:
+    if not table.headings:
+        commas = table.separator == ","
+        hint = "; if these are decimal commas, part the columns by semicolons" if commas else ""
+        return f"{table.n_column} columns without headings{hint}"
+    return ", ".join(f"{k}: {heading.text!r}" for k, heading in enumerate(table.headings, start=1))
+
+
+def _unknown(unit: str) -> str:
+    known = "; ".join(
+        f"{what}: {', '.join(sizes)}" for what, sizes in DIMENSIONS.items() if what != "ratio"
+    )
+    return f"unit must be one of {known}; got {unit!r}"
+
+
+class _RunsBack(ValueError):
+    """The coordinate turns round in a row."""
+
+    def __init__(self, problem: str, row: int):
+        super().__init__(problem)
+        self.row = row
+
+
+def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
+    """Return the points with x strictly increasing, and what was done to them."""
+    notes = []
+    n = len(x)
+    reach = float(np.ptp(x))
+    if reach == 0.0:
+        raise ValueError(f"the coordinate must increase, all {n} points are at {x[0]:g}")
+    falling = x[-1] < x[0]
+    if falling:
+        notes.append("the coordinate falls: points taken in turned order")
+        x, y = x[::-1], y[::-1]
+    behind = np.maximum.accumulate(x) - x
+    if behind.max() > _JITTER * reach:
+        row = int(np.argmax(behind > _JITTER * reach))
+        raise _RunsBack(
+            f"the coordinate must go one way, it turns round at {x[row]:g}: keep one stroke",
+            n - 1 - row if falling else row,
+        )
+    if behind.any():
+        notes.append(f"{np.count_nonzero(behind)} points ran back by up to {behind.max():.3g}")
+    places, member, count = np.unique(x, return_inverse=True, return_counts=True)
+    if len(places) < n:
+        notes.append(f"{n - len(places)} points at a coordinate met before: means taken")
+    return places, np.bincount(member, y) / count, notes

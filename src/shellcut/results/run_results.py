@@ -1,0 +1,334 @@
+"""Results: what a run left in its folder, read back; also of a killed run or one still going.
+
+>>> from shellcut.results.run_results import read
+>>> read("no/such/folder")
+Traceback (most recent call last):
+    ...
+FileNotFoundError: no/such/folder must be the folder of a run or its .vtkhdf file, there is neither
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats
+from shellcut.files.file_list import names_in
+from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
+from shellcut.frame import Frame
+from shellcut.numerics.trapezoid import integral
+
+from .cut_quality import UNITS, cut_quality
+from .energy_balance import energy_shares, work_put_in
+from .history import read_history
+from .splits_csv import read_splits
+from .steady_window import SteadyWindow, steady_window
+from .vtkhdf_reader import VtkHdfReader
+
+# The imbalance of energies is drawn from this share of the run's largest work on.
+_LEAST_WORK = 0.01
+
+
+class FrameFigures(dict[str, Floats]):
+    """Figures over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
+
+    def __init__(self, columns: dict[str, Floats], units: dict[str, str]) -> None:
+        super().__init__(columns)
+        self.units = units
+
+
+class Results:
+    """A run's history, frames and figures; built by :func:`read`.
+
+    It shows what was there when it was built: of a run still going, read again to see more.
+
+    Attributes
+    ----------
+    folder : Path
+    name : str
+        Name of the run, the stem of its ``.vtkhdf`` file.
+    history : dict of ndarray, shape (n_row,)
+        The columns of ``history.csv`` by name; empty if the file is not there.
+    units : dict of str
+        Their units by the same names.
+    summary : dict
+        ``summary.json``; empty if the run has not ended.
+    splits : dict of ndarray, shape (n_split,)
+        The columns of ``splits.csv`` by name; empty if the run has not ended.
+    split_units : dict of str
+        Their units.
+    """
+
+    def __init__(self, folder: Path, name: str, frames: VtkHdfReader) -> None:
+        self.folder, self.name = folder, name
+        self._frames = frames
+        self.history: dict[str, Floats] = {}
+        self.units: dict[str, str] = {}
+        if (folder / HISTORY).exists():
+            self.history, self.units = read_history(folder / HISTORY)
+        self.summary = _read_summary(folder / SUMMARY)
+        self.splits, self.split_units = read_splits(folder / SPLITS)
+
+    def __repr__(self) -> str:
+        n_row = len(next(iter(self.history.values()), ()))
+        lines = [f"Results of {self.name!r} in {self.folder}", f"  history: {n_row} rows"]
+        if self.history:
+            lines[-1] += f" of {', '.join(self.history)}"
+        frames = f"  frames: {self.n_frame}"
+        if self.n_frame:
+            name, unit, way = self.coordinate_name, self.coordinate_unit, self.coordinates
+            frames += f", {name} {way[0]:.4g} to {way[-1]:.4g} {unit}"
+            frames += f", time {self.times[0]:.4g} to {self.times[-1]:.4g} s"
+        ended = f"{len(self.summary)} figures" if self.summary else "none, the run has not ended"
+        return "\n".join([*lines, frames, f"  summary: {ended}"])
+
+    # ------------------------------------------------------------------ history
+
+    @property
+    def coordinate_name(self) -> str:
+        """What curves are drawn over: ``"angle"`` or ``"path"``."""
+        return self._frames.coordinate_name or self._column(1)
+
+    @property
+    def coordinate_unit(self) -> str:
+        """Unit of the coordinate."""
+        return self._frames.coordinate_unit or self.units[self._column(1)]
+
+    @property
+    def resistance_name(self) -> str:
+        """What the drive has to overcome: ``"torque"`` or ``"force"``."""
+        return self._column(2)
+
+    @property
+    def resistance_unit(self) -> str:
+        """Unit of the resistance."""
+        return self.units[self.resistance_name]
+
+    @property
+    def steady_window(self) -> SteadyWindow:
+        """Where the cut is steady, by what the history says, also of a run that has not ended."""
+        return steady_window(self.history, (self.coordinate_name, self.coordinate_unit))
+
+    def to_pandas(self) -> Any:
+        """Return the history as a ``pandas.DataFrame``; ``.attrs["units"]`` holds the units.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("to_pandas needs pandas: pip install pandas") from error
+        table = pandas.DataFrame(self.history)
+        table.attrs["units"] = dict(self.units)
+        return table
+
+    # ------------------------------------------------------------------ frames
+
+    @property
+    def times(self) -> Floats:
+        """Time of every frame, shape (n_frame,), [s]."""
+        return self._frames.times
+
+    @property
+    def coordinates(self) -> Floats:
+        """Coordinate of every frame, shape (n_frame,), in ``coordinate_unit``."""
+        return self._frames.coordinates
+
+    @property
+    def n_frame(self) -> int:
+        """Number of complete frames."""
+        return self._frames.n_frame
+
+    def frame(self, k: int) -> Frame:
+        """Return frame ``k``, negative from the end, as :meth:`VtkHdfReader.frame`.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame.
+        """
+        return self._frames.frame(k)
+
+    def frames(self) -> Iterator[Frame]:
+        """Iterate over the frames in order of time."""
+        return (self.frame(k) for k in range(self.n_frame))
+
+    def cables(self, k: int) -> dict[str, npt.NDArray[Any]]:
+        """Return the cables that hold at frame ``k``, a row a straight branch.
+
+        Returns
+        -------
+        dict of ndarray
+            ``segments`` (n, 2, 3) [mm], ``state`` (n,) 0 straight or 1 jointed (two branches each),
+            ``traction`` (n,) [MPa], ``opening`` (n,) [mm].
+        """
+        frame = self.frame(k)
+        return {
+            "segments": frame.cable_segments,
+            "state": frame.cable_state,
+            "traction": frame.cable_traction,
+            "opening": frame.cable_opening,
+        }
+
+    def tool_pose(self, k: int) -> tuple[Floats, Floats] | None:
+        """Return rotation R (3, 3) and translation r (3,) [mm] of the tool, x = R X + r, exact.
+
+        None if the run has no tool.
+        """
+        return self._frames.pose(k)
+
+    def cut_quality(self) -> FrameFigures:
+        """Return the figures of the cut's quality over the frames: what is cut, what still holds.
+
+        ``time``, the coordinate, and all of :data:`shellcut.results.cut_quality.UNITS`; that module
+        says what each is. All of one frame, bridge by bridge, is ``cut_quality(results.frame(k))``.
+        """
+        rows = [cut_quality(frame).figures() for frame in self.frames()]
+        columns = {name: np.array([row[name] for row in rows], dtype=float) for name in UNITS}
+        way = {"time": self.times, self.coordinate_name: self.coordinates}
+        units = {"time": "s", self.coordinate_name: self.coordinate_unit}
+        return FrameFigures(way | columns, units | UNITS)
+
+    # ------------------------------------------------------------------ pictures
+
+    def plot_torque(self, path: str | os.PathLike[str] | None = None) -> Path:
+        """Draw the torque (or force), whole, in parts and of each tooth; return the picture's path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            By default ``torque.png`` or ``force.png`` in the folder of the run.
+
+        Raises
+        ------
+        ImportError
+            If Matplotlib is not installed.
+        """
+        from shellcut.view import draw_torque
+
+        first = self.resistance_name
+        path = resistance_picture(self.folder, first) if path is None else Path(path)
+        teeth = [name for name in self.history if name.startswith(f"{first}_tooth_")]
+        draw_torque(
+            path,
+            self.history[self.coordinate_name],
+            self.history[first],
+            contact=self.history[f"{first}_contact"],
+            joints=self.history[f"{first}_joints"],
+            teeth=np.stack([self.history[t] for t in teeth], axis=1) if len(teeth) > 1 else None,
+            plateau=self._plateau(),
+            name=first,
+            unit=self.resistance_unit,
+            title=self.name,
+            coordinate_name=self.coordinate_name,
+            coordinate_unit=self.coordinate_unit,
+        )
+        return path
+
+    def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
+        """Draw the energy ledger; return the picture's path, by default ``energy.png``.
+
+        The imbalance is in per cent of the tool's work, from 1 % of the largest work on.
+
+        Raises
+        ------
+        ImportError
+            If Matplotlib is not installed.
+        """
+        from shellcut.view import draw_energy
+
+        path = self.folder / ENERGY_PICTURE if path is None else Path(path)
+        coordinate, history = self.coordinate_name, self.history
+        work = work_put_in(history)
+        # At first touch there is next to no work to compare with.
+        tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
+        draw_energy(
+            path,
+            history[coordinate],
+            work,
+            energy_shares(history),
+            np.where(tells, 100.0 * history["imbalance_rel"], np.nan),
+            title=self.name,
+            coordinate_name=coordinate,
+            coordinate_unit=self.coordinate_unit,
+        )
+        return path
+
+    # ------------------------------------------------------------------ parts
+
+    def _plateau(self) -> tuple[float, float, float] | None:
+        """Return from where to where the cut is steady, and the mean resistance there."""
+        window = self.steady_window
+        if not window:
+            return None
+        x = self.history[self.coordinate_name][window.rows]
+        y = self.history[self.resistance_name][window.rows]
+        return window.low, window.high, integral(x, y) / float(x[-1] - x[0])
+
+    def _column(self, k: int) -> str:
+        # Time, coordinate and the figure to plot are the first three columns of every history.
+        if not self.history:
+            raise ValueError(f"{self.folder} must hold the run's history.csv for this; it does not")
+        return list(self.history)[k]
+
+
+def read(path: str | os.PathLike[str]) -> Results:
+    """Read what a run left, of a finished, a killed or a running one.
+
+    Parameters
+    ----------
+    path : str or Path
+        The run's folder, or the ``.vtkhdf`` file in it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such folder, or no result file in it.
+    ValueError
+        If it holds more than one and does not list which of them is the run's, or the file is not
+        one of shellcut.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> results = shellcut.read("out")  # doctest: +SKIP
+    >>> results.history["torque"].max(), results.units["torque"]  # doctest: +SKIP
+    (164.1, 'N*mm')
+    >>> results.frame(-1).points.shape  # doctest: +SKIP
+    (3219, 3)
+    """
+    path = Path(path)
+    if not path.exists():
+        raise FileNotFoundError(
+            f"{path} must be the folder of a run or its .vtkhdf file, there is neither"
+        )
+    if path.is_dir():
+        found = sorted(path.glob("*.vtkhdf"))
+        if not found:
+            raise FileNotFoundError(
+                f"{path} must hold the result of a run, NAME.vtkhdf; none there"
+            )
+        if len(found) > 1:  # others may lie beside that of the run
+            listed = names_in(path)
+            found = [file for file in found if file.name in listed] or found
+        if len(found) > 1:
+            names = ", ".join(file.name for file in found)
+            raise ValueError(f"{path} must hold one .vtkhdf file, got {names}; give one of them")
+        path = found[0]
+    return Results(path.parent, path.stem, VtkHdfReader(path))
+
+
+def _read_summary(path: Path) -> dict[str, Any]:
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (FileNotFoundError, json.JSONDecodeError):  # not there yet, or being written
+        return {}

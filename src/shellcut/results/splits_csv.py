@@ -1,0 +1,53 @@
+"""``splits.csv``: time, place and force jump of every split of a run."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.files.whole_file import written_whole
+
+if TYPE_CHECKING:
+    from shellcut.state import SplitRecord
+
+_COLUMNS: dict[str, tuple[str, type]] = {
+    "time": ("s", float),
+    "node": ("-", int),
+    "twin": ("-", int),
+    "kind": ("-", str),
+    "measure": ("-", float),
+    "force_jump": ("N", float),
+    **dict.fromkeys(("x", "y", "z", "X", "Y", "Z"), ("mm", float)),
+}
+"""Unit and type of every column; x, y, z at the split, X, Y, Z in the reference."""
+
+
+def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
+    """Write a row a split, in order."""
+    with written_whole(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow([f"{name} [{unit}]" for name, (unit, _) in _COLUMNS.items()])
+        for s in splits:
+            row = (s.time, s.node, s.twin, s.kind, s.measure, s.force_jump)
+            table.writerow([*row, *s.place, *s.reference])
+
+
+def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
+    """Return the columns, each of shape (n_split,), and their units; nothing without a file."""
+    if not path.exists():
+        return {}, {}
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    columns: dict[str, npt.NDArray[Any]] = {}
+    units: dict[str, str] = {}
+    cells = zip(*rows, strict=True) if rows else [()] * len(header)
+    for heading, column in zip(header, cells, strict=True):
+        name, _, unit = heading.rstrip("]").partition(" [")
+        _, kind = _COLUMNS.get(name, ("", float))
+        columns[name], units[name] = np.array(column, dtype=kind), unit
+    return columns, units

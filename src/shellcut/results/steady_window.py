@@ -1,0 +1,264 @@
+r"""The steady part of a cut, found in the history of its run.
+
+Steady cutting means that every cutting edge drags a process zone of full length through film that
+does not yet feel what lies ahead; mean torque and work per way are taken there and nowhere else.
+From the columns of :mod:`shellcut.recording.cut_front`, for each edge that cuts:
+
+*The zone is full* when the edge's first cable breaks; the cut is then Z long. It is *renewed* when
+the cut is 2 Z long: all cables at work were then made while the zone was full. Here the window
+begins, if the motion has come up to speed.
+
+*The film ahead is free* as long as the way from the crack tip to the next cut or to the film's
+boundary is at least Z / 2 long.
+
+*The edge cuts* as long as it meets cable after cable, none of them at its end: there it is just
+entering the film, or leaving it. An edge that takes three times as long for a millimetre of cut as
+it mostly does has stopped.
+
+The window is the longest stretch in which all of this holds for all edges. Resistance is a sawtooth
+with the spacing of the nodes, so the window is shortened to whole periods of the edge that meets
+the fewest cables, of which it must hold two. An edge that has cut less than a tenth of what another
+has cut is not waited for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.trapezoid import integral
+
+CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE = (
+    "cut_length_edge_",
+    "process_zone_edge_",
+    "uncut_ahead_edge_",
+    "to_spare_edge_",
+)
+"""Beginnings of the names of columns, before the number of the edge; all in mm."""
+
+_RENEWED = 2.0  # cut length over Z
+_FREE = 0.5  # film ahead over Z
+_STOPPED = 3.0  # way for a millimetre of cut over the median
+_BYSTANDER = 0.1  # of the longest cut
+_UP_TO_SPEED = 0.95  # of the median speed
+_LEAST_PERIODS = 2
+_ROUND_OFF = 1e-9  # of lengths [mm]
+
+
+@dataclass(frozen=True)
+class SteadyWindow:
+    """From where to where a cut is steady, or why it is nowhere.
+
+    Examples
+    --------
+    >>> print(SteadyWindow(30.2, 69.8, 600, 1400).text("deg"))
+    30.2 to 69.8 deg
+    >>> print(SteadyWindow(reason="no cable has broken").text("deg"))
+    none: no cable has broken
+    """
+
+    low: float = float("nan")
+    high: float = float("nan")
+    """Ends, in the unit of the coordinate; nan where there is none."""
+    first: int = 0
+    last: int = -1
+    """First and last row of the history in it."""
+    reason: str = ""
+    """Why there is none; empty if there is one."""
+
+    @property
+    def rows(self) -> slice:
+        """Its rows of a column."""
+        return slice(self.first, self.last + 1)
+
+    def __bool__(self) -> bool:
+        """Whether there is one."""
+        return not self.reason
+
+    def text(self, unit: str) -> str:
+        """Return it in words, with the unit of the coordinate."""
+        if self.reason:
+            return f"none: {self.reason}"
+        return f"{self.low:.3g} to {self.high:.3g} {unit}"
+
+
+def steady_figures(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
+) -> dict[str, float | str]:
+    """Return what a run comes to in its steady window, by names that carry the units.
+
+    The window itself, the mean of the resistance (and of the axial force) and the work per radian
+    or millimetre of way that the cables took and that the tool did; or ``no_window``, why there is
+    none.
+
+    Parameters
+    ----------
+    history, coordinate
+        As of :func:`steady_window`.
+    resistance : (str, str)
+        Name and unit of what the drive has to overcome.
+    """
+    window = steady_window(history, coordinate)
+    if not window:
+        return {"no_window": window.reason}
+    (x_name, x_unit), (name, unit) = coordinate, resistance
+    turns = x_unit == "deg"
+    way = history[x_name][window.rows]
+    way = np.radians(way) if turns else way
+    length = float(way[-1] - way[0])
+
+    def mean(column: str) -> float:
+        return integral(way, history[column][window.rows]) / length
+
+    def growth(column: str) -> float:
+        return float(history[column][window.last] - history[column][window.first]) / length
+
+    per = "dtheta_Nmm" if turns else "ds_N"
+    figures: dict[str, float | str] = {
+        f"window_from_{x_unit}": window.low,
+        f"window_to_{x_unit}": window.high,
+        f"{name}_plateau_{unit.replace('*', '')}": mean(name),
+        f"dWcoh_{per}": growth("cohesive_work"),
+        f"dW_{per}": growth("tool_work"),
+    }
+    if "axial_force" in history:
+        figures["axial_force_plateau_N"] = mean("axial_force")
+    return figures
+
+
+def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:
+    """Return the steady window of a run.
+
+    Parameters
+    ----------
+    history : mapping of ndarray, shape (n_row,)
+        Its columns; also of a run that is still going, or was killed.
+    coordinate : (str, str)
+        Name and unit of what curves are drawn over.
+    """
+    cuts = _cuts(history)
+    if isinstance(cuts, str):
+        return SteadyWindow(reason=cuts)
+    name, unit = coordinate
+    x, time = history[name], history["time"]
+    renewed = np.all([cut.renewed for cut in cuts], axis=0)
+    free = np.all([cut.free for cut in cuts], axis=0)
+    cutting = np.all([cut.cutting(x) for cut in cuts], axis=0)
+    first, last = _longest(x, renewed & free & cutting & _up_to_speed(x, time))
+    if first < 0:
+        return SteadyWindow(reason=_why_none(cuts, x, unit, renewed, free))
+    joints = min((cut.joints_within(first, last) for cut in cuts), key=len)
+    if len(joints) <= _LEAST_PERIODS:
+        return SteadyWindow(
+            reason=f"it would last from {x[first]:.3g} to {x[last]:.3g} {unit} only, less than "
+            f"{_LEAST_PERIODS} spacings of the nodes along the cut"
+        )
+    low, high = int(joints[0]), int(joints[-1])
+    return SteadyWindow(float(x[low]), float(x[high]), low, high)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cut:
+    """What one edge has cut, row by row."""
+
+    edge: int
+    length: Floats
+    ahead: Floats
+    spare: Floats
+    zone: float
+    """Z [mm]; infinite if no cable has broken."""
+
+    @property
+    def renewed(self) -> Bools:
+        return np.asarray(self.length >= _RENEWED * self.zone - _ROUND_OFF)
+
+    @property
+    def free(self) -> Bools:
+        return np.asarray(self.ahead >= _FREE * self.zone - _ROUND_OFF)
+
+    @property
+    def joints(self) -> Ints:
+        """Rows in which a cable has been met."""
+        return np.flatnonzero(np.diff(self.length, prepend=0.0) > _ROUND_OFF)
+
+    def joints_within(self, first: int, last: int) -> Ints:
+        joints = self.joints
+        return joints[(joints >= first) & (joints <= last)]
+
+    def cutting(self, x: Floats) -> Bools:
+        joints = self.joints
+        if len(joints) < 2:
+            return np.zeros(len(x), np.bool_)
+        grown = np.diff(self.length[joints])
+        slowness = np.diff(x[joints]) / grown
+        slow = _STOPPED * float(np.median(slowness))
+        # To the end of the run the next cable is still to be met.
+        slowness = np.append(slowness, (x[-1] - x[joints[-1]]) / grown[-1])
+        # A row in which a cable is met belongs to what led there.
+        before = np.searchsorted(joints, np.arange(len(x))) - 1
+        goes_on = (before >= 0) & (slowness[np.maximum(before, 0)] <= slow)
+        return np.asarray(goes_on & (self.spare > _ROUND_OFF))
+
+
+def _cuts(history: Mapping[str, Floats]) -> list[_Cut] | str:
+    """Return the cuts that count, or why there is none."""
+    edges = [name.removeprefix(CUT_LENGTH) for name in history if name.startswith(CUT_LENGTH)]
+    if not edges:
+        return "the history does not say what each cutting edge has cut"
+    longest = max(float(history[CUT_LENGTH + edge].max(initial=0.0)) for edge in edges)
+    if longest == 0.0:
+        return "no cable was bent around a cutting edge"
+    cuts = []
+    for edge in edges:
+        length = history[CUT_LENGTH + edge]
+        if length[-1] < _BYSTANDER * longest:
+            continue
+        broken = length - history[PROCESS_ZONE + edge] > _ROUND_OFF
+        zone = float(length[np.argmax(broken)]) if broken.any() else float("inf")
+        ahead, spare = history[UNCUT_AHEAD + edge], history[TO_SPARE + edge]
+        cuts.append(_Cut(int(edge), length, ahead, spare, zone))
+    return cuts
+
+
+def _up_to_speed(x: Floats, time: Floats) -> Bools:
+    """Return the rows after the start-up ramp."""
+    if len(x) < 2:
+        return np.zeros(len(x), np.bool_)
+    speed = np.gradient(x, time)
+    moving = speed[speed > 0.0]
+    if not moving.size:
+        return np.zeros(len(x), np.bool_)
+    return np.asarray(np.maximum.accumulate(speed) >= _UP_TO_SPEED * np.median(moving))
+
+
+def _longest(x: Floats, good: Bools) -> tuple[int, int]:
+    """Return the first and last row of the longest stretch, -1 if there is none."""
+    change = np.diff(good.astype(int), prepend=0, append=0)
+    begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1
+    if not begins.size:
+        return -1, -1
+    k = int(np.argmax(x[ends] - x[begins]))
+    return int(begins[k]), int(ends[k])
+
+
+def _why_none(cuts: list[_Cut], x: Floats, unit: str, renewed: Bools, free: Bools) -> str:
+    """Return the first condition that is nowhere met."""
+    for cut in cuts:
+        if not cut.renewed.any():
+            done = f"cutting edge {cut.edge} has cut {cut.length[-1]:.3g} mm"
+            if np.isinf(cut.zone):
+                return f"{done}, and none of its cables has broken"
+            return f"{done}; its process zone is renewed after {_RENEWED * cut.zone:.3g} mm only"
+    start = int(np.argmax(renewed))
+    if not renewed.any():
+        return "the edges were never in the film together"
+    if not (renewed & free).any():
+        cut = min(cuts, key=lambda c: float(c.ahead[start]))
+        return (
+            f"when the process zones had been renewed, at {x[start]:.3g} {unit}, cutting edge "
+            f"{cut.edge} had {cut.ahead[start]:.3g} mm to go to the next cut or the film's edge"
+        )
+    return f"a cutting edge had left the film, or stopped, before {x[start]:.3g} {unit}"

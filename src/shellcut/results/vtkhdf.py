@@ -1,0 +1,348 @@
+"""Frames of a run in one VTKHDF file: ParaView 5.12 or later opens it and plays the time.
+
+One temporal unstructured grid holds everything, as :mod:`shellcut.results.frame_grid` lays it out;
+nodes, cables and cracks may come and go from frame to frame. Time, the frame's coordinate and its
+scalars are field arrays (``time [s]``, ``torque [N*mm]``), exact. Beside the grid a group
+``shellcut``, of no interest to VTK, keeps per frame what reading back needs besides: how many of
+each part there are, the tool's rotation and translation, and digests by which damage is told
+(:mod:`shellcut.results.frame_digest`).
+
+How the file counts (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
+takes all frames for one, without a word):
+every dataset is one long column to which frames append, and ``Steps`` says where a frame begins.
+The reader finds a frame in ``Offsets``, which has one entry more than there are cells, at the sum
+of the frame's cell offset and its *part* offset. A frame with the cells of the one before re-uses
+both of them, and adds nothing to ``NumberOf*``; with only one of the two re-used, late frames
+cannot be read. Arrays that grow together have the same offsets: one dataset under several names
+(hard links), which saves most of the time that a frame would cost. How the columns grow and are
+packed is the matter of :mod:`shellcut.results.hdf_columns`.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib.metadata import version
+from typing import Any, Literal
+
+import h5py
+import numpy as np
+
+from shellcut.files.appendable_file import GrowingFile
+from shellcut.files.hdf_target import HdfTarget
+from shellcut.frame import Frame
+
+from .frame_digest import DIGESTS, PLACES, damaged_row, described, digest_of_arrays, digest_of_row
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, series_of
+from .hdf_columns import Columns
+
+_VERSION = (2, 3)
+_TIME = "time [s]"
+BESIDE = "shellcut"
+"""The group beside VTK's own."""
+ENDED = "n_frame"
+"""Its attribute with the number of frames; :data:`NOT_ENDED` while a run writes the file."""
+NOT_ENDED = -1
+
+# The names under which shared offsets are written; the other arrays' are links to them.
+_CELL_DATA_OFFSETS = "CellDataOffsets/part"
+_SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
+_SERIES_SIZES = f"FieldDataSizes/{_TIME}"
+
+
+class VtkHdfWriter(GrowingFile):
+    """Append frames to one VTKHDF file.
+
+    Every frame is flushed, its entry in ``Steps`` last, so a killed run leaves a readable file, and
+    so does one whose disk is full.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, by custom ``*.vtkhdf``.
+    mode, until
+        As :class:`GrowingFile`, ``until`` in s; what a killed run left of an unfinished frame is
+        dropped.
+
+    Raises
+    ------
+    ValueError
+        If the file of mode ``"a"`` was not written by this class.
+    OSError
+        If the file cannot be opened or written.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        mode: Literal["w", "a"] = "w",
+        until: float | None = None,
+    ) -> None:
+        super().__init__(path, mode=mode, until=until)
+        how: Literal["r+", "w"] = "r+" if self.goes_on else "w"
+        self._target = HdfTarget(self.path, how)
+        try:
+            self._file = h5py.File(self._target, how)
+        except BaseException:
+            self._target.close()
+            raise
+        self._series_names: tuple[str, ...] = ()
+        self._cells: tuple[Any, Any, int] | None = None  # those of the last frame
+        self._cells_entry: dict[str, Any] = {}  # and where they are
+        self._cells_written: dict[str, Any] = {}  # as they are in the file
+        self._cells_sizes = 0, 0, 0  # numbers of points, cells and ids
+        self._last_time = -np.inf
+        self._n_frame = 0
+        self._is_sound = False
+        try:
+            if self.goes_on:
+                self._open_old()
+                self._drop_after(np.inf if until is None else until)
+            else:
+                self._create_new()
+            self._is_sound = True
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def n_frame(self) -> int:
+        """Number of frames in the file."""
+        return self._n_frame
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last frame [s]; minus infinity without one."""
+        return self._last_time
+
+    def append(self, frame: Frame) -> None:
+        """Write one frame and flush it.
+
+        Raises
+        ------
+        ValueError
+            If the frame's scalars are not those of the first frame, or its time is not later
+            than that of the last.
+        OSError
+            If the disk is full, or the file cannot be written for another reason: then the frames
+            before it are in the file, and no other comes to them.
+        """
+        self._target.check()
+        if frame.time <= self._last_time:
+            raise ValueError(
+                f"frames must be appended in order of time, got {frame.time} s after "
+                f"{self._last_time} s"
+            )
+        series = series_of(frame)
+        if not self._series_names:
+            self._create_series(tuple(series))
+            self._describe(frame)
+        elif set(series) != set(self._series_names):
+            raise ValueError(
+                f"every frame must have the scalars {sorted(self._series_names)}, "
+                f"got {sorted(series)}"
+            )
+
+        grid = grid_of(frame)
+        entry = self._append_cells(grid)
+        written = dict(self._cells_written)
+        point = self._columns.end("Points")
+        entry["PointOffsets"] = point
+        written["Points"] = self._columns.write("Points", point, grid.points, noise=True)
+        for name, rows in grid.point_arrays.items():
+            written[name] = self._columns.write(f"PointData/{name}", point, rows)
+        cell = self._columns.end("CellData/part")
+        entry[_CELL_DATA_OFFSETS] = cell
+        for name, rows in grid.cell_arrays.items():
+            written[name] = self._columns.write(f"CellData/{name}", cell, rows)
+        self._append_row(frame, grid, entry, digest_of_arrays(written))
+        # The frame counts only once all of it is in the file.
+        self._file.flush()
+        self._count(self._n_frame + 1)
+        self._last_time = frame.time
+
+    def sync(self) -> None:
+        """Wait until all frames are on the disk.
+
+        Raises
+        ------
+        OSError
+            If they cannot be.
+        """
+        self._target.sync()
+
+    def close(self) -> None:
+        """Close the file; a second call does nothing."""
+        try:
+            if self._file and self._is_sound:  # how many frames there are is known for good
+                self._file[BESIDE].attrs.modify(ENDED, np.int64(self._n_frame))  # in its place
+        finally:
+            self._file.close()
+            self._target.close()
+
+    def _append_row(
+        self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int
+    ) -> None:
+        k, series = self._n_frame, series_of(frame)
+        entry[_SERIES_OFFSETS] = k
+        entry[_SERIES_SIZES] = (1, 1)  # components, tuples
+        for name, value in series.items():
+            self._columns.write(f"FieldData/{name}", k, np.array([value]))
+        for name, value in {**entry, "Values": frame.time}.items():
+            self._columns.write(f"Steps/{name}", k, np.array([value]))
+        self._beside.write("counts", k, np.array([grid.counts]))
+        pose = np.concatenate((frame.tool_rotation.ravel(), frame.tool_translation))
+        self._beside.write("pose", k, pose[None])
+        places = np.hstack([grid.counts, *(entry[name] for name in PLACES), self._cells_sizes])
+        numbers = [frame.time, *(series[name] for name in sorted(series)), *pose.tolist()]
+        of_row = digest_of_row(
+            described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
+        )
+        self._beside.write(DIGESTS, k, np.array([(of_row, of_arrays)]))
+
+    def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
+        connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
+        if self._cells is not None:
+            old_connectivity, old_types, old_n_point = self._cells
+            if (
+                n_point == old_n_point
+                and np.array_equal(types, old_types)
+                and np.array_equal(connectivity, old_connectivity)
+            ):
+                return dict(self._cells_entry)
+        part = self._columns.end("NumberOfPoints")
+        cell = self._columns.end("Types")
+        first_id = self._columns.end("Connectivity")
+        self._columns.write("NumberOfPoints", part, np.array([n_point]))
+        self._columns.write("NumberOfCells", part, np.array([len(types)]))
+        self._columns.write("NumberOfConnectivityIds", part, np.array([len(connectivity)]))
+        ends = np.concatenate(([0], np.cumsum(grid.sizes)))
+        self._cells_written = {
+            "Types": self._columns.write("Types", cell, types),
+            "Offsets": self._columns.write("Offsets", cell + part, ends),
+            "Connectivity": self._columns.write("Connectivity", first_id, connectivity),
+        }
+        self._cells_sizes = n_point, len(types), len(connectivity)
+        self._cells_entry = {
+            "PartOffsets": part,
+            "NumberOfParts": 1,
+            "CellOffsets": (cell,),
+            "ConnectivityIdOffsets": (first_id,),
+        }
+        self._cells = connectivity, types, n_point
+        return dict(self._cells_entry)
+
+    def _count(self, n_frame: int) -> None:
+        self._root["Steps"].attrs["NSteps"] = n_frame
+        self._file.flush()
+        self._target.keep()
+        self._n_frame = n_frame
+
+    def _create_new(self) -> None:
+        self._root: Any = self._file.create_group("VTKHDF")
+        self._root.attrs["Version"] = np.array(_VERSION)
+        # VTK wants ASCII of fixed length here, which h5py does not write by default.
+        kind = b"UnstructuredGrid"
+        self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+        self._columns = Columns(self._root)
+        self._beside = Columns(self._file.create_group(BESIDE))
+        self._file[BESIDE].attrs["version"] = version("shellcut")
+        self._file[BESIDE].attrs[ENDED] = np.int64(NOT_ENDED)
+        self._beside.create("counts", np.int64, (len(Counts._fields),))
+        self._beside.create("pose", np.float64, (12,))
+        self._beside.create(DIGESTS, np.uint32, (2,))
+        create = self._columns.create
+        for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
+            create(name, np.int64)
+        # Not packed: this one cannot begin on a chunk of its own, see above.
+        create("Offsets", np.int64, blocks=True)
+        create("Connectivity", np.int64, packed=True)
+        create("Types", np.uint8, packed=True)
+        create("Points", np.float32, (3,), packed=True)
+        create("Steps/Values", np.float64)
+        for name in ("PartOffsets", "NumberOfParts", "PointOffsets", _CELL_DATA_OFFSETS):
+            create(f"Steps/{name}", np.int64)
+        for name in ("CellOffsets", "ConnectivityIdOffsets"):
+            create(f"Steps/{name}", np.int64, (1,))
+        for name, (dtype, shape) in POINT_ARRAYS.items():
+            create(f"PointData/{name}", dtype, shape, packed=True)
+            self._columns.link(f"Steps/PointDataOffsets/{name}", "Steps/PointOffsets")
+        for name, (dtype, shape) in CELL_ARRAYS.items():
+            create(f"CellData/{name}", dtype, shape, packed=True)
+            offsets = f"Steps/{_CELL_DATA_OFFSETS}"
+            self._columns.link(f"Steps/CellDataOffsets/{name}", offsets)
+        self._count(0)
+
+    def _create_series(self, names: tuple[str, ...]) -> None:
+        create, link = self._columns.create, self._columns.link
+        create(f"Steps/{_SERIES_OFFSETS}", np.int64)
+        create(f"Steps/{_SERIES_SIZES}", np.int64, (2,))
+        for name in names:
+            create(f"FieldData/{name}", np.float64)
+            link(f"Steps/FieldDataOffsets/{name}", f"Steps/{_SERIES_OFFSETS}")
+            link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
+        self._series_names = names
+
+    def _describe(self, frame: Frame) -> None:
+        self._file[BESIDE].attrs.update(
+            coordinate=[frame.coordinate_name, frame.coordinate_unit],
+            scalar_names=list(frame.scalars),
+            scalar_units=[frame.scalar_units[name] for name in frame.scalars],
+        )
+
+    def _open_old(self) -> None:
+        if not is_ours(self._file):
+            raise ValueError(
+                f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
+            )
+        self._root = self._file["VTKHDF"]
+        self._columns = Columns(self._root)
+        self._beside = Columns(self._file[BESIDE])
+        self._series_names = tuple(self._root.get("FieldData", ()))
+
+    def _drop_after(self, until: float) -> None:
+        columns = self._columns
+        n_frame = int(self._root["Steps"].attrs["NSteps"])  # a killed run may have begun another
+        n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
+        if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
+            raise ValueError(f"{self.path} is damaged; begin anew with mode 'w'")
+        self._file[BESIDE].attrs.modify(ENDED, np.int64(NOT_ENDED))
+        # Frames may share cells but never go back to older ones: the last frame kept ends all.
+        n_part = n_point = n_cell = n_id = n_cell_row = 0
+        if n_frame:
+            k = n_frame - 1
+            part = int(columns["Steps/PartOffsets"][k])
+            n_part = part + 1
+            n_point = columns["Steps/PointOffsets"][k] + columns["NumberOfPoints"][part]
+            n_cell = columns["Steps/CellOffsets"][k, 0] + columns["NumberOfCells"][part]
+            n_id = (
+                columns["Steps/ConnectivityIdOffsets"][k, 0]
+                + columns["NumberOfConnectivityIds"][part]
+            )
+            n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + columns["NumberOfCells"][part]
+            self._last_time = float(columns["Steps/Values"][k])
+        ends = {
+            "NumberOfPoints": n_part,
+            "NumberOfCells": n_part,
+            "NumberOfConnectivityIds": n_part,
+            "Points": n_point,
+            "Types": n_cell,
+            "Offsets": n_cell + n_part,
+            "Connectivity": n_id,
+            "PointData": n_point,
+            "CellData": n_cell_row,
+            "FieldData": n_frame,
+            "Steps": n_frame,
+        }
+        for name in columns:
+            columns.cut(name, int(ends[name.partition("/")[0]]))
+        for name in self._beside:
+            self._beside.cut(name, n_frame)
+        self._count(n_frame)
+
+
+def is_ours(file: Any) -> bool:
+    """Whether an open file was written by this class, with all that its present version writes."""
+    wanted = [f"VTKHDF/CellData/{name}" for name in CELL_ARRAYS]
+    wanted += [f"{BESIDE}/{name}" for name in ("counts", "pose", DIGESTS)]
+    return all(name in file for name in ("VTKHDF/Steps", *wanted))

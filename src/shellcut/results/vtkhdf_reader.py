@@ -1,0 +1,231 @@
+"""Read the frames of a result file, with every number compared with the digests that go with it.
+
+A file that is not what was written, by a bit, is refused with the frame that is damaged.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import h5py
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
+
+from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of
+from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
+
+# A file is read while its run goes on writing: it must not have changed meanwhile, as told by its
+# time stamp, which the system counts in ticks of up to 10 ms.
+_TICK_S = 0.02
+_MOST_TRIES = 250
+# A file written so lately may be written again at any moment. It is taken into memory at once, if
+# it is not too large [bytes]; and as its run may be held up in the midst of a frame, by other
+# programs, what looks like damage is looked at again.
+_HELD_UP_S = 1.0
+_LARGEST_IMAGE = 200_000_000
+
+_Value = TypeVar("_Value")
+
+
+class ResultFileError(ValueError):
+    """A file that is no result of shellcut, or is damaged; the message says which."""
+
+
+class VtkHdfReader:
+    """Read the frames of a file, also of a killed run and of one that is still writing it.
+
+    What is in the file when it is opened here is read; frames that come later are not seen.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it is not there.
+    ResultFileError
+        If it was not written by :class:`VtkHdfWriter`, or times, figures or poses in it are not
+        what was written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.times: Floats = np.zeros(0)
+        """Time of every frame, shape (n_frame,), [s]."""
+        self.coordinates: Floats = np.zeros(0)
+        """Coordinate of every frame, shape (n_frame,), in ``coordinate_unit``."""
+        self.coordinate_name = self.coordinate_unit = ""
+        self._scalar_units: dict[str, str] = {}
+        self._settled(self._read_steps)
+
+    @property
+    def n_frame(self) -> int:
+        """Number of complete frames."""
+        return len(self.times)
+
+    def frame(self, k: int) -> Frame:
+        """Return frame ``k``, counted from 0, or from -1 backwards from the end.
+
+        It is the frame that was written: points in single precision, other floating-point arrays
+        of 12 bits, ``reference`` (points minus displacement) accordingly, scalars exact.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame.
+        ResultFileError
+            If it is not what was written.
+        """
+        k = self._index(k)
+        return self._settled(lambda file: self._read_frame(file, k))
+
+    def pose(self, k: int) -> tuple[Floats, Floats] | None:
+        """Return rotation (3, 3) and translation (3,) [mm] of the tool at frame ``k``, exact.
+
+        None if the frame has no tool.
+
+        Raises
+        ------
+        IndexError
+            If there is no such frame.
+        """
+        k = self._index(k)
+
+        def read(file: Any) -> tuple[Any, Any]:
+            return Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k]
+
+        counts, row = self._settled(read)
+        return (row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
+
+    def _index(self, k: int) -> int:
+        if not -self.n_frame <= k < self.n_frame:
+            there = f"0 to {self.n_frame - 1}" if self.n_frame else "none yet"
+            raise IndexError(f"frame must be one of those in {self.path}, {there}, got {k}")
+        return k % self.n_frame
+
+    def _settled(self, read: Callable[[Any], _Value]) -> _Value:
+        """Return what ``read`` finds in the open file, none of it half written."""
+        for _ in range(_MOST_TRIES):
+            before = self.path.stat()
+            if time.time() - before.st_mtime < _TICK_S:
+                time.sleep(_TICK_S)
+                before = self.path.stat()
+            is_recent = time.time() - before.st_mtime < _HELD_UP_S
+            source = self._image() if is_recent and before.st_size < _LARGEST_IMAGE else None
+            taken = self.path.stat()
+            failed: Exception | None = None
+            try:
+                with _opened(self.path) if source is None else h5py.File(source, "r") as file:
+                    value = read(file)
+            except Exception as error:  # whatever HDF5 makes of damage: sizes, types, names
+                failed = error
+            after = self.path.stat() if source is None else taken
+            if failed is not None and is_recent:
+                time.sleep(_TICK_S)
+            elif (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
+                if isinstance(failed, ResultFileError):
+                    raise failed
+                if failed is not None:
+                    raise ResultFileError(
+                        f"{self.path} must be a result file of shellcut, and whole; HDF5 says: "
+                        f"{failed}"
+                    ) from failed
+                return value
+        raise ResultFileError(f"{self.path} is being written without a pause; read it again later")
+
+    def _image(self) -> io.BytesIO:
+        with self.path.open("rb") as file:
+            return io.BytesIO(file.read(_LARGEST_IMAGE))
+
+    def _read_steps(self, file: Any) -> None:
+        if not is_ours(file):
+            raise ResultFileError(
+                f"{self.path} was not written by shellcut, or by an older version"
+            )
+        steps, beside = file["VTKHDF/Steps"], file[BESIDE].attrs
+        n_frame, n_row = int(steps.attrs["NSteps"]), len(steps["Values"])
+        # A killed run may have begun one frame more than it has counted.
+        ended = int(beside[ENDED])
+        if ended not in (n_frame, NOT_ENDED) or not n_frame <= n_row <= n_frame + 1:
+            raise ResultFileError(
+                f"{self.path} is damaged: it counts {n_frame} frames and has {n_row}"
+            )
+        if (k := damaged_row(file["VTKHDF"], file[BESIDE], n_frame)) is not None:
+            raise ResultFileError(
+                f"{self.path} is damaged: time, figures or pose of frame {k} are not what was "
+                "written"
+            )
+        self.times = steps["Values"][:n_frame]
+        if n_frame:
+            self.coordinate_name, self.coordinate_unit = beside["coordinate"]
+            self._scalar_units = dict(
+                zip(beside["scalar_names"], beside["scalar_units"], strict=True)
+            )
+            name = array_name(self.coordinate_name, self.coordinate_unit)
+            self.coordinates = file[f"VTKHDF/FieldData/{name}"][:n_frame]
+
+    def _read_frame(self, file: Any, k: int) -> Frame:
+        root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+        counts = Counts(*file[BESIDE]["counts"][k].tolist())
+        part = int(steps["PartOffsets"][k])
+
+        def rows(column: Any, begin: Any, count: int) -> Any:
+            return column[int(begin) : int(begin) + count]
+
+        first_id, n_id = steps["ConnectivityIdOffsets"][k, 0], root["NumberOfConnectivityIds"][part]
+        point, n_point = steps["PointOffsets"][k], counts.points[-1]
+        cell, n_cell = steps["CellOffsets"][k, 0], counts.cells[-1]
+        data = steps["CellDataOffsets/part"][k]
+        arrays = {name: rows(root["PointData"][name], point, n_point) for name in POINT_ARRAYS} | {
+            name: rows(root["CellData"][name], data, n_cell) for name in CELL_ARRAYS
+        }
+        points = rows(root["Points"], point, n_point)
+        connectivity = rows(root["Connectivity"], first_id, int(n_id))
+        cells = {
+            "Points": points,
+            "Connectivity": connectivity,
+            "Types": rows(root["Types"], cell, n_cell),
+            "Offsets": rows(root["Offsets"], int(cell) + part, n_cell + 1),
+        }
+        if digest_of_arrays(cells | arrays) != int(file[BESIDE][DIGESTS][k, 1]):
+            raise ResultFileError(
+                f"{self.path} is damaged: the arrays of frame {k} are not what was written"
+            )
+        pose = file[BESIDE]["pose"][k]
+        scalars = {
+            name: float(root[f"FieldData/{array_name(name, unit)}"][k])
+            for name, unit in self._scalar_units.items()
+        }
+        return frame_of(
+            counts,
+            points,
+            connectivity,
+            arrays,
+            time=float(self.times[k]),
+            coordinate=float(self.coordinates[k]),
+            coordinate_name=self.coordinate_name,
+            coordinate_unit=self.coordinate_unit,
+            tool_rotation=pose[:9].reshape(3, 3),
+            tool_translation=pose[9:],
+            scalars=scalars,
+            scalar_units=self._scalar_units,
+        )
+
+
+def _opened(path: Path) -> Any:
+    try:
+        # Without a lock: who only reads shall keep nobody from anything.
+        return h5py.File(path, "r", locking=False)
+    except OSError:
+        # It may be open in this very process, in which HDF5 wants a file opened alike each time.
+        return h5py.File(path, "r")

@@ -1,0 +1,133 @@
+"""The ledger: where the work has gone.
+
+    tool + loads + supports  =  kinetic + strain + cohesive + contact + damping
+
+Each entry comes from its own forces and increments, none by difference: works are sums of
+½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
+the stored and dissipated parts of the cohesive law are functions of the state. What the two sides
+differ by, relative to the work put in, is the imbalance: the first figure of trust.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shellcut.arrays import Floats
+from shellcut.numerics.jit import kernel
+
+
+@dataclass
+class Ledger:
+    """Energies and works at t_n, all in N·mm (= mJ)."""
+
+    tool_work: float = 0.0
+    """Work of the tool on the film."""
+    load_work: float = 0.0
+    """Work of gravity, pressure and nodal forces."""
+    support_work: float = 0.0
+    """Work of the reactions where motion is prescribed."""
+    kinetic_translation: float = 0.0
+    kinetic_rotation: float = 0.0
+    """Of the scaled rotary inertia."""
+    initial: float = 0.0
+    """Kinetic and strain energy at t = 0: of an initial velocity, of a pretension."""
+    strain: float = 0.0
+    cohesive_work: float = 0.0
+    """Work done on all cables."""
+    cohesive_start_work: float = 0.0
+    """Work done on the equilibrium-start forces."""
+    cohesive_stored: float = 0.0
+    """Recoverable energy of the cables, by the law."""
+    cohesive_dissipated: float = 0.0
+    """Dissipated by the cables, by the law; stored and dissipated make up the work."""
+    contact_work: float = 0.0
+    """Work that went into the contact from both sides, nodes and tool."""
+    contact_stored: float = 0.0
+    """Penalty energy, the recoverable part of it."""
+    contact_absorbed: float = 0.0
+    """What absorbed jumps have taken up of it; negative: what they have given to the film."""
+    damping_stiffness: float = 0.0
+    damping_mass: float = 0.0
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy of translation and rotation."""
+        return self.kinetic_translation + self.kinetic_rotation
+
+    @property
+    def damping(self) -> float:
+        """Dissipated by both dampings."""
+        return self.damping_stiffness + self.damping_mass
+
+    @property
+    def put_in(self) -> float:
+        """Work of tool, loads and supports, and the energy at t = 0."""
+        return self.tool_work + self.load_work + self.support_work + self.initial
+
+    @property
+    def taken_up(self) -> float:
+        """Sum of all that the work has become."""
+        return (
+            self.kinetic
+            + self.strain
+            + self.cohesive_work
+            + self.cohesive_start_work
+            + self.contact_work
+            + self.damping
+        )
+
+    def entries(self) -> dict[str, float]:
+        """Return works and energies that make up the balance, by the words for them."""
+        return {
+            "tool": self.tool_work,
+            "loads": self.load_work,
+            "supports": self.support_work,
+            "initial": self.initial,
+            "kinetic": self.kinetic,
+            "strain": self.strain,
+            "cables": self.cohesive_work + self.cohesive_start_work,
+            "contact": self.contact_work,
+            "damping": self.damping,
+        }
+
+    @property
+    def imbalance(self) -> float:
+        """Work put in minus energy taken up."""
+        return self.put_in - self.taken_up
+
+    def relative(self, energy: float) -> float:
+        """Return an energy relative to the work of the tool, or to all that was put in."""
+        scale = abs(self.tool_work) or abs(self.put_in)
+        return energy / scale if scale > 0 else 0.0
+
+
+@kernel
+def tool_work(
+    contact_wrench: Floats,
+    cable_wrench: Floats,
+    spin: Floats,
+    velocity: Floats,
+    dt: float,
+    last_contact: Floats,
+    last: Floats,
+) -> tuple[float, float]:
+    """Return the work on the tool over a step [N·mm], of the contact and of contact and cables.
+
+    contact_wrench, cable_wrench : (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.
+    spin, velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.  last_contact, last :
+    (6,), the same two sums over the teeth at t_{n-1}; replaced by those at t_n.
+    """
+    work_of_contact = 0.0
+    work = 0.0
+    for c in range(6):
+        contact = 0.0
+        cables = 0.0
+        for body in range(contact_wrench.shape[0]):
+            contact += contact_wrench[body, c]
+            cables += cable_wrench[body, c]
+        moved = dt * (velocity[c] if c < 3 else spin[c - 3])
+        work_of_contact += 0.5 * (last_contact[c] + contact) * moved
+        work += 0.5 * (last[c] + (contact + cables)) * moved
+        last_contact[c] = contact
+        last[c] = contact + cables
+    return work_of_contact, work

@@ -1,0 +1,165 @@
+"""Dynamic relaxation: the state of rest under loads and held supports, by the explicit driver.
+
+Kinetic damping ([Cundall1976]): the film swings freely, and whenever its kinetic energy has passed
+a peak all velocities are set to zero, since near a peak it passes through rest's neighbourhood.
+Time stands still: loads, supports and tool are those of t_0, and no viscous damping acts.
+
+From a stop at the whole step n the film starts as from t_0, with a *half* kick to
+v_{n+1/2} = ½ dt f/m. A mode of frequency omega, at the distance u from rest, is then at
+(1 - ½ (omega dt)²) u one step on, no farther than it was, for every stable step. After a whole kick
+it would be at (1 - (omega dt)²) u: modes with omega dt > √2 would grow at every stop, up to
+threefold, and a film that is stopped often enough would fly apart.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.central_difference import CentralDifference
+from shellcut.loads.loads import LoadSet
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+from .stable_step import StableStep
+
+# Steps between two evaluations of all quads, and between two looks at what has become of their
+# bounds since, which never lie below the frequencies.
+_EVALUATE_EVERY = 200
+_LOOK_EVERY = 20
+
+# Share of the safe bound that is used: swings are violent at first.
+_SAFETY = 0.8
+
+
+class NotAtRest(RuntimeError):
+    """Relaxation did not reach rest; the message says how far it came."""
+
+
+def find_rest(
+    state: State,
+    shell: MITC4Shell,
+    loads: LoadSet,
+    time_step: StableStep,
+    *,
+    tolerance: float,
+    most_steps: int,
+    most_strain: float,
+    before: tuple[Floats, Floats],
+) -> int:
+    """Bring the state to rest and return the number of steps it took.
+
+    At rest the largest nodal force that is not held is below ``tolerance`` times the largest
+    reaction or load, and the largest moment on a director below that times the mean edge of a quad.
+
+    Raises
+    ------
+    NotAtRest
+        After ``most_steps``, where they have led; or when the strain energy exceeds
+        ``most_strain`` [N·mm], the nodes being put back to ``before``: positions and directors.
+    """
+    n = state.node
+    edge = float(np.sqrt(shell.area.mean()))
+    film = _Swing(state, shell, time_step)
+    for step in range(most_steps):
+        loads.begin_forces(state)
+        strain = shell.add_forces(state).strain_energy
+        if not strain <= most_strain:
+            message = _flown_apart(state, shell, step, strain)
+            n.x[: n.count], n.t[: n.count] = before
+            film.stop()
+            raise NotAtRest(message)
+        film.kick(step)
+        residual = _residual(state, loads.largest(state), edge)
+        if residual <= tolerance:
+            break
+        film.drift()
+    film.stop()
+    n.load_force[: n.count] = 0.0
+    n.reaction[: n.count] = 0.0
+    state.strain_before[:] = state.strain
+    if not residual <= tolerance:
+        raise NotAtRest(
+            f"not at rest after {most_steps} steps: the largest free nodal force is still "
+            f"{residual:.3g} of the largest reaction or load, wanted {tolerance:.3g}; allow more "
+            "steps, or check that the film is supported"
+        )
+    return step
+
+
+class _Swing:
+    """The free swing of the film from stop to stop."""
+
+    def __init__(self, state: State, shell: MITC4Shell, time_step: StableStep) -> None:
+        self._state, self._shell, self._time_step = state, shell, time_step
+        self._integrator = CentralDifference(damping_alpha=0.0)
+        self._everything = np.arange(state.quads.shape[0])
+        self._dt = 0.0  # of the last drift, none since a stop
+        self._next = 0.0
+        self._kinetic = 0.0
+
+    def stop(self) -> None:
+        n = self._state.node
+        n.velocity_half[: n.count] = 0.0
+        n.spin_half[: n.count] = 0.0
+        self._dt = 0.0
+
+    def kick(self, step: int) -> None:
+        """Take the velocities on, or stop and start anew where the kinetic energy has fallen."""
+        self._look(step)
+        swinging = self._dt > 0.0
+        kinetic = self._kick()
+        if swinging and kinetic < self._kinetic:
+            self.stop()
+            kinetic = self._kick()
+        self._kinetic = kinetic
+
+    def drift(self) -> None:
+        self._integrator.drift(self._state, self._next)
+        self._dt = self._next
+
+    def _kick(self) -> float:
+        result = self._integrator.kick(self._state, self._dt, self._next)
+        return result.kinetic_translation + result.kinetic_rotation
+
+    def _look(self, step: int) -> None:
+        n, quads, frequencies = self._state.node, self._state.quads, self._shell.frequencies
+        if step % _EVALUATE_EVERY == 0:
+            frequencies.evaluate(n.x, n.t, quads, self._everything)
+        elif step % _LOOK_EVERY == 0:
+            frequencies.follow(n.x, n.t, quads)
+        else:
+            return
+        self._next = _SAFETY * self._time_step.bound(self._state)
+
+
+def _residual(state: State, largest_load: float, edge: float) -> float:
+    """Return the largest free nodal force, or moment over ``edge``, over the largest held or load.
+
+    What is held has just been written by the kick: minus the force, of nodes that stand still.
+    """
+    n = state.node
+    force, held = n.force[: n.count], n.reaction[: n.count]
+    moment = np.cross(n.t[: n.count], n.director_force[: n.count]) + held[:, 3:]
+    free = max(_largest(force + held[:, :3]), _largest(moment) / edge)
+    scale = max(_largest(held[:, :3]), largest_load)
+    return float(free / scale) if scale > 0.0 else float(free > 0.0)
+
+
+def _largest(rows: Floats) -> float:
+    return float(np.abs(rows).max(initial=0.0))
+
+
+def _flown_apart(state: State, shell: MITC4Shell, step: int, strain: float) -> str:
+    quad = shell.most_strained_quad(state)
+    x, y, z = state.node.X[state.quads[quad]].mean(axis=0)
+    cause = (
+        "the displacement it was given strains the film beyond all measure"
+        if step == 0
+        else "the loads are far too large for the film, or something in it is not held"
+    )
+    return (
+        f"the film flew apart after {step} steps of relaxation: strain energy {strain:.3g} N·mm, "
+        f"most strained is quad {quad} at ({x:.4g}, {y:.4g}, {z:.4g}) mm; {cause}: check their "
+        "units (mm, N, MPa). The nodes are where they were before"
+    )

@@ -1,0 +1,499 @@
+"""Simulation: owns the order of a step and of a run. Read :meth:`Simulation.step` first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.directional_cable import CableForces, CableSet
+from shellcut.central_difference import CentralDifference
+from shellcut.contact.penalty_contact import ContactForces, PenaltyContact
+from shellcut.contact.settings import Contact
+from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.fracture.criterion import Fracture, SplitCriterion
+from shellcut.fracture.quad_fans import boundary_edges, crack_tips, is_tip, open_edges
+from shellcut.fracture.split_node import split_node
+from shellcut.loads.loads import Load, LoadSet
+from shellcut.loads.supports import Support, SupportSet
+from shellcut.loads.symmetry_plane import put_directors_into_planes
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell, Precision
+from shellcut.numerics.jit import bound_once
+from shellcut.numerics.threads import Workers
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
+
+from .hooks import Hook, StopRun
+from .instability import CHECK_EVERY, BalanceGuard, balance_lost, blown_up, most_strain_energy
+from .ledger import Ledger, tool_work
+from .relaxation import find_rest
+from .stable_step import StableStep, Stepping
+
+
+class Simulation:
+    """A film, its supports and loads, and the tool that cuts it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference mid-surface.
+    material : ShellMaterial
+        Layers through the thickness.
+    supports : sequence of Support
+        Held and moved nodes.
+    loads : sequence of Load
+        Gravity, pressures, forces.
+    tool, motion : Tool and Motion, optional
+        The rigid tool and how it moves; both or none.
+    law : CohesiveLaw, optional
+        Without one nothing splits.
+    contact, fracture, stepping : Contact, Fracture, Stepping
+        Parameters of contact, of the cracks and of the time step.
+    directional : bool
+        False: cables never meet the blade (classical cohesive elements), for comparison.
+    damping_alpha, damping_beta : float
+        Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
+    velocity : array_like, shape (n_node, 3), optional
+        Initial velocity [mm/s].
+    precision : {"double", "single"}
+        Of what is kept and computed of each quad; nodes, contact and cables are double either way,
+        see docs/performance.md for what it saves and what it changes.
+    threads : int, optional
+        Threads to use; by default one for a small film, else the cores there are. The result does
+        not depend on it, bit for bit.
+
+    Raises
+    ------
+    ValueError
+        If anything given is impossible: every check is made here, before the first step.
+
+    Examples
+    --------
+    >>> import shellcut as sc
+    >>> from shellcut.mesh.structured import rectangle
+    >>> mesh = rectangle(4.0, 2.0, size=1.0)
+    >>> film = sc.ShellMaterial.homogeneous(
+    ...     young=1678.0, poisson=0.3, density=1e-9, thickness=0.074
+    ... )
+    >>> sim = sc.Simulation(mesh, film, loads=[sc.Gravity((0.0, 0.0, -9810.0))], damping_alpha=0.0)
+    >>> sim.run(until=1e-5)
+    >>> bool((sim.state.node.x[: mesh.n_node, 2] < 0.0).all())  # it falls
+    True
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        *,
+        supports: Sequence[Support] = (),
+        loads: Sequence[Load] = (),
+        tool: Tool | None = None,
+        motion: Motion | None = None,
+        law: CohesiveLaw | None = None,
+        contact: Contact | None = None,
+        fracture: Fracture | None = None,
+        stepping: Stepping | None = None,
+        directional: bool = True,
+        damping_alpha: float = 0.1,
+        damping_beta: float = 5e-8,
+        velocity: Floats | None = None,
+        precision: Precision = "double",
+        threads: int | None = None,
+    ) -> None:
+        problems = [
+            f"{name} must be a number that is not negative, got {value!r}"
+            for name, value in (("damping_alpha", damping_alpha), ("damping_beta", damping_beta))
+            if not value >= 0
+        ]
+        if (tool is None) != (motion is None):
+            problems.append("tool and motion go together: give both or none")
+        if law is None and fracture is not None:
+            problems.append("fracture needs a law for the cables: give law=CohesiveLaw() too")
+        if tool is None and contact is not None:
+            problems.append("contact needs a tool to be in contact with: give tool and motion too")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+        self.law = law
+        self.inputs = {
+            "mesh": mesh,
+            "material": material,
+            "supports": tuple(supports),
+            "loads": tuple(loads),
+            "tool": tool,
+            "motion": motion,
+            "law": law,
+            "contact": contact or Contact(),
+            "fracture": fracture or Fracture(),
+            "directional": directional,
+            "damping_alpha": damping_alpha,
+            "damping_beta": damping_beta,
+            "precision": precision,
+            "velocity": None if velocity is None else np.asarray(velocity, float),
+        }
+        """What it was built from, by the names of the arguments: all that makes the run what it is
+        and does not change in time. Not the threads, nor the stepping, which only paces it."""
+        mesh = put_directors_into_planes(mesh, supports)
+        self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
+        workers = Workers(mesh.n_quad, threads)
+        self.shell = MITC4Shell(
+            mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
+        )
+        stretching = sum(layer.material.young * layer.thickness for layer in material.layers)
+        areas = mesh.quad_areas()
+        self._most_strain = most_strain_energy(stretching, float(areas.sum()))
+        tearing = law.fracture_energy * material.thickness if law else 0.0
+        self._balance = BalanceGuard(stretching, float(np.median(areas)), tearing)
+        self.supports = SupportSet(mesh, supports)
+        self.loads = LoadSet(mesh, loads, workers)
+        self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
+        self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
+        self.contact = PenaltyContact(tool, contact or Contact(), material) if tool else None
+
+        self.state = initial_state(mesh)
+        self.shell.initialise(self.state)
+        self.supports.initialise(self.state)
+        if velocity is not None:
+            velocity = np.asarray(velocity, float)
+            if velocity.shape != (mesh.n_node, 3):
+                raise ValueError(
+                    f"velocity must have shape ({mesh.n_node}, 3), a row a node, got "
+                    f"{velocity.shape}"
+                )
+            if not np.isfinite(velocity).all():
+                bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
+                raise ValueError(f"velocity must be finite, is not at nodes {bad}")
+            self.state.node.velocity_half[: mesh.n_node] = velocity
+        self.fracture = fracture or Fracture()
+        self.criterion = None
+        self.tips: list[int] = []
+        if law is not None:
+            precut = frozenset(open_edges(self.state))
+            self.criterion = SplitCriterion(
+                self.fracture,
+                law.strength,
+                self.shell,
+                self.loads,
+                tool,
+                precut,
+                np.unique(boundary_edges(self.state)),
+            )
+            self.tips = crack_tips(self.state)
+        self.time_step = StableStep(stepping or Stepping(), self.shell, self.cables, self.contact)
+
+        self.ledger = Ledger()
+        self.rotation, self.translation = np.eye(3), np.zeros(3)
+        n_body = tool.n_body if tool else 1
+        self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
+        self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
+        self.n_joint_made = self.n_cable_broken = 0
+        self.deepest_penetration = 0.0
+        """Largest depth of a node in the tool so far [mm]."""
+        self._mass_damping = 0.0
+        self._dt = 0.0
+        self._between_steps = True
+        # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
+        self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
+        self._tool_work = bound_once(tool_work)
+        self._place_tool()
+        if self.contact is not None:
+            grid = self.contact.grid
+            check_tool_outside(mesh, self.contact.tool, grid, self.rotation, self.translation)
+        self._start()
+
+    @property
+    def dt(self) -> float:
+        """Length of the step that comes next [s]."""
+        return self._dt
+
+    @property
+    def between_steps(self) -> bool:
+        """Whether the last step is complete; what is raised within one leaves it half done."""
+        return self._between_steps
+
+    # ---------------------------------------------------------------- the order of a step
+
+    def step(self) -> None:
+        """Take the state from t_n to t_{n+1}.
+
+        Raises
+        ------
+        UnstableStep
+            If the solution blows up, or (BalanceLost) the energy balance is lost.
+        """
+        s = self.state
+        self._between_steps = False
+        self.integrator.drift(s, self._dt)  # 1 positions, directors
+        s.step += 1  # 2 clock
+        s.time += self._dt
+        s.dt = self._dt
+        self._place_tool()
+        if self.criterion is not None and s.step % self.fracture.check_every == 0:
+            self._split_due_nodes()  # 3 topology
+        self._forces()  # 4 forces at t_{n+1}
+        dt_next = self.time_step.next(s)
+        self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
+        if s.step == 1:
+            self._balance.begin(self.ledger)
+        elif s.step % CHECK_EVERY == 0 and self._balance.lost(self.ledger):
+            raise balance_lost(self, self._balance.missing(self.ledger))
+        self._dt = dt_next
+        self._between_steps = True
+
+    def _forces(self) -> None:
+        s, book = self.state, self.ledger
+        book.load_work += self.loads.begin_forces(s)
+        book.strain, damping = self.shell.add_forces(s)
+        book.damping_stiffness += damping
+        if self.contact is not None:
+            found = self.contact.add_forces(s, self.rotation, self.translation)
+            self.contact_forces = found
+            self.deepest_penetration = max(self.deepest_penetration, found.deepest)
+            book.contact_absorbed += found.absorbed
+        if s.n_cable:
+            self.cable_forces = self.cables.add_forces(s, self.rotation, self.translation)
+            self.n_joint_made += self.cable_forces.n_joint_made
+            self.n_cable_broken += self.cable_forces.n_broken
+            book.cohesive_work += self.cable_forces.work
+            book.cohesive_start_work += self.cable_forces.start_work
+        if self.motion is not None:
+            self._work_of_tool()
+        if not book.strain <= self._most_strain:
+            raise blown_up(self)
+
+    def _kick(self, dt_last: float, dt_next: float) -> None:
+        self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
+        kick = self.integrator.kick(self.state, dt_last, dt_next)
+        book = self.ledger
+        book.kinetic_translation = kick.kinetic_translation
+        book.kinetic_rotation = kick.kinetic_rotation
+        book.support_work += kick.support_work
+        # The mass damping of a kick belongs half to the step before and half to the step after.
+        book.damping_mass += 0.5 * (self._mass_damping + kick.mass_damping)
+        self._mass_damping = kick.mass_damping
+
+    def _start(self) -> None:
+        """Take the first, half kick from t_0."""
+        self._forces()
+        with np.errstate(all="ignore"):  # of nonsense numbers, which the next line refuses
+            self._dt = self.time_step.next(self.state)
+        self.time_step.check(self._dt)
+        self._kick(0.0, self._dt)
+        self.ledger.initial = self.ledger.kinetic + self.ledger.strain
+
+    # ---------------------------------------------------------------- a run
+
+    def relax(
+        self,
+        displacement: Floats | None = None,
+        *,
+        tolerance: float = 1e-5,
+        most_steps: int = 200_000,
+    ) -> int:
+        """Bring the film to rest before the run: a pretension, a state under dead loads.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (n_node, 3), optional
+            Moves the nodes first [mm]; supports then hold them where they are, so a stretched film
+            is given by the displacement of its rim (and any guess inside).
+        tolerance : float
+            Largest free nodal force over the largest reaction or load.
+        most_steps : int
+            Steps after which to give up.
+
+        Returns
+        -------
+        int
+            Steps taken; time and ledger start afresh, with the strain energy as initial energy.
+
+        Raises
+        ------
+        NotAtRest
+            If rest is not reached; the film stands still where it had come to, or, where it flew
+            apart, as it was.
+        """
+        if self.state.step:
+            raise ValueError(f"relax before the run, not after {self.state.step} steps of it")
+        n = self.state.node
+        n.velocity_half[: n.count] = 0.0
+        n.spin_half[: n.count] = 0.0
+        n.support_rate[: n.count] = 0.0
+        before = n.x[: n.count].copy(), n.t[: n.count].copy()
+        if displacement is not None:
+            moved = np.asarray(displacement, float)
+            if moved.shape != (n.count, 3) or not np.isfinite(moved).all():
+                raise ValueError(
+                    f"displacement must be finite and of shape (n_node, 3) = ({n.count}, 3), "
+                    f"got {moved.shape}"
+                )
+            n.x[: n.count] += moved
+        try:
+            return find_rest(
+                self.state,
+                self.shell,
+                self.loads,
+                self.time_step,
+                tolerance=tolerance,
+                most_steps=most_steps,
+                most_strain=self._most_strain,
+                before=before,
+            )
+        finally:  # also where rest was not reached: a run may begin from there
+            self.ledger = Ledger()
+            self.time_step.forget()
+            self._start()
+
+    def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
+        """Step until the time ``until`` [s] is reached or a hook raises StopRun.
+
+        The last step is not shortened, so that run(a); run(b) is run(b), bit for bit.
+        """
+        if not until >= self.state.time - self.state.dt:
+            raise ValueError(f"until must not lie before now, {self.state.time} s, got {until!r}")
+        try:
+            going = self._serve(hooks)
+            while going and self.state.time < until:
+                self.step()
+                going = self._serve(hooks)
+        finally:
+            for hook in hooks:
+                hook.close()
+
+    @property
+    def tooth_wrenches(self) -> Floats:
+        """Wrench on each body of the tool, contact and joints together, shape (n_body, 6).
+
+        Force [N] and moment [N·mm] about ``translation``.
+        """
+        return np.asarray(self.contact_forces.wrench + self.cable_forces.wrench)
+
+    def close_ledger(self) -> Ledger:
+        """Bring the entries that are functions of the state up to t_n; return the ledger."""
+        book = self.ledger
+        book.cohesive_stored, book.cohesive_dissipated = self.cables.energies(self.state)
+        book.contact_stored = self.contact_forces.stored
+        return book
+
+    # ---------------------------------------------------------------- restart
+
+    def saved(self) -> dict[str, Any]:
+        """Return all that has changed since it was built: arrays and numbers, nested by name.
+
+        The arrays are those of the simulation, not copies. What follows from the state or from
+        ``inputs`` is left out. :mod:`shellcut.recording.checkpoint` puts it into a file.
+        """
+        saved = {
+            "state": self.state.saved(),
+            "ledger": asdict(self.ledger),
+            "frequencies": self.shell.frequencies.saved(),
+            "time_step": self.time_step.saved(),
+            "tips": np.array(self.tips, np.int64),
+            "rotation": self.rotation,
+            "translation": self.translation,
+            "contact_forces": self.contact_forces._asdict(),
+            "cable_forces": self.cable_forces._asdict(),
+            "contact_wrench": self._contact_wrench,
+            "wrench": self._wrench,
+            "n_joint_made": self.n_joint_made,
+            "n_cable_broken": self.n_cable_broken,
+            "deepest_penetration": self.deepest_penetration,
+            "mass_damping": self._mass_damping,
+            "dt": self._dt,
+            "balance": self._balance.saved(),
+        }
+        if self.contact is not None:
+            saved["contact"] = self.contact.saved()
+        if self.criterion is not None:
+            saved["criterion"] = self.criterion.saved()
+        return saved
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved` of another simulation of the same inputs, in place of t_0."""
+        s = self.state
+        s.restore(saved["state"])
+        split = np.flatnonzero((s.quads != self.mesh.quads).any(axis=1))
+        self.shell.blocks.rewire(s.quads, split)
+        self.ledger = Ledger(**saved["ledger"])
+        self.shell.frequencies.restore(saved["frequencies"])
+        self.time_step.restore(saved["time_step"])
+        self.tips = saved["tips"].tolist()
+        self.contact_forces = ContactForces(**saved["contact_forces"])
+        self.cable_forces = CableForces(**saved["cable_forces"])
+        self._contact_wrench = saved["contact_wrench"].copy()
+        self._wrench = saved["wrench"].copy()
+        self.n_joint_made = saved["n_joint_made"]
+        self.n_cable_broken = saved["n_cable_broken"]
+        self.deepest_penetration = saved["deepest_penetration"]
+        self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
+        self._balance.restore(saved["balance"])
+        self.rotation = saved["rotation"].copy()
+        self.translation = saved["translation"].copy()
+        if self.contact is not None:
+            self.contact.restore(s, self.rotation, self.translation, saved["contact"])
+        if self.criterion is not None:
+            self.criterion.restore(s, saved["criterion"])
+
+    def _serve(self, hooks: Sequence[Hook]) -> bool:
+        going = True
+        for hook in hooks:
+            if hook.due(self):
+                try:
+                    hook(self)
+                except StopRun:
+                    going = False
+        return going
+
+    # ---------------------------------------------------------------- parts of a step
+
+    def _place_tool(self) -> None:
+        if self.motion is not None:
+            rotation, translation = self.motion.pose(self.state.time)
+            self.rotation, self.translation = _rows(rotation), _rows(translation)
+
+    def _split_due_nodes(self) -> None:
+        s = self.state
+        assert self.criterion is not None
+        assert self.law is not None
+        due = self.criterion.due(s, self.tips, self.rotation, self.translation, s.dt)
+        for split in due:
+            touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
+            twin = split_node(
+                s,
+                split,
+                self.shell,
+                self.law,
+                equilibrium_start=self.fracture.equilibrium_start,
+            )
+            tips = {n for n in self.tips if n not in touched}
+            tips |= {n for n in (*touched, twin) if is_tip(s, n)}
+            self.tips = sorted(tips)
+
+    def _work_of_tool(self) -> None:
+        s = self.state
+        assert self.motion is not None
+        spin, velocity = self.motion.twist(s.time - 0.5 * s.dt)
+        by_contact, by_all = self._tool_work(
+            self.contact_forces.wrench,
+            self.cable_forces.wrench,
+            _rows(spin),
+            _rows(velocity),
+            s.dt,
+            self._contact_wrench,
+            self._wrench,
+        )
+        self.ledger.contact_work -= self.contact_forces.node_work + by_contact
+        self.ledger.tool_work -= by_all
+
+
+def _rows(numbers: Floats) -> Floats:
+    """Return what a motion gave, which may be a view of any kind, as the kernels take it."""
+    return np.ascontiguousarray(numbers, float)

@@ -1,0 +1,246 @@
+"""The stable step, safe by bounds.
+
+With stiffness damping lagging half a step, a vector u grows unless, for every u,
+
+    dt² uᵀ(K + K_c)u + 2 dt beta uᵀK u <= 4 uᵀM u,
+
+K being the tangent of the shells (pre-stress counted), K_c that of contact and cables, which are
+not damped. With omega_e² the largest eigenvalue of a quad's own stiffness on its share of the mass
+and omega_c² the largest K_c / m of its nodes, the sum over quads gives the sufficient condition
+
+    dt <= [-beta omega_e² + sqrt((beta omega_e²)² + 4 omega²)] / omega²,
+    omega² = omega_e² + omega_c²,
+
+for the worst quad; without contact it is the known 2/omega (sqrt(1 + xi²) - xi), xi = beta omega/2.
+On squares the bound omega_e is some 12 % above the exact frequency of the assembly.
+
+omega_e is a bound that grows with the change of shape since a quad was last evaluated
+(:mod:`shellcut.mitc4.frequency`). At intervals the bounds of all quads are brought up to date, and
+the quads that limit the step are evaluated: worst first, until no other could shorten it by more
+than 1 %. At a split what contact and cables hold is looked at again in the same way.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.cables.directional_cable import CableSet
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+# Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
+_TIGHT = 0.99
+
+# A longer step is taken only when the bound has grown by this factor: dt changes seldom.
+_HYSTERESIS = 1.08
+
+# Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
+# its relative error is 2 eps xi², 4e-8 at this.
+_MOST_DAMPING = 1e4
+
+# Quads evaluated at a time: after the worst few, few others are left to ask.
+_BATCH = 32
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """How the step is chosen.
+
+    Parameters
+    ----------
+    safety : float
+        Factor on the safe bound; what the state may change until the next evaluation.
+    evaluate_every : int
+        Steps between two looks at the quads; splits come on top.
+    fixed : float, optional
+        A step of the user's own [s]; the bound is then ignored.
+
+    Examples
+    --------
+    >>> Stepping(safety=0.9).fixed is None
+    True
+    """
+
+    safety: float = 0.95
+    evaluate_every: int = 500
+    fixed: float | None = None
+
+    def __post_init__(self) -> None:
+        problems = []
+        if not 0 < self.safety <= 1:
+            problems.append(f"safety must lie in (0, 1], got {self.safety!r}")
+        if not (isinstance(self.evaluate_every, int) and self.evaluate_every > 0):
+            problems.append(f"evaluate_every must be a positive count, got {self.evaluate_every!r}")
+        if self.fixed is not None and not 0 < self.fixed < math.inf:
+            problems.append(f"fixed must be a positive time in s, got {self.fixed!r}")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+
+class StableStep:
+    """Give the length of the next step."""
+
+    def __init__(
+        self,
+        stepping: Stepping,
+        shell: MITC4Shell,
+        cables: CableSet,
+        contact: PenaltyContact | None,
+    ) -> None:
+        self.stepping = stepping
+        self._shell, self._cables, self._contact = shell, cables, contact
+        self._next = 0
+        self._revision = -1
+        self._dt = 0.0
+        self._free = math.inf
+        # Quads evaluated since the last look at all.
+        self._known = np.zeros(shell.frequencies.squared.size, np.bool_)
+
+    def next(self, state: State) -> float:
+        """Return dt of the step after t_n [s]."""
+        if self.stepping.fixed is not None:
+            return self.stepping.fixed
+        due = state.step >= self._next
+        if due or state.revision != self._revision:
+            self._revision = state.revision
+            safe = self.stepping.safety * (self._look_at_all if due else self._look_at_held)(state)
+            if safe < self._dt or safe > _HYSTERESIS * self._dt:
+                self._dt = safe
+        return self._dt
+
+    def check(self, dt: float) -> None:
+        """Refuse a step that is no time, and damping by which none can be told.
+
+        Raises
+        ------
+        ValueError
+            Saying what makes the step so short.
+        """
+        with np.errstate(all="ignore"):
+            ratio = 0.5 * self._shell.damping_beta * math.sqrt(self._stiffest())
+        if not ratio <= _MOST_DAMPING:
+            raise ValueError(
+                f"damping_beta must damp the stiffest quad {_MOST_DAMPING:,.0f} times critically "
+                f"at most, {self._shell.damping_beta:g} s does {ratio:.2g} times: is it in s?"
+            )
+        if not 0.0 < dt < math.inf:
+            raise ValueError(
+                f"the stable step must be a time above 0, got {dt:.4g} s: {self.reason()}"
+            )
+
+    def reason(self) -> str:
+        """Return what sets the step, in words with numbers: a model's nonsense shows in them."""
+        if self.stepping.fixed is not None:
+            return f"Stepping.fixed is {self.stepping.fixed:.4g} s"
+        squared = self._stiffest()
+        with np.errstate(all="ignore"):
+            undamped = 2.0 / np.sqrt(squared)
+            damped = self._steps(np.array([squared]), np.zeros(1))[0]
+        said = (
+            f"the stiffest quad alone asks for {undamped:.4g} s (edge length, thickness, modulus "
+            "and density set it)"
+        )
+        if self._shell.damping_beta > 0.0:
+            said += f", with damping_beta = {self._shell.damping_beta:.4g} s for {damped:.4g} s"
+        return said + "; is one of them in another unit?"
+
+    def _stiffest(self) -> float:
+        return float(self._shell.frequencies.squared.max())
+
+    def largest_safe(self, state: State) -> float:
+        """Return the safe step without the safety factor [s]; nothing of this look is kept."""
+        frequencies = self._shell.frequencies
+        before = copy.deepcopy(frequencies.saved())
+        whole = StableStep(Stepping(safety=1.0), self._shell, self._cables, self._contact)
+        safe = whole.next(state)
+        frequencies.restore(before)
+        return safe
+
+    def forget(self) -> None:
+        """Look afresh at the next call: the state has been moved from outside."""
+        self._next = 0
+        self._dt = 0.0
+
+    def saved(self) -> dict[str, Any]:
+        """Return when it looked last and what it found; the frequencies are the shell's."""
+        return {
+            "next": self._next,
+            "revision": self._revision,
+            "dt": self._dt,
+            "free": self._free,
+            "known": self._known,
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._next, self._revision = saved["next"], saved["revision"]
+        self._dt, self._free = saved["dt"], saved["free"]
+        self._known[:] = saved["known"]
+
+    def bound(self, state: State) -> float:
+        """Return the safe bound on the step at the last known frequencies [s]."""
+        omega_e2 = self._shell.frequencies.squared
+        held, omega_c2 = self._held_quads(state)
+        free = self._steps(omega_e2, np.zeros(omega_e2.size)).min()
+        return float(min(free, self._steps(omega_e2[held], omega_c2).min(initial=np.inf)))
+
+    def _look_at_all(self, state: State) -> float:
+        n, frequencies = state.node, self._shell.frequencies
+        self._next = state.step + self.stepping.evaluate_every
+        frequencies.follow(n.x, n.t, state.quads)
+        self._known[:] = False
+        omega_c2 = np.zeros(self._known.size)
+        held, of_held = self._held_quads(state)
+        omega_c2[held] = of_held
+        bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
+        self._free = float(self._steps(frequencies.squared, np.zeros(omega_c2.size)).min())
+        return bound
+
+    def _look_at_held(self, state: State) -> float:
+        return min(self._free, self._settle(state, *self._held_quads(state)))
+
+    def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
+        """Return the safe step of some quads [s], those that limit it being evaluated."""
+        n, frequencies = state.node, self._shell.frequencies
+        known = self._known[quads]
+        steps = self._steps(frequencies.squared[quads], omega_c2)
+        while True:
+            tight = _TIGHT * steps[known].min(initial=np.inf)
+            open_ = np.flatnonzero(~known & (steps < tight))
+            if open_.size == 0:
+                return float(steps.min(initial=np.inf))
+            worst = open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]
+            frequencies.evaluate(n.x, n.t, state.quads, quads[worst])
+            steps[worst] = self._steps(frequencies.squared[quads[worst]], omega_c2[worst])
+            known[worst] = self._known[quads[worst]] = True
+
+    def _steps(self, omega_e2: Floats, omega_c2: Floats) -> Floats:
+        """Return the largest safe step of single quads [s]."""
+        damped = self._shell.damping_beta * omega_e2
+        total = omega_e2 + omega_c2
+        return np.asarray((np.sqrt(damped**2 + 4.0 * total) - damped) / total)
+
+    def _held_quads(self, state: State) -> tuple[Ints, Floats]:
+        """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²]."""
+        n = state.node
+        nodes, stiffness = self._cables.stiffness(state)
+        if self._contact is not None:
+            near = self._contact.near_nodes(state)
+            nodes = np.concatenate([nodes, near])
+            penalty = self._contact.law.steepest(n.contact_area[near])
+            stiffness = np.concatenate([stiffness, penalty])
+        node, row = np.unique(nodes, return_inverse=True)
+        omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
+        # Every quad at such a node, with the stiffest of its nodes.
+        at = np.arange(n.quads.shape[1]) < n.n_quad_at[node, None]
+        quads, row = np.unique(n.quads[node][at], return_inverse=True)
+        largest = np.zeros(quads.size)
+        np.maximum.at(largest, row, np.repeat(omega_c2, n.n_quad_at[node]))
+        return quads, largest

@@ -1,0 +1,8 @@
+"""Equilibrium of the same shells without time: Newton, load paths through snaps, vibration modes.
+
+May import the physics (``mitc4``, ``loads`` and rows below).
+"""
+
+from .statics import Statics
+
+__all__ = ["Statics"]

@@ -1,0 +1,309 @@
+"""Freedoms of the whole film: numbering, supports, assembled stiffness.
+
+Five freedoms a node: x, y, z and the turns of the director along two unit tangents b_1, b_2, with
+b_1 x b_2 = t. A turn (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold translations
+along axes, which drop out, and spins about axes, which leave two turns, one or none
+(:mod:`shellcut.loads.supports`). Where one is left, b_1 is its direction, so what is left is always
+a choice of freedoms and never a combination: ``free``.
+
+The spins of a turn about the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns
+a node. The turn that is left is its right singular vector of least singular value: of one held axis
+that is zero; of two, f being left, it is |t·f|, and the turn is the one that rotates t about f. It
+then takes t along a cone, not along a great circle, by the spin vector
+
+    a_1 (b_2 + c t),    c = (t·f) / (b_2·f),
+
+which is along f; and since t'' = -t + c b_2 on the cone, the second derivative of the energy W
+has the term c W_t·b_2 besides.
+
+The free freedoms stand in the order of a *nested dissection* (George 1973): the nodes of a strip
+that parts the film in two come last, each part before it is ordered likewise. Factors of a
+stiffness in this order stay sparse, without a search at every factorisation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats, Ints, Numbers
+from shellcut.mitc4.element import N_STRAIN, modes, moved_modes, products
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.mitc4.tangent import N_FREEDOM
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.vec3 import load, rotate_director, store, tangent_basis
+from shellcut.state import State
+
+# The sine of an angle between a director and an axis that is zero but for round-off.
+_PARALLEL = 1e-9
+
+# Nodes of a part that is not dissected further; between 8 and 32 it makes no difference.
+_SMALL_PART = 16
+
+
+class Freedoms:
+    """Freedoms of a state and the ones its supports leave free.
+
+    Attributes
+    ----------
+    n_node : int
+        Number of nodes.
+    basis : ndarray, shape (n_node, 2, 3)
+        Unit tangents b_1, b_2 of every director.
+    free : ndarray of int, shape (n_free,)
+        The free ones of the 5 n_node freedoms, in the order of the dissection.
+    """
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self.n_node = state.n_node
+        self.basis = np.empty((self.n_node, 2, 3))
+        self.free = np.empty(0, np.int64)
+        self._cone = np.zeros(self.n_node)
+        self._cone_diagonal: Floats | None = None
+        self._turned = np.empty(self.n_node, np.complex128)
+        order = _dissection(state.node.X[: self.n_node], state.quads)
+        self._order = (5 * order[:, None] + np.arange(5)).ravel()
+        self._pattern = _Pattern(_ids(state.quads), 5 * self.n_node)
+        self.update()
+
+    def update(self) -> None:
+        """Find tangents and free freedoms anew, for the state's present directors."""
+        support = self._state.node.support[: self.n_node]
+        _write_bases(t=self._state.node.t, basis=self.basis)
+        self._turned[:] = 1.0
+        free = np.ones((self.n_node, 5), np.bool_)
+        free[:, :3] = ~support[:, :3]
+        held = np.flatnonzero(support[:, 3:].any(axis=1))
+        axes = support[held, 3:]
+        b1, b2 = self.basis[held, 0], self.basis[held, 1]
+        spin = np.where(axes[:, :, None], np.stack([b2, -b1], axis=2), 0.0)
+        _, size, direction = np.linalg.svd(spin, full_matrices=False)
+        n_axis = axes.sum(axis=1)
+        # Of two axes the larger size is one, the lesser less unless t is along the third.
+        lost = (n_axis == 3) | ((n_axis == 2) & (size[:, 1] > np.sqrt(1.0 - _PARALLEL**2)))
+        one = ~lost & (size[:, 0] > _PARALLEL)
+        cos, sin = np.where(one, direction[:, 1].T, [[1.0], [0.0]])
+        self._turned[held] = cos + 1j * sin
+        self.basis[held, 0] = cos[:, None] * b1 + sin[:, None] * b2
+        self.basis[held, 1] = cos[:, None] * b2 - sin[:, None] * b1
+        free[held, 3], free[held, 4] = ~lost, ~lost & ~one
+        self._cone[:] = 0.0
+        on_cone = held[one & (n_axis == 2)]
+        axis = ~support[on_cone, 3:]
+        t = self._state.node.t[on_cone]
+        self._cone[on_cone] = t[axis] / self.basis[on_cone, 1][axis]
+        self.free = self._order[free.ravel()[self._order]]
+
+    def stiffness(self, shell: MITC4Shell, bent: Floats | None = None) -> scipy.sparse.csc_array:
+        """Assemble the tangent stiffness, shape (5 n_node, 5 n_node).
+
+        Parameters
+        ----------
+        shell : MITC4Shell
+            The film.
+        bent : ndarray, shape (n_quad, 16), optional
+            Part of the strains that the stresses in the stiffness leave out, of :meth:`move`.
+        """
+        quads = self._state.quads
+        tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
+        _turn_tangents(quads=quads, turned=self._turned, tangent=tangent)
+        self._cone_diagonal = self._cone_stiffness(shell)
+        return self._pattern.assemble(tangent, self._cone_diagonal)
+
+    def product(self, shell: MITC4Shell, u: Floats, bent: Floats | None = None) -> Floats:
+        """Return the stiffness times a vector over all freedoms, through the strains.
+
+        The same as by the matrix last assembled but for round-off, which is less by far where the
+        film is thin (:mod:`shellcut.mitc4.tangent`).
+        """
+        displacement, spin = self.split(u)
+        turn = np.cross(spin, self._state.node.t[: self.n_node])
+        force = self.gather(*shell.tangent_product(self._state, displacement, turn, bent))
+        return force if self._cone_diagonal is None else force + self._cone_diagonal * u
+
+    def _cone_stiffness(self, shell: MITC4Shell) -> Floats | None:
+        """Return what turns along cones add to the diagonal; nodal forces are overwritten."""
+        if not self._cone.any():
+            return None
+        node, n = self._state.node, self.n_node
+        node.force_rows[:n] = 0.0
+        shell.add_forces(self._state)
+        diagonal = np.zeros((n, 5))
+        pull = np.einsum("ni,ni->n", self.basis[:, 1], node.director_force[:n])
+        diagonal[:, 3] = -self._cone * pull
+        return diagonal.ravel()
+
+    def restrict(self, stiffness: scipy.sparse.csc_array) -> scipy.sparse.csc_array:
+        """Return the free rows and columns of an assembled stiffness."""
+        return self._pattern.restrict(stiffness, self.free)
+
+    def fill(self, q: Floats) -> Floats:
+        """Return a vector over all freedoms from one over the free ones, zero elsewhere."""
+        u = np.zeros(5 * self.n_node)
+        u[self.free] = q
+        return u
+
+    def diagonal(self, translation: Floats, turn: Floats) -> Floats:
+        """Return a vector over all freedoms from values per node, shapes (n_node,)."""
+        return np.repeat(np.stack([translation, turn], axis=1), [3, 2], axis=1).ravel()
+
+    def gather(self, force: Floats, director_force: Floats) -> Floats:
+        """Return generalised forces from nodal ones, shapes (n_node, 3), over all freedoms."""
+        turns = np.einsum("nbi,ni->nb", self.basis, director_force)
+        return np.concatenate([force, turns], axis=1).ravel()
+
+    def split(self, u: Floats) -> tuple[Floats, Floats]:
+        """Return displacement [mm] and spin vector [rad], shapes (n_node, 3), of a vector u."""
+        rows = u.reshape(self.n_node, 5)
+        spin = rows[:, 3:4] * self.basis[:, 1] - rows[:, 4:5] * self.basis[:, 0]
+        return rows[:, :3], spin
+
+    def move(self, u: Floats) -> Floats:
+        """Move the state by a finite step u: positions and, by rotation, directors.
+
+        Returns
+        -------
+        ndarray, shape (n_quad, 16)
+            The part of the change of strain that is not linear in u.
+        """
+        displacement, spin = self.split(u)
+        node, quads = self._state.node, self._state.quads
+        along = self._cone * u.reshape(self.n_node, 5)[:, 3]
+        bent = np.zeros((quads.shape[0], N_STRAIN))
+        turn = np.cross(spin, node.t[: self.n_node])
+        spin += along[:, None] * node.t[: self.n_node]
+        _take_linear_products(
+            x=node.x, t=node.t, dx=displacement, dt=turn, quads=quads, change=bent
+        )
+        node.x[: self.n_node] += displacement
+        turn_directors(t=node.t, spin=spin)
+        _add_products(x=node.x, t=node.t, quads=quads, change=bent)
+        self.update()
+        return bent
+
+
+class _Pattern:
+    """Where the quads' stiffness goes in the assembled one: found once, then only summed."""
+
+    def __init__(self, ids: Ints, n: int) -> None:
+        row, column = np.repeat(ids, N_FREEDOM, axis=1), np.tile(ids, (1, N_FREEDOM))
+        key, slot = np.unique(column.ravel() * n + row.ravel(), return_inverse=True)
+        self._n, self._slot, self._row = n, slot, key % n
+        self._diagonal = np.searchsorted(key, np.arange(n) * (n + 1))
+        self._start = np.searchsorted(key // n, np.arange(n + 1))
+        self._free: Ints = np.empty(0, np.int64)
+        self._part: scipy.sparse.csc_array = scipy.sparse.csc_array((0, 0))
+
+    def assemble(self, tangent: Floats, diagonal: Floats | None) -> scipy.sparse.csc_array:
+        weights, n_entry = tangent.ravel(), self._row.size
+        data: Floats = np.bincount(self._slot, weights, n_entry).astype(float, copy=False)
+        if diagonal is not None:
+            data[self._diagonal] += diagonal
+        return self._matrix(data)
+
+    def restrict(self, stiffness: scipy.sparse.csc_array, free: Ints) -> scipy.sparse.csc_array:
+        if not np.array_equal(free, self._free):
+            self._part = self._matrix(np.arange(self._row.size))[:, free][free, :]
+            self._part.sort_indices()  # else a solver would, in place
+            self._free = free
+        p = self._part  # its data say which entries of the whole it takes
+        return scipy.sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
+
+    def _matrix(self, data: Floats | Ints) -> scipy.sparse.csc_array:
+        return scipy.sparse.csc_array((data, self._row, self._start), shape=(self._n, self._n))
+
+
+def _dissection(nodes: Floats, quads: Ints) -> Ints:
+    """Return the nodes in the order of a nested dissection by their coordinates."""
+    n = nodes.shape[0]
+    row, column = np.repeat(quads, 4, axis=1).ravel(), np.tile(quads, (1, 4)).ravel()
+    touch = scipy.sparse.csr_array((np.ones(row.size), (row, column)), shape=(n, n))
+    below = np.zeros(n)
+
+    def dissect(part: Ints) -> list[Ints]:
+        if part.size <= _SMALL_PART:
+            return [part]
+        place = nodes[part]
+        along = place[:, np.argmax(np.ptp(place, axis=0))]
+        low = along < np.median(along) - 1e-9 * np.ptp(along)
+        if not low.any():
+            return [part]
+        below[part[low]] = 1.0
+        strip = ~low & (touch[part] @ below > 0.0)
+        below[part[low]] = 0.0
+        return [*dissect(part[low]), *dissect(part[~low & ~strip]), part[strip]]
+
+    return np.concatenate(dissect(np.arange(n)))
+
+
+def _ids(quads: Ints) -> Ints:
+    """Return the freedoms of every quad in the order of its stiffness, shape (n_quad, 20)."""
+    quads = quads.astype(np.int64)
+    translations = 5 * quads[:, :, None] + np.arange(3)
+    turns = 5 * quads[:, :, None] + np.arange(3, 5)
+    n = quads.shape[0]
+    return np.concatenate([translations.reshape(n, 12), turns.reshape(n, 8)], axis=1)
+
+
+@kernel
+def _write_bases(t: Floats, basis: Floats) -> None:
+    """Write the tangents of every director into basis : (n_node, 2, 3)."""
+    for n in range(basis.shape[0]):
+        tangent_basis(t, n, basis[n])
+
+
+@kernel
+def turn_directors(t: Floats, spin: Floats) -> None:
+    """Rotate t : (n_node, 3) by the spin vectors : (n, 3), n <= n_node."""
+    for n in range(spin.shape[0]):
+        store(t, n, rotate_director(load(t, n), load(spin, n)))
+
+
+@kernel
+def _turn_tangents(quads: Ints, turned: Numbers, tangent: Floats) -> None:
+    """Refer tangent : (n_quad, 20, 20) to tangents b turned by the unit numbers : (n_node,)."""
+    for e in range(quads.shape[0]):
+        for a in range(4):
+            cos, sin = turned[quads[e, a]].real, turned[quads[e, a]].imag
+            if sin == 0.0 and cos == 1.0:
+                continue
+            i, j = 12 + 2 * a, 13 + 2 * a
+            for k in range(20):
+                one, two = tangent[e, i, k], tangent[e, j, k]
+                tangent[e, i, k], tangent[e, j, k] = cos * one + sin * two, cos * two - sin * one
+            for k in range(20):
+                one, two = tangent[e, k, i], tangent[e, k, j]
+                tangent[e, k, i], tangent[e, k, j] = cos * one + sin * two, cos * two - sin * one
+
+
+@kernel
+def _add_products(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
+    """Add the scalar products of all quads to change : (n_quad, 16)."""
+    for e in range(quads.shape[0]):
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        m = products(
+            modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3)),
+            modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3)),
+        )
+        for k in range(N_STRAIN):
+            change[e, k] += m[k]
+
+
+@kernel
+def _take_linear_products(
+    x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
+) -> None:
+    """Take the products, and their linear change by dx, dt, off change : (n_quad, 16)."""
+    for e in range(quads.shape[0]):
+        n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
+        xm = modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3))
+        tm = modes(load(t, n0), load(t, n1), load(t, n2), load(t, n3))
+        xd = modes(load(dx, n0), load(dx, n1), load(dx, n2), load(dx, n3))
+        td = modes(load(dt, n0), load(dt, n1), load(dt, n2), load(dt, n3))
+        m = products(xm, tm)
+        # Products are of second degree: half the difference of a step on and one back is linear.
+        ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+        behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
+        for k in range(N_STRAIN):
+            change[e, k] -= m[k] + 0.5 * (ahead[k] - behind[k])

@@ -1,0 +1,279 @@
+"""Load paths: equilibria under growing loads, by Newton's iteration and by arc length.
+
+*Newton's iteration with stresses of their own.* A thin film stretches with some 10⁴ times the
+stiffness it bends with. A step along the tangent moves nodes on straight lines instead of arcs,
+which stretches the film at second order; Newton's iteration then linearises about these spurious
+stresses and creeps. Take instead stresses as unknowns beside the displacements u, as Magisano,
+Leonetti and Garcea do (2017, Int. J. Numer. Meth. Engng 109, 1237-1262): with strains s(u), their
+derivative D, the section's stiffness H and the load p,
+
+    p - Dᵀ r = 0,    s(u) - H⁻¹ r = 0.
+
+Linearised about (u, r), with G(r) the stiffness that the stresses r bring, and dr eliminated,
+
+    [G(r) + Dᵀ H D] du = p - Dᵀ H s(u),    r + dr = H (s(u) + D du):
+
+Newton's own equation, residual included, but for the stresses in G, which follow the *linear*
+change of strain of the last step. Displacements along straight lines no longer enter the
+stiffness. The point that is found is the same, convergence there quadratic; load steps may be
+larger by an order of magnitude. The stiffness with these stresses is taken by the same kernel, the
+part of the strain change that is not linear in du added to the reference products.
+
+*Arc length* after Riks (1979) with the plane constraint: the translations of an increment, weighed
+by those of its first step v, keep v · Δq = Δl |v|; the load factor follows. The direction is the
+one that goes on from the last increment, so a limit point is passed as any other. Steps grow with
+the ease of the iteration, but only up to a bound, and not round a bend: where an increment turns
+from the last one by more than 30° it is taken again by halves, so that the path is not left for
+another branch, nor a snap passed in one leap.
+
+A step that does not converge is taken again by halves, from the last equilibrium.
+
+*Equilibrium* is a residual below 1e-8 of the largest force. A thin film's membrane answers the
+round-off of coordinates with more than that of a small load; then the residual need only be below
+what last digits make, but the last correction must also be small beside the way so far.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.loads.loads import LoadSet
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+from .freedoms import Freedoms
+from .static_results import Equilibrium
+from .tangent_solver import NoConvergence, TangentSolver
+
+# Equilibrium is reached when the residual is this small beside the largest nodal load or reaction,
+_TOLERANCE = 1e-8
+# or no larger than round-off makes it and the last correction this small beside the way so far.
+_SMALL_CORRECTION = 1e-6
+# Of the steps of an iteration, which corrects itself.
+_STEP_ACCURACY = 1e-6
+_MOST_ITERATIONS = 30
+# A turn of more than this [rad] in one iteration does not come back.
+_LARGEST_TURN = 3.0
+# A step is halved so often before the path is given up.
+_MOST_HALVINGS = 10
+
+# Increments of an arc length path turn by no more, unless so many halvings do not help.
+_SHARPEST_TURN = math.cos(math.radians(30.0))
+_MOST_TURN_HALVINGS = 4
+
+
+class LoadPath:
+    """Where a film is on its load path, and the way on.
+
+    Parameters
+    ----------
+    state, shell, freedoms, loads
+        The film; what is done moves the state.
+
+    Attributes
+    ----------
+    factor : float
+        Load factor of the last equilibrium.
+    """
+
+    def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
+        self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
+        self.factor = 0.0
+        self._bent: Floats | None = None
+        self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
+        self._unbalanced = np.zeros(5 * state.n_node)
+
+    def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
+        """As :meth:`shellcut.Statics.load_steps`."""
+        path = []
+        for factor in factors:
+            step, used = factor - self.factor, 0
+            smallest = abs(step) * 0.5**_MOST_HALVINGS
+            done = False
+            while not done:
+                done = abs(step) >= abs(factor - self.factor)
+                start = self._position()
+                try:
+                    used += self._newton(factor if done else self.factor + step)
+                except NoConvergence as error:
+                    self._put_back(start)
+                    step, done = 0.5 * step, False
+                    if abs(step) <= smallest:
+                        raise NoConvergence(
+                            f"{error}; the last equilibrium is at load factor {self.factor:.6g}: "
+                            "follow the path by arc length"
+                        ) from error
+            path.append(self._equilibrium(used))
+        return path
+
+    def arc_length(
+        self,
+        first: float,
+        until: Callable[[Equilibrium], bool],
+        n_wanted: int,
+        most_steps: int,
+        longest: float,
+    ) -> list[Equilibrium]:
+        """As :meth:`shellcut.Statics.arc_length`."""
+        path: list[Equilibrium] = []
+        length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
+        while len(path) < most_steps:
+            last, used, length = self._arc_step_by_halves(first, length, last)
+            bound = longest * length if not path else bound
+            path.append(self._equilibrium(used))
+            length = min(length * min(2.0, math.sqrt(n_wanted / max(used, 1))), bound)
+            if until(path[-1]):
+                break
+        return path
+
+    def begin(self) -> None:
+        """Start from the present state, which others may have moved, and its own stresses."""
+        self.freedoms.update()
+        self._bent = None
+
+    def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
+        """Return the loads of factor 1, the residual, and whether it is as good as zero."""
+        n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
+        self._loads.begin_forces(self.state)
+        load = freedoms.gather(node.force[:n], node.director_force[:n])
+        node.force[:n] = node.director_force[:n] = 0.0
+        self._energy = self.shell.add_forces(self.state).strain_energy
+        internal = -freedoms.gather(node.force[:n], node.director_force[:n])
+        residual = factor * load - internal
+        self._unbalanced = residual
+        self._residual = float(np.abs(residual[freedoms.free]).max(initial=0.0))
+        # Beside the largest force at this state or at any equilibrium before: a path may come back
+        # to no load.
+        self._force = max(self._force_before, abs(factor) * np.abs(load).max())
+        self._force = max(self._force, float(np.abs(internal).max()))
+        return load, residual, self._residual <= _TOLERANCE * self._force
+
+    def _solve(self, *forces: Floats) -> list[Floats]:
+        """Return the linear answers to forces over all freedoms."""
+        freedoms = self.freedoms
+        free = freedoms.free
+        solver = TangentSolver(self.state, freedoms, self.shell, self._bent)
+        size = float(np.abs(self.state.node.x).max())
+        sizes = np.tile([size, size, size, 1.0, 1.0], self.state.n_node)[free]
+        self._floor = solver.largest_round_off(sizes)
+        return [freedoms.fill(solver.solve(force[free], _STEP_ACCURACY)) for force in forces]
+
+    def _at_round_off(self, correction: Floats, way: Floats) -> bool:
+        """Whether the residual is one of last digits, and corrections are small beside the way."""
+        small = np.linalg.norm(correction) <= _SMALL_CORRECTION * np.linalg.norm(way)
+        return bool(small) and self._residual <= self._floor
+
+    def _move(self, u: Floats) -> None:
+        _, spin = self.freedoms.split(u)
+        largest = float(np.sqrt(np.einsum("ni,ni->n", spin, spin).max()))
+        if not largest <= _LARGEST_TURN:
+            raise NoConvergence(f"a director would turn by {largest:.3g} rad in one iteration")
+        self._bent = self.freedoms.move(u)
+
+    # ------------------------------------------------------------------ parts
+
+    def _newton(self, factor: float) -> int:
+        """Go to the equilibrium at a load factor; return the iterations it took."""
+        self.begin()
+        way = last = np.zeros(3 * self.state.n_node)
+        for iteration in range(_MOST_ITERATIONS + 1):
+            _, residual, small = self.forces(factor)
+            if iteration and (small or self._at_round_off(last, way)):
+                self.factor, self._force_before = factor, self._force
+                return iteration
+            if iteration < _MOST_ITERATIONS:
+                (step,) = self._solve(residual)
+                self._move(step)
+                last = _translations(step)
+                way = way + last
+        raise NoConvergence(
+            f"no equilibrium at load factor {factor:.6g} after {_MOST_ITERATIONS} iterations, "
+            f"residual {self._residual:.3g} N"
+        )
+
+    def _arc_step_by_halves(
+        self, first: float, length: float, last: Floats | None
+    ) -> tuple[Floats, int, float]:
+        """Take one step, by halves where it is lost or turns off too sharply."""
+        start = self._position()
+        before = self.factor, self._force_before
+        for attempt in range(_MOST_HALVINGS):
+            try:
+                increment, used, taken = self._arc_step(first, length, last)
+            except NoConvergence:
+                pass
+            else:
+                if attempt >= _MOST_TURN_HALVINGS or not _turns_off(last, increment):
+                    return increment, used, taken
+                length = taken
+                self.factor, self._force_before = before
+            self._put_back(start)
+            length, first = 0.5 * length, 0.5 * first
+        raise NoConvergence(f"the path could not be followed past load factor {self.factor:.6g}")
+
+    def _arc_step(
+        self, first: float, length: float, last: Floats | None
+    ) -> tuple[Floats, int, float]:
+        """Take one step; return the translations of the increment, iterations, arc length."""
+        self.begin()
+        factor = self.factor
+        total = way = moved = np.zeros(3 * self.state.n_node)
+        for iteration in range(_MOST_ITERATIONS + 1):
+            load, residual, small = self.forces(factor)
+            if iteration and (small or self._at_round_off(moved, total)):
+                self.factor, self._force_before = factor, self._force
+                return total, iteration, length
+            correction, tangent = self._solve(residual, load)
+            # Only translations measure the way: turns change their basis with the directors.
+            forward = _translations(tangent)
+            if iteration == 0:
+                size = float(np.linalg.norm(forward))
+                length = abs(first) * size if math.isnan(length) else length
+                sign = first if last is None else float(last @ forward)
+                way = forward * math.copysign(1.0 / size, sign)
+            # The plane: the way's part of all moves so far is the arc length.
+            so_far = float(way @ (total + _translations(correction)))
+            gain = (length - so_far) / float(way @ forward)
+            move = correction + gain * tangent
+            self._move(move)
+            moved = _translations(move)
+            total, factor = total + moved, factor + gain
+        raise NoConvergence(f"arc step did not converge at load factor {factor:.6g}")
+
+    def _position(self) -> tuple[Floats, Floats]:
+        return self.state.node.x.copy(), self.state.node.t.copy()
+
+    def _put_back(self, position: tuple[Floats, Floats]) -> None:
+        self.state.node.x[:], self.state.node.t[:] = position
+
+    def _equilibrium(self, n_iteration: int) -> Equilibrium:
+        n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
+        held = -self._unbalanced
+        held[freedoms.free] = 0.0
+        reaction, moment = freedoms.split(held)
+        return Equilibrium(
+            self.factor,
+            node.x[:n] - node.X[:n],
+            node.t[:n].copy(),
+            n_iteration,
+            reaction.copy(),
+            moment,
+            self._energy,
+            self._residual / self._force if self._force > 0.0 else 0.0,
+        )
+
+
+def _translations(u: Floats) -> Floats:
+    return np.asarray(u.reshape(-1, 5)[:, :3].ravel())
+
+
+def _turns_off(last: Floats | None, increment: Floats) -> bool:
+    """Whether an increment goes another way than the last one."""
+    if last is None:
+        return False
+    size = float(np.linalg.norm(last) * np.linalg.norm(increment))
+    return float(last @ increment) < _SHARPEST_TURN * size

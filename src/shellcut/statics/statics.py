@@ -1,0 +1,287 @@
+"""Statics and vibrations with the shells' own tangent: linear, load steps, arc length, modes.
+
+The residual is that of the explicit driver (loads minus internal forces), the tangent is the
+derivative of the very same kernel, and supports hold the same motions, so equilibrium found here
+is equilibrium there. Dead loads are conservative; the stiffness of following pressure and of dead
+moments is left out of the tangent, which costs iterations, not accuracy.
+
+The parts: :mod:`shellcut.statics.tangent_solver`, :mod:`shellcut.statics.load_path`,
+:mod:`shellcut.statics.vibration`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.loads.loads import Load, LoadSet
+from shellcut.loads.supports import Support, SupportSet
+from shellcut.loads.symmetry_plane import put_directors_into_planes
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
+
+from .freedoms import Freedoms, turn_directors
+from .load_path import LoadPath
+from .static_results import Equilibrium, LinearSolution, Modes
+from .tangent_solver import NoConvergence, TangentSolver
+from .vibration import largest_eigenvalue, lowest_modes
+
+__all__ = ["Equilibrium", "LinearSolution", "Modes", "NoConvergence", "Statics"]
+
+
+class Statics:
+    """A film at rest.
+
+    Parameters
+    ----------
+    mesh, material, supports, loads
+        As of :class:`shellcut.Simulation`. The factors of the loads are taken at time 1.
+
+    Attributes
+    ----------
+    state : State
+        Present positions and directors; solutions leave it at the last equilibrium.
+
+    Examples
+    --------
+    >>> import shellcut as sc
+    >>> from shellcut.mesh.structured import rectangle
+    >>> film = sc.ShellMaterial.homogeneous(
+    ...     young=1678.0, poisson=0.3, density=1e-9, thickness=0.074
+    ... )
+    >>> strip = sc.Statics(
+    ...     rectangle(4.0, 2.0, size=1.0),
+    ...     film,
+    ...     supports=[sc.Support.clamped("left")],
+    ...     loads=[sc.EdgeTraction("right", (0.1, 0.0, 0.0))],
+    ... )
+    >>> answer = strip.linear()
+    >>> bool(answer.displacement[:, 0].max() > 0.0)
+    True
+    >>> pull = -answer.reaction[strip.mesh.node_set("left")].sum(axis=0)
+    >>> round(float(pull[0]), 6)  # 0.1 N/mm on 2 mm
+    0.2
+
+    Raises
+    ------
+    ValueError
+        If a set is unknown, or a support moves: here they hold at rest.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        *,
+        supports: Sequence[Support] = (),
+        loads: Sequence[Load] = (),
+    ) -> None:
+        _refuse_motion(supports)
+        self.mesh = mesh = put_directors_into_planes(mesh, supports)
+        self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
+        self.state = initial_state(mesh)
+        self.shell.initialise(self.state)
+        SupportSet(mesh, supports).initialise(self.state)
+        load_set = LoadSet(mesh, loads)
+        self.state.time = 1.0
+        self._freedoms = Freedoms(self.state)
+        self._path = LoadPath(self.state, self.shell, self._freedoms, load_set)
+
+    @property
+    def factor(self) -> float:
+        """Load factor of the last equilibrium."""
+        return self._path.factor
+
+    def move(self, displacement: Floats, rotation: Floats | None = None) -> None:
+        """Move nodes from where they are: a guess, a stretched rim, a prescribed boundary.
+
+        Supported nodes stay where they are put; :meth:`load_steps` then finds the equilibrium.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (n_node, 3)
+            [mm].
+        rotation : ndarray, shape (n_node, 3), optional
+            Spin vectors by which the directors turn [rad].
+        """
+        n = self.mesh.n_node
+        for name, value in (("displacement", displacement), ("rotation", rotation)):
+            if value is not None and (
+                np.shape(value) != (n, 3) or not np.isfinite(np.asarray(value)).all()
+            ):
+                raise ValueError(
+                    f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
+                )
+        self.state.node.x[:n] += displacement
+        if rotation is not None:
+            turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))
+
+    def linear(self) -> LinearSolution:
+        """Return the linear solution about the present state.
+
+        Its residual is taken through the strains and corrected, so that it is right also where
+        the stiffness is ill-conditioned, as that of very thin films is; condition and error are
+        part of the solution.
+
+        Raises
+        ------
+        NoConvergence
+            If a rigid motion is not supported, or its error is above 1e-4.
+        """
+        self._path.begin()
+        load, _, _ = self._path.forces(1.0)
+        freedoms, free = self._freedoms, self._freedoms.free
+        if not free.size:
+            raise ValueError("nothing is left to move: supports hold every node and director")
+        solver = TangentSolver(self.state, freedoms, self.shell)
+        u = freedoms.fill(solver.solve(load[free]))
+        solver.check(solver.error)
+        held = freedoms.product(self.shell, u) - load
+        largest, missed = np.abs(held).max(), np.abs(held[free]).max()
+        largest = max(largest, np.abs(load).max())
+        held[free] = 0.0
+        return LinearSolution(
+            *freedoms.split(u),
+            *freedoms.split(held),
+            energy=0.5 * float(load @ u),
+            residual=float(missed / largest) if largest > 0.0 else 0.0,
+            condition=solver.condition,
+            error=solver.error,
+            _shell=self.shell,
+            _state=self.state,
+        )
+
+    def stress(self, quads: Ints | None = None, *, place: str = "mid") -> Floats:
+        """Return the Cauchy stress tensors of the present state [MPa], shape (n, 3, 3).
+
+        Parameters
+        ----------
+        quads : ndarray of int, shape (n,), optional
+            Which quads, all by default.
+        place : {"mid", "top", "bottom", "nominal"}
+            As of :meth:`shellcut.mitc4.shell.MITC4Shell.stress`.
+        """
+        which = np.arange(self.mesh.n_quad) if quads is None else np.asarray(quads)
+        return self.shell.stress(self.state, which, place=place)
+
+    def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
+        """Return the equilibria at given load factors, by Newton's iteration.
+
+        Starts from the present state and load factor. Steps that do not converge are halved.
+
+        Raises
+        ------
+        NoConvergence
+            If a load factor is not reached: use :meth:`arc_length`.
+        """
+        return self._path.load_steps(factors)
+
+    def arc_length(
+        self,
+        first: float,
+        *,
+        until: Callable[[Equilibrium], bool],
+        n_wanted: int = 5,
+        most_steps: int = 200,
+        longest: float = 5.0,
+    ) -> list[Equilibrium]:
+        """Follow the load path by arc length, through limit points, from the present state.
+
+        Parameters
+        ----------
+        first : float
+            Change of the load factor in the first step, which sets the arc length.
+        until : callable
+            Ends the path when true of an equilibrium.
+        n_wanted : int
+            Iterations a step should take; the arc length follows it.
+        most_steps : int
+            Steps at most; the path ends with them, wherever it is.
+        longest : float
+            Largest arc length, over that of the first step as it was taken. Where the path bends,
+            steps are shorter by themselves.
+
+        Raises
+        ------
+        NoConvergence
+            If the path is lost.
+        """
+        problems = [
+            f"{name} must be a number {what}, got {value!r}"
+            for name, what, value, right in (
+                ("first", "other than 0", first, first != 0 and math.isfinite(first)),
+                ("longest", "of at least 1", longest, longest >= 1),
+            )
+            if not right
+        ]
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self._path.arc_length(first, until, n_wanted, most_steps, longest)
+
+    def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
+        """Return the ``n`` lowest free vibrations about the present state.
+
+        Parameters
+        ----------
+        n : int
+            How many, up to the number of free freedoms.
+        true_inertia : bool
+            With the rotary inertia rho h³/12; otherwise with the scaled one of the explicit driver.
+
+        Raises
+        ------
+        ValueError
+            If there are not so many.
+        """
+        self._path.begin()
+        freedoms, mass = self._freedoms, self._mass(true_inertia)
+        if not (isinstance(n, int | np.integer) and 1 <= n <= mass.size):
+            raise ValueError(
+                f"n must be a whole number from 1 to {mass.size}, the freedoms that the supports "
+                f"leave, got {n!r}"
+            )
+        q2, q = lowest_modes(self.state, freedoms, self.shell, mass, int(n))
+        shapes = []
+        for k in range(n):
+            displacement, _ = freedoms.split(freedoms.fill(q[:, k]))
+            largest = np.abs(displacement).max()
+            shapes.append(displacement / largest if largest > 0.0 else displacement)
+        frequency = np.sqrt(np.maximum(q2, 0.0)) / (2.0 * np.pi)
+        return Modes(frequency, np.array(shapes))
+
+    def largest_frequency(self) -> float:
+        """Return the largest angular frequency of the explicit driver's model [rad/s].
+
+        2 / this is the exact undamped critical step, beside the safe bound of
+        :mod:`shellcut.simulation.stable_step`.
+        """
+        self._path.begin()
+        mass = self._mass(true_inertia=False)
+        return float(np.sqrt(largest_eigenvalue(self._freedoms, self.shell, mass)))
+
+    # ------------------------------------------------------------------ parts
+
+    def _mass(self, true_inertia: bool) -> Floats:
+        """Return the diagonal of the mass of the free freedoms."""
+        n, node, freedoms = self.mesh.n_node, self.state.node, self._freedoms
+        inertia = node.inertia[:n]
+        if true_inertia:
+            inertia = node.mass[:n] * self.shell.material.thickness**2 / 12.0
+        return freedoms.diagonal(node.mass[:n], inertia)[freedoms.free]
+
+
+def _refuse_motion(supports: Sequence[Support]) -> None:
+    problems = [
+        f"{name} of the support of {support.nodes!r} is for Simulation, statics knows no time: "
+        "move the nodes there by Statics.move, supports then hold them where they are"
+        for support in supports
+        for name in ("velocity", "spin")
+        if getattr(support, name)
+    ]
+    if problems:
+        raise ValueError("; ".join(problems))

@@ -1,0 +1,71 @@
+"""Free vibrations about a state: the lowest modes, and the largest frequency.
+
+The lowest are found by Lanczos' method on K⁻¹ M, with answers of the stiffness that are corrected
+through the strains (:mod:`shellcut.statics.tangent_solver`): the frequencies of thin films are
+right where the stiffness no longer knows them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+from .freedoms import Freedoms
+from .rigid_motions import free_rigid_motions
+from .tangent_solver import TangentSolver
+
+
+def lowest_modes(
+    state: State, freedoms: Freedoms, shell: MITC4Shell, mass: Floats, n: int
+) -> tuple[Floats, Floats]:
+    """Return the ``n`` lowest omega², ascending, and their vectors, shape (n_free, n)."""
+    if n > mass.size - 2:  # more than Lanczos' method can find
+        K = freedoms.restrict(freedoms.stiffness(shell)).toarray()
+        root = np.sqrt(mass)
+        q2, q = np.linalg.eigh(K / np.outer(root, root))
+        return q2[:n], q[:, :n] / root[:, None]
+    solver = TangentSolver(state, freedoms, shell)
+    rigid = free_rigid_motions(freedoms, state)
+    if not rigid:
+        return _lanczos(n, mass, solver.solve, 0.0)
+    # Factors tell rigid motions by their round-off only: with a frequency of the size of the first
+    # others' added to all of them there are none.
+    n_rough = min(max(n, len(rigid) + 1), mass.size - 2)
+    rough, _ = _lanczos(n_rough, mass, solver.rough, 0.0)
+    shift = float(np.abs(rough).max())
+    solver = TangentSolver(state, freedoms, shell, shift=shift * mass)
+    return _lanczos(n, mass, solver.solve, -shift)
+
+
+def largest_eigenvalue(freedoms: Freedoms, shell: MITC4Shell, mass: Floats) -> float:
+    """Return the largest omega² [1/s²] of masses on the free freedoms, shape (n_free,)."""
+    K = freedoms.restrict(freedoms.stiffness(shell))
+    scale = scipy.sparse.diags_array(1.0 / np.sqrt(mass))
+    largest = scipy.sparse.linalg.eigsh(
+        scale @ K @ scale, k=1, which="LA", return_eigenvectors=False
+    )
+    return float(largest[0])
+
+
+def _lanczos(
+    n: int, mass: Floats, solve: Callable[[Floats], Floats], sigma: float
+) -> tuple[Floats, Floats]:
+    """Return the ``n`` omega² next to ``sigma``, ascending, and their vectors, by K - sigma M."""
+    shape = (mass.size, mass.size)
+    q2, q = scipy.sparse.linalg.eigsh(
+        scipy.sparse.csc_array(shape),  # K itself is not asked for
+        k=n,
+        M=scipy.sparse.csc_array(scipy.sparse.diags_array(mass)),
+        sigma=sigma,
+        which="LM",
+        OPinv=scipy.sparse.linalg.LinearOperator(shape, matvec=solve, dtype=float),
+        v0=np.random.default_rng(0).uniform(-1.0, 1.0, mass.size),
+    )
+    order = np.argsort(q2)
+    return q2[order], q[:, order]

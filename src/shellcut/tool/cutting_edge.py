@@ -1,0 +1,176 @@
+"""Where a point lies as seen from a cutting edge; shared by cables, contact and criterion.
+
+A segment of the cutting edge runs from a with unit vector e over the length L; b is the normal of
+the blade's mid-plane there (the plane that bisects the two faces) and k = the direction into the
+blade, in that plane and normal to e. A point p has
+
+    along = (p - a) · e,    lateral = (p - a) · b,    depth = (p - a) · k,
+
+and the segment *owns* it when 0 <= along <= L and 0 <= depth < CUT_DEPTH: the point then lies in
+the strip of the mid-plane behind the segment, ``lateral`` to one side of it. All in the body frame
+of the tool.
+
+The strip alone does not say that the edge has passed the point. At the end of an edge the body ends
+too, on a face of its own: below the tip of a tooth its relief rises backwards, and under a steep
+edge the strip reaches far below it, where no blade is. A point that the edge has passed has the
+blade where it lies or beside it: its *foot* on the mid-plane, p - lateral b, is inside the solid
+(:func:`in_the_blade`). The faces may have pushed the point itself aside, its foot stays. Contact
+yields a little, so that film which such an end face presses on lies inside the solid as well, by
+some thousandths of a millimetre; but there the nearest way out of the solid leads back through that
+face, along the mid-plane, and behind the edge it leads aside, through a flank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.jit import inline
+from shellcut.numerics.vec3 import combine, dot, norm, sub
+
+from .closest_triangles import ClosestTriangleGrid
+from .signed_distance import GridArrays, signed_distance
+from .tool import Tool
+
+CUT_DEPTH = 1.5
+"""Points farther behind the edge were passed by some other part of the tool [mm]."""
+
+# Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
+# widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
+_STRIP_SLOPE = 0.2
+
+# Least sine of the angle between the mid-plane and a way out of the solid that leads aside: flanks
+# stand at less than 60 degrees to the mid-plane, the blunt ones at 40; a face that ends the body
+# stands across it.
+_ASIDE = 0.5
+
+START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
+"""Rows of :attr:`CuttingEdges.segments`."""
+
+
+@dataclass(frozen=True, eq=False)
+class CuttingEdges:
+    """The cutting-edge segments of a tool as kernels take them."""
+
+    segments: Floats
+    """a [mm], L e [mm], b and k of each segment, shape (n_edge, 4, 3)."""
+    body: Ints
+    """Tooth of each segment, shape (n_edge,)."""
+    solid: GridArrays
+    """Finds the tool's surface, for :func:`in_the_blade`."""
+
+    @classmethod
+    def of(cls, tool: Tool | None) -> CuttingEdges:
+        """Collect the segments of a tool; none of no tool."""
+        solid = ClosestTriangleGrid.of(tool).arrays
+        if tool is None:
+            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid)
+        start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
+        rows = [start, end - start, tool.edge_normal, tool.edge_back]
+        return cls(np.stack(rows, axis=1), tool.edge_body, solid)
+
+    def strip_boxes(self, beside: float) -> tuple[Floats, Floats]:
+        """Return boxes around the strips of each tooth, low and high corners : (n_body, 3) [mm].
+
+        Every point that a segment of the tooth owns, within ``beside`` [mm] of its mid-plane, lies
+        in the box of that tooth.
+        """
+        start, vector, normal, back = (self.segments[:, part] for part in range(4))
+        unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
+        widened = _STRIP_SLOPE * CUT_DEPTH * unit
+        deep = CUT_DEPTH * back
+        end = start + vector
+        corners = np.stack([start, end, start - widened + deep, end + widened + deep], axis=1)
+        aside = beside * np.abs(normal)[:, None]
+        mine = [self.body == b for b in range(int(self.body.max()) + 1)]
+        low = [(corners - aside)[m].min(axis=(0, 1)) for m in mine]
+        high = [(corners + aside)[m].max(axis=(0, 1)) for m in mine]
+        return np.array(low), np.array(high)
+
+
+@inline
+def segment_part(segments: Floats, k: int, part: int) -> Vec3:
+    """Return a (``START``), L e (``VECTOR``), b (``NORMAL``) or k (``BACK``) of segment k."""
+    return segments[k, part, 0], segments[k, part, 1], segments[k, part, 2]
+
+
+@inline
+def strip_coordinates(p: Vec3, k: int, segments: Floats) -> tuple[float, float, float, bool]:
+    """Return along, lateral, depth [mm] of a point, and whether segment k owns it."""
+    d = sub(p, segment_part(segments, k, START))
+    v = segment_part(segments, k, VECTOR)
+    length = norm(v)
+    along = dot(d, v) / length
+    lateral = dot(d, segment_part(segments, k, NORMAL))
+    depth = dot(d, segment_part(segments, k, BACK))
+    slack = _STRIP_SLOPE * depth
+    owns = 0.0 <= depth < CUT_DEPTH and -slack <= along <= length + slack
+    return along, lateral, depth, owns
+
+
+@inline
+def in_the_blade(
+    p: Vec3,
+    lateral: float,
+    k: int,
+    segments: Floats,
+    solid: tuple,  # type: ignore[type-arg]
+) -> bool:
+    """Return whether the blade is where a point behind segment k lies, or beside it.
+
+    p : in the body frame, [mm].  lateral : of it, from :func:`strip_coordinates`.  solid : as in
+    :class:`CuttingEdges`.
+    """
+    aside = segment_part(segments, k, NORMAL)
+    foot = combine(1.0, p, -lateral, aside)
+    _, inside, _, nearest, _, _ = signed_distance(foot, 0, *solid)
+    if not inside:
+        return False
+    way_out = sub(nearest, foot)
+    sideways = dot(way_out, aside)
+    return sideways * sideways >= _ASIDE * _ASIDE * dot(way_out, way_out)
+
+
+@inline
+def edge_point(along: float, k: int, segments: Floats) -> Vec3:
+    """Return the point of segment k at ``along``, clipped to the segment [mm]."""
+    v = segment_part(segments, k, VECTOR)
+    s = min(max(along / norm(v), 0.0), 1.0)
+    return combine(1.0, segment_part(segments, k, START), s, v)
+
+
+@inline
+def to_body(p: Vec3, rotation: Floats, translation: Floats) -> Vec3:
+    """Return Rᵀ (p - r)."""
+    return turn_back(
+        (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2]), rotation
+    )
+
+
+@inline
+def turn_back(d: Vec3, rotation: Floats) -> Vec3:
+    """Return Rᵀ d."""
+    return (
+        rotation[0, 0] * d[0] + rotation[1, 0] * d[1] + rotation[2, 0] * d[2],
+        rotation[0, 1] * d[0] + rotation[1, 1] * d[1] + rotation[2, 1] * d[2],
+        rotation[0, 2] * d[0] + rotation[1, 2] * d[1] + rotation[2, 2] * d[2],
+    )
+
+
+@inline
+def turn(p: Vec3, rotation: Floats) -> Vec3:
+    """Return R p."""
+    return (
+        rotation[0, 0] * p[0] + rotation[0, 1] * p[1] + rotation[0, 2] * p[2],
+        rotation[1, 0] * p[0] + rotation[1, 1] * p[1] + rotation[1, 2] * p[2],
+        rotation[2, 0] * p[0] + rotation[2, 1] * p[1] + rotation[2, 2] * p[2],
+    )
+
+
+@inline
+def to_space(p: Vec3, rotation: Floats, translation: Floats) -> Vec3:
+    """Return R p + r."""
+    q = turn(p, rotation)
+    return q[0] + translation[0], q[1] + translation[1], q[2] + translation[2]

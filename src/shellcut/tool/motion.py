@@ -1,0 +1,282 @@
+"""Prescribed rigid motions of the tool: x = R(t) X + r(t), from the body frame to the world.
+
+==================  ========================================================================
+R, r                ``pose``: rotation matrix and position of the body's origin [mm]
+w, v                ``twist``: dR/dt = w x R [rad/s], v = dr/dt [mm/s], both in world axes
+coordinate          the one number curves are drawn over: angle [rad] or path [mm]
+==================  ========================================================================
+
+A start from rest ramps the speed by half a cosine over the ramp time T,
+
+    speed(t) = V (1 - cos(pi t / T)) / 2,    path(t) = V (t - T/pi sin(pi t / T)) / 2,    t < T,
+
+so that path(T) = V T / 2; before t = 0 the tool rests. The poses are plain scalar arithmetic, a few
+microseconds a call. Motions through tables of poses are in :mod:`shellcut.tool.table_motion`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import cos, isfinite, pi, radians, sin, sqrt
+from typing import Protocol
+
+import numpy as np
+
+from shellcut.arrays import Floats, Vec3
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+class Motion(Protocol):
+    """What the simulation asks of a motion; times in s, lengths in mm, angles in rad."""
+
+    @property
+    def coordinate_unit(self) -> str:
+        """Unit of the coordinate: "rad" or "mm"."""
+        ...
+
+    def pose(self, time: float) -> tuple[Floats, Floats]:
+        """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
+        ...
+
+    def twist(self, time: float) -> tuple[Floats, Floats]:
+        """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
+        ...
+
+    def coordinate(self, time: float) -> float:
+        """Return the angle [rad] or the path [mm] travelled."""
+        ...
+
+
+@dataclass(frozen=True)
+class ScrewMotion:
+    """Turn about a fixed axis and advance in proportion, from rest.
+
+    The turn is counter-clockwise seen from the tip of ``axis``; the coordinate is its angle.
+
+    Examples
+    --------
+    >>> opening = ScrewMotion.over(angle_deg=95.0, duration=6.0e-3, pitch=12.0)
+    >>> round(opening.coordinate(6.0e-3) * 180.0 / 3.141592653589793, 9)
+    95.0
+    """
+
+    angular_speed: float
+    """Speed after the ramp [rad/s], positive; to turn clockwise reverse ``axis``."""
+    pitch: float = 0.0
+    """Advance a turn [mm]; negative against ``advance``, 0 for a pure rotation."""
+    ramp: float = 0.0
+    """Time over which the speed rises [s]; 0 starts at full speed."""
+    axis: Sequence[float] = (0.0, 0.0, 1.0)
+    """Direction of the axis, of any length."""
+    axis_point: Sequence[float] = (0.0, 0.0, 0.0)
+    """A point of the axis [mm]."""
+    advance: Sequence[float] | None = None
+    """Direction of the advance, of any length; by default against ``axis``, that is downwards."""
+    _axis: Vec3 = field(init=False, repr=False, compare=False)
+    _point: Vec3 = field(init=False, repr=False, compare=False)
+    _lead: Vec3 = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        _check_positive("angular_speed", self.angular_speed, "rad/s")
+        _check_ramp(self.ramp)
+        if not isfinite(self.pitch):
+            raise ValueError(f"pitch must be finite, got {self.pitch} mm")
+        axis = _unit("axis", self.axis)
+        point = _triple("axis_point", self.axis_point)
+        against = (-axis[0], -axis[1], -axis[2])
+        advance = against if self.advance is None else _unit("advance", self.advance)
+        lead = self.pitch / (2.0 * pi)
+        object.__setattr__(self, "_axis", axis)
+        object.__setattr__(self, "_point", point)
+        object.__setattr__(self, "_lead", (lead * advance[0], lead * advance[1], lead * advance[2]))
+
+    @classmethod
+    def over(
+        cls,
+        *,
+        angle_deg: float,
+        duration: float,
+        pitch: float = 0.0,
+        ramp_fraction: float = 0.03,
+        axis: Sequence[float] = (0.0, 0.0, 1.0),
+        axis_point: Sequence[float] = (0.0, 0.0, 0.0),
+        advance: Sequence[float] | None = None,
+    ) -> ScrewMotion:
+        """Return the screw that has turned by ``angle_deg`` exactly at ``duration``.
+
+        Parameters
+        ----------
+        angle_deg : float, [deg]
+        duration : float, [s]
+            The motion goes on at its speed afterwards.
+        ramp_fraction : float
+            Part of the duration over which the speed rises, in [0, 1].
+        pitch, axis, axis_point, advance
+            As the fields of this class.
+        """
+        _check_positive("angle_deg", angle_deg, "degrees")
+        _check_positive("duration", duration, "s")
+        if not 0.0 <= ramp_fraction <= 1.0:
+            raise ValueError(f"ramp_fraction must be in [0, 1], got {ramp_fraction}")
+        return cls(
+            angular_speed=radians(angle_deg) / (duration * (1.0 - 0.5 * ramp_fraction)),
+            pitch=pitch,
+            ramp=ramp_fraction * duration,
+            axis=axis,
+            axis_point=axis_point,
+            advance=advance,
+        )
+
+    @property
+    def coordinate_unit(self) -> str:
+        """Unit of the coordinate."""
+        return "rad"
+
+    def coordinate(self, time: float) -> float:
+        """Return the angle turned since t = 0 [rad]."""
+        return _ramped_path(time, self.angular_speed, self.ramp)
+
+    def pose(self, time: float) -> tuple[Floats, Floats]:
+        """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
+        angle = self.coordinate(time)
+        rows = _turn(self._axis, angle)
+        h0, h1, h2 = self._lead
+        if self._point == _ORIGIN:  # spared the turn: this is called every step
+            origin = np.array((0.0 + h0 * angle, 0.0 + h1 * angle, 0.0 + h2 * angle))
+        else:
+            p0, p1, p2 = self._point
+            q0, q1, q2 = turned(rows, self._point)
+            origin = np.array((p0 - q0 + h0 * angle, p1 - q1 + h1 * angle, p2 - q2 + h2 * angle))
+        return np.array(rows), origin
+
+    def twist(self, time: float) -> tuple[Floats, Floats]:
+        """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
+        rate = _ramped_speed(time, self.angular_speed, self.ramp)
+        a0, a1, a2 = self._axis
+        h0, h1, h2 = self._lead
+        if self._point == _ORIGIN:
+            velocity = np.array((rate * h0, rate * h1, rate * h2))
+            return np.array((rate * a0, rate * a1, rate * a2)), velocity
+        q0, q1, q2 = turned(_turn(self._axis, self.coordinate(time)), self._point)
+        # r = p - R p + h angle, hence dr/dt = rate (h - a x R p)
+        origin_velocity = (
+            rate * (h0 - a1 * q2 + a2 * q1),
+            rate * (h1 - a2 * q0 + a0 * q2),
+            rate * (h2 - a0 * q1 + a1 * q0),
+        )
+        return np.array((rate * a0, rate * a1, rate * a2)), np.array(origin_velocity)
+
+
+@dataclass(frozen=True)
+class StraightMotion:
+    """Move along a straight line without turning, from rest; the coordinate is the path.
+
+    Examples
+    --------
+    >>> motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
+    >>> motion.coordinate(1e-3), motion.coordinate_unit
+    (6.0, 'mm')
+    """
+
+    direction: Sequence[float]
+    """Direction of the motion, of any length."""
+    speed: float
+    """Speed after the ramp [mm/s], positive."""
+    ramp: float = 0.0
+    """Time over which the speed rises [s]; 0 starts at full speed."""
+    _direction: Vec3 = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        _check_positive("speed", self.speed, "mm/s")
+        _check_ramp(self.ramp)
+        object.__setattr__(self, "_direction", _unit("direction", self.direction))
+
+    @property
+    def coordinate_unit(self) -> str:
+        """Unit of the coordinate."""
+        return "mm"
+
+    def coordinate(self, time: float) -> float:
+        """Return the path since t = 0 [mm]."""
+        return _ramped_path(time, self.speed, self.ramp)
+
+    def pose(self, time: float) -> tuple[Floats, Floats]:
+        """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
+        path = self.coordinate(time)
+        d0, d1, d2 = self._direction
+        return np.eye(3), np.array((path * d0, path * d1, path * d2))
+
+    def twist(self, time: float) -> tuple[Floats, Floats]:
+        """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
+        rate = _ramped_speed(time, self.speed, self.ramp)
+        d0, d1, d2 = self._direction
+        return np.zeros(3), np.array((rate * d0, rate * d1, rate * d2))
+
+
+def _ramped_path(time: float, speed: float, ramp: float) -> float:
+    if time <= 0.0:
+        return 0.0
+    if time < ramp:
+        return 0.5 * speed * (time - ramp / pi * sin(pi * time / ramp))
+    return speed * (time - 0.5 * ramp)
+
+
+def _ramped_speed(time: float, speed: float, ramp: float) -> float:
+    if time < 0.0:
+        return 0.0
+    if time < ramp:
+        return 0.5 * speed * (1.0 - cos(pi * time / ramp))
+    return speed
+
+
+def _turn(axis: Vec3, angle: float) -> tuple[Vec3, Vec3, Vec3]:
+    # rows of the rotation about a unit axis; 1 - cos from the half angle, without cancellation
+    a0, a1, a2 = axis
+    s = sin(angle)
+    half = sin(0.5 * angle)
+    k = 2.0 * half * half
+    c = 1.0 - k
+    return (
+        (c + k * a0 * a0, k * a0 * a1 - s * a2, k * a0 * a2 + s * a1),
+        (k * a0 * a1 + s * a2, c + k * a1 * a1, k * a1 * a2 - s * a0),
+        (k * a0 * a2 - s * a1, k * a1 * a2 + s * a0, c + k * a2 * a2),
+    )
+
+
+def _triple(name: str, values: Sequence[float]) -> Vec3:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be three finite numbers, got {values}")
+    a0, a1, a2 = array.tolist()
+    return a0, a1, a2
+
+
+def _unit(name: str, values: Sequence[float]) -> Vec3:
+    a0, a1, a2 = _triple(name, values)
+    length = sqrt(a0 * a0 + a1 * a1 + a2 * a2)
+    if length == 0.0:
+        raise ValueError(f"{name} must not be zero: it is a direction")
+    return a0 / length, a1 / length, a2 / length
+
+
+def turned(rows: tuple[Vec3, Vec3, Vec3], a: Vec3) -> Vec3:
+    """Return the vector a turned by the rotation of these rows."""
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rows
+    a0, a1, a2 = a
+    return (
+        r00 * a0 + r01 * a1 + r02 * a2,
+        r10 * a0 + r11 * a1 + r12 * a2,
+        r20 * a0 + r21 * a1 + r22 * a2,
+    )
+
+
+def _check_positive(name: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} must be positive, got {value} {unit}")
+
+
+def _check_ramp(ramp: float) -> None:
+    if not (isfinite(ramp) and ramp >= 0.0):
+        raise ValueError(f"ramp must be zero or positive, got {ramp} s")

@@ -1,0 +1,420 @@
+"""Tools by their parameters: a ring of teeth and a straight blade.
+
+Both are wedges: a section parallel to the sheet grows from the cutting edge with the half-angle a
+to the half thickness w and goes on with parallel flanks,
+
+    half width(d) = min(d tan a, w),    d = distance behind the edge along the motion,
+
+and the cutting edge rises forward at an angle eta to the sheet. Seen along the edge the wedge is
+blunter, tan(a_edge) = tan(a) / sin(eta); a_edge is kept below 40° so that flanks, top and bottom
+can be told apart by the angle between them.
+
+A tooth in its straight coordinates, s forward along the motion and z up::
+
+        B ----------- F        F: top of the cutting edge      B: top of the back
+        |            /
+        |           /  eta     d-lines run parallel to the edge T F; the mesh of each flank is
+        K          /           the strips between neighbouring d-lines
+          `-.     /
+       relief `- T             T: tip at s = 0, z = tip_clearance      K: end of the relief
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import atan, ceil, cos, degrees, isfinite, pi, radians, sin, sqrt, tan
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+from .tool import Tool, ToolError
+
+EDGE_DEVIATION = 1e-3
+"""A chord of the cutting edge must stay this near to its cylinder [mm]: a cut beside the line of
+mesh edges costs energy (0.02 mm: 3.5 %)."""
+
+DEFAULT_DEVIATION = 5e-4
+"""The deviation aimed at [mm] when the number of segments is not given."""
+
+BLUNTEST_EDGE = 40.0
+"""Largest half-angle of the wedge seen along the edge [deg]."""
+
+FLANK_MARGIN = 5.0
+"""A flank may turn by the half-angle plus this [deg]; facets of a cylinder turn by less."""
+
+LONGEST_TRIANGLE = 0.4
+"""Longest cutting segment of a tooth [mm]: keeps the lists of the contact grid short."""
+
+MOST_TRIANGLES = 1_000_000
+"""Of the largest ring that is made; the default one has 4,112."""
+
+
+def tooth_ring(
+    *,
+    n_teeth: int = 4,
+    radius: float = 9.4,
+    edge_inclination_deg: float = 60.0,
+    wedge_half_angle_deg: float = 12.0,
+    half_thickness: float = 0.35,
+    length: float = 1.5,
+    relief_deg: float = 30.0,
+    height: float = 5.0,
+    tip_clearance: float = 0.02,
+    phase_deg: float = 0.0,
+    n_arc: int | None = None,
+) -> Tool:
+    """Return a ring of equal teeth around the z axis that cuts the circle r = ``radius``.
+
+    Body frame = world frame at the start: the sheet is z = 0, the teeth move counter-clockwise
+    seen from +z, and downwards. Plus is outside (r > ``radius``); the cutting edges run from the
+    tip up, tooth k has its tip at the angle ``phase_deg`` + 360 k / ``n_teeth``. A tooth is
+    described in straight coordinates and wrapped on the cylinder, angle = s / radius and
+    r = radius + n, so that the vertices of the cutting edge lie exactly on it.
+
+    Parameters
+    ----------
+    n_teeth : int
+        Teeth that would overlap are refused.
+    radius : float, [mm]
+        Of the cutting circle.
+    edge_inclination_deg : float, [deg]
+        Angle eta of the cutting edge to the sheet, in (0, 90]; it rises forward.
+    wedge_half_angle_deg : float, [deg]
+        In the section parallel to the sheet.
+    half_thickness : float, [mm]
+        Half the distance of the parallel flanks.
+    length : float, [mm]
+        From the tip to the vertical back face, along the arc r = ``radius``.
+    relief_deg : float, [deg]
+        Rise of the bottom from the tip backwards, in [0, 90).
+    height : float, [mm]
+        From the tip to the top.
+    tip_clearance : float, [mm]
+        Height of the tip above the sheet.
+    phase_deg : float, [deg]
+        Angle of the first tip.
+    n_arc : int, optional
+        Segments of each cutting edge; by default so many that chords stay within 5e-4 mm of the
+        cylinder and segments below 0.4 mm. Fewer than 1e-3 mm asks for are refused.
+
+    Returns
+    -------
+    Tool
+        With one body and one chain of cutting segments a tooth.
+
+    Raises
+    ------
+    ToolError
+        Lists every parameter out of its range.
+
+    Examples
+    --------
+    >>> ring = tooth_ring(n_teeth=2)
+    >>> ring.n_body, ring.n_chain
+    (2, 2)
+    """
+    parameters = {
+        "n_teeth": float(n_teeth),
+        "radius": radius,
+        "edge_inclination_deg": edge_inclination_deg,
+        "wedge_half_angle_deg": wedge_half_angle_deg,
+        "half_thickness": half_thickness,
+        "length": length,
+        "relief_deg": relief_deg,
+        "height": height,
+        "tip_clearance": tip_clearance,
+        "phase_deg": phase_deg,
+    }
+    _check_positive(
+        parameters, ("radius", "half_thickness", "length", "height"), ("tip_clearance", "phase_deg")
+    )
+    problems = _angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg")
+    if n_teeth < 1:
+        problems.append(f"n_teeth must be at least 1, got {n_teeth}")
+    if not 0.0 <= relief_deg < 90.0:
+        problems.append(f"relief_deg must be in [0, 90), got {relief_deg}")
+    elif length * tan(radians(relief_deg)) >= height:
+        problems.append(
+            f"the relief rises by length * tan(relief_deg) = "
+            f"{length * tan(radians(relief_deg)):.4g} mm, above height = {height:g} mm: "
+            "shorten the tooth or lower relief_deg"
+        )
+    if half_thickness >= radius:
+        problems.append(f"half_thickness = {half_thickness:g} must be below radius = {radius:g}")
+    if problems:
+        raise ToolError(problems, what="tooth ring")
+
+    eta = radians(edge_inclination_deg)
+    forward = height / tan(eta)
+    span = (forward + length) / radius
+    if span * n_teeth >= 2.0 * pi:
+        raise ToolError(
+            [
+                f"{n_teeth} teeth overlap: each takes {degrees(span):.1f} of "
+                f"{360.0 / n_teeth:.1f} degrees; use fewer or shorter teeth, a steeper edge or a "
+                "larger radius"
+            ],
+            what="tooth ring",
+        )
+    least = max(1, ceil(forward / sqrt(8.0 * radius * EDGE_DEVIATION)))
+    wanted = min(sqrt(8.0 * radius * DEFAULT_DEVIATION), radius * radians(0.5 * FLANK_MARGIN))
+    if n_arc is None:
+        n_arc = max(ceil(forward / wanted), ceil(height / sin(eta) / LONGEST_TRIANGLE))
+    elif n_arc < least:
+        raise ToolError(
+            [
+                f"n_arc = {n_arc} leaves the cutting edge {EDGE_DEVIATION:g} mm or more beside the "
+                f"cylinder: use at least {least}"
+            ],
+            what="tooth ring",
+        )
+    parameters["n_arc"] = float(n_arc)
+    # two sides of strips between d-lines of n_arc pieces at most
+    n_triangle = 4.0 * n_teeth * n_arc * ((length + forward) / wanted + 3.0)
+    if not n_triangle <= MOST_TRIANGLES:
+        raise ToolError(
+            [
+                f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} "
+                f"triangles, {MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, "
+                "enlarge the radius"
+            ],
+            what="tooth ring",
+        )
+
+    straight, triangles, edges = _tooth(
+        eta=eta,
+        slope=tan(radians(wedge_half_angle_deg)),
+        half_thickness=half_thickness,
+        length=length,
+        relief=radians(relief_deg),
+        height=height,
+        n_edge=n_arc,
+        spacing=wanted,
+    )
+    n = straight.shape[0]
+    vertices = np.empty((n_teeth, n, 3))
+    for k in range(n_teeth):
+        angle = radians(phase_deg) + 2.0 * pi * k / n_teeth + straight[:, 0] / radius
+        vertices[k, :, 0] = (radius + straight[:, 1]) * np.cos(angle)
+        vertices[k, :, 1] = (radius + straight[:, 1]) * np.sin(angle)
+        vertices[k, :, 2] = tip_clearance + straight[:, 2]
+    offsets = n * np.arange(n_teeth)[:, None, None]
+    return Tool.from_triangles(
+        vertices.reshape(-1, 3),
+        (np.array(triangles) + offsets).reshape(-1, 3),
+        edges=(np.array(edges) + offsets).reshape(-1, 2),
+        flank_angle_deg=_edge_half_angle(edge_inclination_deg, wedge_half_angle_deg) + FLANK_MARGIN,
+        name="tooth ring",
+        parameters=parameters,
+    )
+
+
+def straight_blade(
+    *,
+    edge_angle_deg: float = 90.0,
+    wedge_half_angle_deg: float = 10.0,
+    half_thickness: float = 0.3,
+    length: float = 3.0,
+    height: float = 6.0,
+) -> Tool:
+    """Return a blade that moves along +x in the plane y = 0 and cuts the sheet z = 0.
+
+    Body frame = world frame at the start: the cutting edge runs through the origin and from
+    z = height/2 down to -height/2, so that plus is y > 0. Each section parallel to the sheet is
+    the same, shifted along the edge: the back is parallel to the edge.
+
+    Parameters
+    ----------
+    edge_angle_deg : float, [deg]
+        Angle of the edge to the sheet, in (0, 90]; below 90 it rises forward.
+    wedge_half_angle_deg : float, [deg]
+        In the section parallel to the sheet.
+    half_thickness : float, [mm]
+        Half the distance of the parallel flanks.
+    length : float, [mm]
+        From the edge to the back, along x; a wedge that is longer is cut off there.
+    height : float, [mm]
+        From the bottom to the top.
+
+    Returns
+    -------
+    Tool
+        With one body and one cutting segment.
+
+    Raises
+    ------
+    ToolError
+        Lists every parameter out of its range.
+    """
+    parameters = {
+        "edge_angle_deg": edge_angle_deg,
+        "wedge_half_angle_deg": wedge_half_angle_deg,
+        "half_thickness": half_thickness,
+        "length": length,
+        "height": height,
+    }
+    _check_positive(parameters, ("half_thickness", "length", "height"), (), what="straight blade")
+    problems = _angle_problems(edge_angle_deg, wedge_half_angle_deg, "edge_angle_deg")
+    if problems:
+        raise ToolError(problems, what="straight blade")
+
+    slope = tan(radians(wedge_half_angle_deg))
+    if half_thickness / slope < length:
+        behind = [0.0, half_thickness / slope, length]
+    else:
+        behind = [0.0, length]
+    # section counter-clockwise seen from above: edge, plus side to the back, minus side to the edge
+    section = [(-d, min(slope * d, half_thickness)) for d in behind]
+    section += [(x, -y) for x, y in section[:0:-1]]
+    n = len(section)
+    shift = 0.5 * height / tan(radians(edge_angle_deg))
+    low = [(x - shift, y, -0.5 * height) for x, y in section]
+    high = [(x + shift, y, 0.5 * height) for x, y in section]
+    triangles = []
+    for i in range(n):
+        j = (i + 1) % n
+        triangles += [(i, j, n + j), (i, n + j, n + i)]
+    caps = [(0, 1, n - 1)] + ([(1, 2, 3), (1, 3, 4)] if n == 5 else [])
+    triangles += [(k, j, i) for i, j, k in caps]
+    triangles += [(n + i, n + j, n + k) for i, j, k in caps]
+    return Tool.from_triangles(
+        np.array(low + high),
+        np.array(triangles),
+        edges=[(n, 0)],
+        flank_angle_deg=_edge_half_angle(edge_angle_deg, wedge_half_angle_deg) + FLANK_MARGIN,
+        name="straight blade",
+        parameters=parameters,
+    )
+
+
+def _tooth(
+    *,
+    eta: float,
+    slope: float,
+    half_thickness: float,
+    length: float,
+    relief: float,
+    height: float,
+    n_edge: int,
+    spacing: float,
+) -> tuple[Floats, list[tuple[int, int, int]], list[tuple[int, int]]]:
+    # Vertices (s, n, z) with the tip at the origin, triangles with outward normals, cutting edge.
+    cot = cos(eta) / sin(eta)
+    d_corner = length * (1.0 + tan(relief) * cot)  # of K
+    d_back = length + height * cot  # of B
+    d_shoulder = half_thickness / slope
+    stations = [0.0]
+    for d in sorted({d_corner, d_back, *((d_shoulder,) if d_shoulder < d_back else ())}):
+        # K and B share their d-line when the edge is vertical
+        if d - stations[-1] > 1e-9 * d_back:
+            count = ceil((d - stations[-1]) / spacing)
+            stations += np.linspace(stations[-1], d, count + 1)[1:].tolist()
+
+    points: list[tuple[float, float, float]] = []
+    plus_lines: list[list[int]] = []
+    minus_lines: list[list[int]] = []
+    for d in stations:
+        if d <= d_corner * (1.0 + 1e-12):
+            low = d * tan(relief) / (1.0 + cot * tan(relief))
+        else:
+            low = min((d - length) / cot, height)
+        count = max(1, round((height - low) * n_edge / height))
+        if height - low < 1e-9 * height:
+            count = 0
+        levels = [height - (height - low) * (1.0 - i / count) for i in range(count)] + [height]
+        half_width = min(slope * d, half_thickness)
+        plus_lines.append(list(range(len(points), len(points) + len(levels))))
+        points += [(z * cot - d, half_width, z) for z in levels]
+        if d == 0.0:
+            minus_lines.append(plus_lines[-1])
+            continue
+        minus_lines.append(list(range(len(points), len(points) + len(levels))))
+        points += [(z * cot - d, -half_width, z) for z in levels]
+
+    triangles: list[tuple[int, int, int]] = []
+    for i in range(len(stations) - 1):
+        triangles += _strip(points, plus_lines[i], plus_lines[i + 1])
+        triangles += [(a, c, b) for a, b, c in _strip(points, minus_lines[i], minus_lines[i + 1])]
+    # walls between the two sides: below and behind (lower ends of the d-lines, then up the last
+    # one), and on top (their upper ends)
+    lower = [(p[0], m[0]) for p, m in zip(plus_lines, minus_lines, strict=True)] + list(
+        zip(plus_lines[-1][1:], minus_lines[-1][1:], strict=True)
+    )
+    upper = [(p[-1], m[-1]) for p, m in zip(plus_lines, minus_lines, strict=True)]
+    walls = []
+    for (p, m), (p_next, m_next) in pairwise(lower):
+        walls += [(p, p_next, m_next), (p, m_next, m)]
+    for (p, m), (p_next, m_next) in pairwise(upper):
+        walls += [(p_next, p, m), (p_next, m, m_next)]
+    triangles += [(a, b, c) for a, b, c in walls if a != b and b != c and c != a]
+    edge = plus_lines[0]
+    return np.array(points), triangles, list(pairwise(edge))
+
+
+def _strip(
+    points: list[tuple[float, float, float]], right: list[int], left: list[int]
+) -> list[tuple[int, int, int]]:
+    # Zip two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
+    # run counter-clockwise with s to the right and z up, which is outward on the plus side.
+    def squared(i: int, j: int) -> float:
+        return sum((u - v) ** 2 for u, v in zip(points[i], points[j], strict=True))
+
+    triangles = []
+    a = b = 0
+    while a + 1 < len(right) or b + 1 < len(left):
+        climb_right = b + 1 == len(left) or (
+            a + 1 < len(right) and squared(left[b], right[a + 1]) <= squared(left[b + 1], right[a])
+        )
+        if climb_right:
+            triangles.append((left[b], right[a], right[a + 1]))
+            a += 1
+        else:
+            triangles.append((left[b], right[a], left[b + 1]))
+            b += 1
+    return triangles
+
+
+def _edge_half_angle(inclination_deg: float, half_angle_deg: float) -> float:
+    # half-angle of the wedge in the plane normal to its edge [deg]
+    return degrees(atan(tan(radians(half_angle_deg)) / sin(radians(inclination_deg))))
+
+
+def _angle_problems(inclination_deg: float, half_angle_deg: float, name: str) -> list[str]:
+    problems = []
+    if not 0.0 < inclination_deg <= 90.0:
+        problems.append(f"{name} must be in (0, 90], got {inclination_deg}")
+    if not 0.0 < half_angle_deg <= BLUNTEST_EDGE:
+        problems.append(
+            f"wedge_half_angle_deg must be in (0, {BLUNTEST_EDGE:g}], got {half_angle_deg}"
+        )
+    if not problems:
+        seen = _edge_half_angle(inclination_deg, half_angle_deg)
+        if seen > BLUNTEST_EDGE * (1.0 + 1e-12):
+            problems.append(
+                f"wedge_half_angle_deg = {half_angle_deg:g} is {seen:.1f} seen along an edge at "
+                f"{name} = {inclination_deg:g}, above {BLUNTEST_EDGE:g}: sharpen the wedge or "
+                "raise the edge"
+            )
+    return problems
+
+
+def _check_positive(
+    parameters: dict[str, float],
+    positive: tuple[str, ...],
+    finite: tuple[str, ...],
+    *,
+    what: str = "tooth ring",
+) -> None:
+    problems = [
+        f"{name} must be positive and finite, got {parameters[name]}"
+        for name in positive
+        if not (isfinite(parameters[name]) and parameters[name] > 0.0)
+    ]
+    problems += [
+        f"{name} must be finite, got {parameters[name]}"
+        for name in finite
+        if not isfinite(parameters[name])
+    ]
+    if problems:
+        raise ToolError(problems, what=what)

@@ -1,0 +1,334 @@
+"""A merged triangulated surface with its edge table: what its checks, sharp edges and flanks share.
+
+An edge *turns* by the angle between the outward normals of its two triangles, positive where the
+surface is convex: the exterior angle. A wedge of half-angle a turns by 180° - 2a.
+"""
+
+from __future__ import annotations
+
+from math import degrees, radians
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
+
+MERGE_TOLERANCE = 1e-7
+"""Vertices nearer than this part of the surface's diagonal are one: the round-off of a
+single-precision STL file."""
+
+DEGENERATE_HEIGHT = 1e-7
+"""Least height of a triangle as a part of its longest edge: below it the normal is noise."""
+
+FLAT_TURN = radians(1.0)
+"""A given cutting edge must turn by more than this [rad]: a flat one has no mid-plane."""
+
+EXAMPLES_SHOWN = 3
+"""How many places an error message lists of each kind of defect."""
+
+
+class Surface:
+    """A surface whose coinciding vertices are one, with its edge table.
+
+    Each undirected edge (lo < hi) is a row; ``manifold`` rows have one triangle that runs lo -> hi
+    (``forward``) and one that runs hi -> lo (``backward``).
+    """
+
+    def __init__(self, vertices: Floats, triangles: Ints):
+        self.vertices = vertices
+        self.triangles = triangles
+        n_triangle = triangles.shape[0]
+        self.normals, self.height = normals_and_heights(vertices, triangles)
+
+        start = triangles[:, (0, 1, 2)].ravel()
+        end = triangles[:, (1, 2, 0)].ravel()
+        key = np.minimum(start, end) * vertices.shape[0] + np.maximum(start, end)
+        self.keys, row, self.uses = np.unique(key, return_inverse=True, return_counts=True)
+        self.lo, self.hi = np.divmod(self.keys, vertices.shape[0])
+        runs_up = start < end
+        owner = np.repeat(np.arange(n_triangle), 3)
+        up_uses = np.bincount(row[runs_up], minlength=self.keys.size)
+        self.manifold = (self.uses == 2) & (up_uses == 1)
+        self.twisted = (self.uses == 2) & (up_uses != 1)
+        # where a direction is missing, any triangle of the edge stands in
+        self.forward = np.zeros(self.keys.size, dtype=np.int64)
+        self.forward[row] = owner
+        self.backward = self.forward.copy()
+        self.forward[row[runs_up]] = owner[runs_up]
+        self.backward[row[~runs_up]] = owner[~runs_up]
+
+        by_edge = np.argsort(row, kind="stable")
+        same = np.flatnonzero(row[by_edge][1:] == row[by_edge][:-1])
+        self.body = by_first_appearance(
+            connected_parts(owner[by_edge][same], owner[by_edge][same + 1], n_triangle)
+        )
+        self.twin_corners = (by_edge[same], by_edge[same + 1])
+        self.turn = self._turning_angles()
+
+    def _turning_angles(self) -> Floats:
+        # Angle between the two normals, negative where the edge is concave; 0 off manifold edges.
+        # The signs of an inside-out body are the wrong way round: its volume tells.
+        turn = np.zeros(self.keys.size)
+        rows = np.flatnonzero(self.manifold)
+        first, second = self.normals[self.forward[rows]], self.normals[self.backward[rows]]
+        sine = np.linalg.norm(np.cross(first, second), axis=1)
+        cosine = np.einsum("ij,ij->i", first, second)
+        centre = self.vertices[self.triangles[self.backward[rows]]].mean(axis=1)
+        outward = np.einsum("ij,ij->i", centre - self.vertices[self.lo[rows]], first)
+        outward *= np.where(self.body_volumes()[self.body[self.forward[rows]]] < 0.0, -1.0, 1.0)
+        turn[rows] = np.where(outward > 0.0, -1.0, 1.0) * np.arctan2(sine, cosine)
+        return turn
+
+    def body_volumes(self) -> Floats:
+        """Return the signed volume of each body, shape (n_body,), [mm³]."""
+        return np.bincount(self.body, weights=six_volumes(self.vertices, self.triangles)) / 6.0
+
+    def problems(self) -> list[str]:
+        """Return why this is not the outside of solid bodies: one line a kind of defect."""
+        found = []
+        flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
+        if flat.size:
+            places = self._at(self.vertices[self.triangles[flat]].mean(axis=1))
+            found.append(f"{counted(flat, 'degenerate triangle')} (no area), centred at {places}")
+        holes = np.flatnonzero(self.uses == 1)
+        if holes.size:
+            found.append(
+                f"{counted(holes, 'open edge')}: the surface has {self._holes(holes)}; close it in "
+                "the program that made it"
+            )
+        crowded = np.flatnonzero(self.uses > 2)
+        if crowded.size:
+            found.append(
+                f"{counted(crowded, 'non-manifold edge')} (more than two triangles meet): "
+                f"{self._segments(crowded)}"
+            )
+        twisted = np.flatnonzero(self.twisted)
+        if twisted.size:
+            found.append(
+                f"{counted(twisted, 'edge')} between triangles of opposite orientation: "
+                f"{self._segments(twisted)}; reverse one of the two: triangles[i] = "
+                "triangles[i, ::-1]"
+            )
+        pinched = self._pinched_vertices()
+        if pinched.size:
+            found.append(
+                f"{counted(pinched, 'non-manifold vertex', 'non-manifold vertices')} (parts of the "
+                f"surface touch in a point), move them apart: {self._at(self.vertices[pinched])}"
+            )
+        unsound = np.zeros(self.body.max() + 1, dtype=bool)
+        bad_edges = ~self.manifold
+        unsound[self.body[self.forward[bad_edges]]] = True
+        unsound[self.body[self.backward[bad_edges]]] = True
+        inverted = np.flatnonzero((self.body_volumes() < 0.0) & ~unsound)
+        if inverted.size:
+            teeth = ", ".join(str(b) for b in inverted)
+            found.append(
+                f"inside-out surface: negative volume of tooth {teeth} (of {unsound.size}); its "
+                "normals point inwards: give vertices, triangles[:, ::-1]"
+                + ("" if inverted.size == unsound.size else " for the triangles of that tooth")
+            )
+        return found
+
+    def _pinched_vertices(self) -> Ints:
+        # A vertex whose corners (3 t + k) fall into more than one fan: two corners are of one fan
+        # if their triangles share an edge at that vertex.
+        near, far = self.twin_corners  # half-edges; half-edge 3 t + k starts at corner k of t
+        links_a, links_b = [], []
+        vertex = self.triangles.ravel()
+        for a_start in (True, False):
+            corner_a = near if a_start else _next_corner(near)
+            for b_start in (True, False):
+                corner_b = far if b_start else _next_corner(far)
+                match = vertex[corner_a] == vertex[corner_b]
+                links_a.append(corner_a[match])
+                links_b.append(corner_b[match])
+        fan = by_first_appearance(
+            connected_parts(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
+        )
+        pairs = np.unique(np.column_stack([vertex, fan]), axis=0)
+        # fans of an open surface are told by its holes already
+        fans = np.bincount(pairs[:, 0], minlength=self.vertices.shape[0])
+        on_bad_edge = np.zeros(self.vertices.shape[0], dtype=bool)
+        on_bad_edge[self.lo[self.uses != 2]] = True
+        on_bad_edge[self.hi[self.uses != 2]] = True
+        return np.flatnonzero((fans > 1) & ~on_bad_edge)
+
+    def sharp_segments(self, least_turn: float) -> tuple[Ints, list[str]]:
+        """Return the edges that turn by so much [rad], shape (n, 2), and why there are none."""
+        rows = np.flatnonzero(self.turn >= least_turn)
+        problems = []
+        if rows.size == 0:
+            sharpest = degrees(float(self.turn.max()))
+            problems.append(
+                f"no sharp edge found: none turns by sharp_angle_deg = {degrees(least_turn):g} or "
+                f"more, the sharpest turns by {sharpest:.1f}; lower sharp_angle_deg or give edges"
+            )
+        return np.column_stack([self.lo[rows], self.hi[rows]]), problems
+
+    def not_cutting(self, segments: Ints) -> list[str]:
+        """Return why some of the given segments cannot cut."""
+        problems = []
+        row, present = self._rows(segments)
+        if not present.all():
+            lost = np.flatnonzero(~present)
+            problems.append(
+                f"{counted(lost, 'given cutting edge')} not an edge of the surface: "
+                + self._pairs(segments[lost])
+            )
+        flat = np.flatnonzero(present & self.manifold[row] & (self.turn[row] < FLAT_TURN))
+        if flat.size:
+            problems.append(
+                f"{counted(flat, 'given cutting edge')} flat or concave, without a wedge behind: "
+                + self._pairs(segments[flat])
+            )
+        key = np.sort(segments, axis=1) @ np.array([self.vertices.shape[0], 1])
+        if np.unique(key).size < key.size:
+            problems.append(f"{key.size - np.unique(key).size} of the given cutting edges repeat")
+        return problems
+
+    def _rows(self, segments: Ints) -> tuple[Ints, npt.NDArray[np.bool_]]:
+        ordered = np.sort(segments, axis=1)
+        key = ordered[:, 0] * self.vertices.shape[0] + ordered[:, 1]
+        row = np.minimum(np.searchsorted(self.keys, key), self.keys.size - 1)
+        return row, (self.keys[row] == key) & (ordered[:, 0] >= 0)
+
+    def sides(self, segments: Ints) -> tuple[Ints, Ints]:
+        """Return the triangles that run along each segment in its sense and against it."""
+        row, _ = self._rows(segments)
+        runs_up = segments[:, 0] < segments[:, 1]
+        plus = np.where(runs_up, self.forward[row], self.backward[row])
+        minus = np.where(runs_up, self.backward[row], self.forward[row])
+        return plus, minus
+
+    def mid_planes(self, segments: Ints, plus: Ints, minus: Ints) -> tuple[Floats, Floats]:
+        """Return normals and backs of the planes that bisect the faces, shape (n, 3) each."""
+        normal = unit_rows(self.normals[plus] - self.normals[minus])
+        along = unit_rows(self.vertices[segments[:, 1]] - self.vertices[segments[:, 0]])
+        return normal, unit_rows(np.cross(normal, along))
+
+    def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
+        """Return +1, -1 or 0 a triangle: the side of the nearest cutting edge that it is on."""
+        # a way across a cutting edge passes a seed of the other side first: no need to bar it
+        smooth = self.manifold & (np.abs(self.turn) < largest_turn)
+        a, b = self.forward[smooth], self.backward[smooth]
+        centre = self.vertices[self.triangles].mean(axis=1)
+        way = np.linalg.norm(centre[a] - centre[b], axis=1)
+        n = self.triangles.shape[0]
+        graph = scipy.sparse.coo_array((way, (a, b)), shape=(n, n)).tocsr()
+        to_plus = scipy.sparse.csgraph.dijkstra(
+            graph, directed=False, indices=np.unique(plus), min_only=True
+        )
+        to_minus = scipy.sparse.csgraph.dijkstra(
+            graph, directed=False, indices=np.unique(minus), min_only=True
+        )
+        flank = np.zeros(n, dtype=np.int8)
+        flank[np.isfinite(to_plus) & (to_plus <= to_minus)] = 1
+        flank[to_minus < to_plus] = -1
+        return flank
+
+    def _holes(self, rows: Ints) -> str:
+        # connected rims of open edges with their middle and size, the largest first
+        n = self.vertices.shape[0]
+        rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
+        rim = rim_of_vertex[self.lo[rows]]
+        found = []
+        for label in np.unique(rim):
+            members = rows[rim == label]
+            points = self.vertices[np.unique([self.lo[members], self.hi[members]])]
+            size = float(np.linalg.norm(np.ptp(points, axis=0)))
+            found.append((size, len(members), points.mean(axis=0)))
+        found.sort(key=lambda hole: -hole[0])
+        told = [
+            f"around {point_text(middle)}, {size:.4g} mm across, {n_edge} edges"
+            for size, n_edge, middle in found[:EXAMPLES_SHOWN]
+        ]
+        holes = "a hole" if len(found) == 1 else f"{len(found)} holes"
+        return f"{holes} {'; '.join(told)}" + ("; ..." if len(found) > EXAMPLES_SHOWN else "")
+
+    def _segments(self, rows: Ints) -> str:
+        return self._pairs(np.column_stack([self.lo[rows], self.hi[rows]]))
+
+    def _pairs(self, segments: Ints) -> str:
+        places = [
+            f"{point_text(self.vertices[i])} to {point_text(self.vertices[j])}"
+            if i >= 0 and j >= 0
+            else "with a vertex that no triangle uses"
+            for i, j in segments[:EXAMPLES_SHOWN]
+        ]
+        return "; ".join(places) + ("; ..." if len(segments) > EXAMPLES_SHOWN else "")
+
+    def _at(self, points: Floats) -> str:
+        places = [point_text(point) for point in points[:EXAMPLES_SHOWN]]
+        return "; ".join(places) + ("; ..." if len(points) > EXAMPLES_SHOWN else "")
+
+
+def merge_vertices(
+    vertices: Floats, triangles: Ints, edges: Ints | None, tolerance: float | None = None
+) -> tuple[Floats, Ints, Ints | None]:
+    """Return vertices, triangles and edges with one id for vertices that coincide.
+
+    The first of them stays, unused ones go (id -1 in edges).
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n_vertex, 3)
+    triangles, edges : ndarray of int, shape (n, 3) and (n, 2)
+    tolerance : float, optional
+        By default :data:`MERGE_TOLERANCE` of the diagonal.
+    """
+    if tolerance is None:
+        tolerance = MERGE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    pairs = scipy.spatial.cKDTree(vertices).query_pairs(tolerance, output_type="ndarray")
+    place = by_first_appearance(connected_parts(pairs[:, 0], pairs[:, 1], vertices.shape[0]))
+    _, first = np.unique(place, return_index=True)
+    used = np.zeros(first.size, dtype=bool)
+    used[place[triangles]] = True
+    new_id = np.where(used, np.cumsum(used) - 1, -1)
+    merged = np.ascontiguousarray(vertices[first][used])
+    return merged, new_id[place[triangles]], None if edges is None else new_id[place[edges]]
+
+
+def normals_and_heights(vertices: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+    """Return unit normals, zero where degenerate, and least heights over longest edges."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    doubled = np.cross(b - a, c - a)
+    area = np.linalg.norm(doubled, axis=1)
+    longest = np.sqrt(
+        np.maximum.reduce([((q - p) ** 2).sum(1) for p, q in ((a, b), (b, c), (c, a))])
+    )
+    safe = longest > 0.0
+    height = np.zeros(area.size)
+    height[safe] = area[safe] / longest[safe] ** 2
+    normals = np.zeros_like(doubled)
+    normals[area > 0.0] = doubled[area > 0.0] / area[area > 0.0, None]
+    return normals, height
+
+
+def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
+    """Return six times the signed volume between each triangle and the mean vertex."""
+    a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
+    volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return volumes
+
+
+def unit_rows(rows: Floats) -> Floats:
+    """Return the rows scaled to length 1."""
+    unit: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]
+    return unit
+
+
+def _next_corner(half_edges: Ints) -> Ints:
+    corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
+    return corners
+
+
+def counted(ids: Ints, singular: str, plural: str | None = None) -> str:
+    """Return how many things there are, with their name."""
+    return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"
+
+
+def point_text(point: Floats) -> str:
+    """Return coordinates as a message shows them."""
+    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"

@@ -1,0 +1,149 @@
+"""Surfaces of other programs put in order, as far as that is without a choice.
+
+Coinciding vertices become one; triangles without an area and repeated ones go; all triangles of a
+connected part are turned to run one way, and the part outside out. Holes are left: what should be
+there only the user knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.consistent_winding import common_winding
+
+from .surface import (
+    DEGENERATE_HEIGHT,
+    Surface,
+    counted,
+    merge_vertices,
+    normals_and_heights,
+    point_text,
+)
+
+_MOST_SWAPS = 50  # rounds of flattened triangles; each leaves fewer, more mean a tangle
+
+
+@dataclass
+class Repaired:
+    """A surface and what was done to it."""
+
+    vertices: Floats
+    triangles: Ints
+    notes: list[str] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+    """Why it cannot be put in order."""
+
+
+def repaired(vertices: Floats, triangles: Ints, *, tolerance: float | None = None) -> Repaired:
+    """Return the surface in order.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n_vertex, 3), [mm]
+    triangles : ndarray of int, shape (n_triangle, 3)
+    tolerance : float, optional, [mm]
+        Vertices nearer than this become one; by default the round-off of single precision.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> inside_out = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> done = repaired(corners, inside_out)
+    >>> done.notes, done.triangles[0].tolist()
+    (['1 of 1 bodies was inside out and is turned'], [2, 1, 0])
+    """
+    merged, ids, _ = merge_vertices(vertices, triangles, None, tolerance)
+    done = Repaired(merged, ids)
+    _remove_flat(done)
+    _remove_repeated(done)
+    if len(done.triangles):
+        _turn(done)
+    return done
+
+
+def _remove_flat(done: Repaired) -> None:
+    # A triangle with two corners in one place goes: its neighbours meet where it was. One with a
+    # corner on its longest side is swapped with the neighbour there, which gives both an area.
+    n = len(done.triangles)
+    collapsed = (done.triangles == np.roll(done.triangles, 1, axis=1)).any(axis=1)
+    done.triangles = done.triangles[~collapsed]
+    for _ in range(_MOST_SWAPS):
+        _, height = normals_and_heights(done.vertices, done.triangles)
+        flat = height < DEGENERATE_HEIGHT
+        if not flat.any() or not _swap(done, flat):
+            break
+    if gone := n - len(done.triangles):
+        done.notes.append(f"{gone} triangles without an area are removed")
+
+
+def _swap(done: Repaired, flat: Bools) -> bool:
+    # the flat triangle (a, b, c) with c on the side a b, and its neighbour (b, a, d) across that
+    # side, become (b, c, d) and (c, a, d) when the neighbour has an area; one flat triangle of two
+    # that are each other's neighbour across the longest side goes with it
+    rows: list[list[int]] = done.triangles.tolist()
+    beside: dict[tuple[int, int], int] = {}
+    for t, (i, j, k) in enumerate(rows):
+        beside |= {(i, j): t, (j, k): t, (k, i): t}
+    touched: set[int] = set()
+    removed: set[int] = set()
+    for t in np.flatnonzero(flat).tolist():
+        a, b, c = _longest_side_first(done.vertices, rows[t])
+        other = beside.get((b, a))
+        if other is None or {t, other} & touched:
+            continue
+        d = next(v for v in rows[other] if v not in (a, b)) if other != t else c
+        touched |= {t, other}
+        if d == c:  # two copies of one flat triangle, back to back
+            removed |= {t, other}
+            continue
+        rows[t], rows[other] = [b, c, d], [c, a, d]
+        # what lay across the other sides is found anew in the next round
+        touched |= {beside[side] for side in ((c, b), (a, c)) if side in beside}
+    done.triangles = np.array(
+        [row for t, row in enumerate(rows) if t not in removed], dtype=np.int64
+    ).reshape(-1, 3)
+    return bool(touched)
+
+
+def _longest_side_first(vertices: Floats, row: list[int]) -> tuple[int, int, int]:
+    points = vertices[row]
+    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    k = int(np.argmax(lengths))
+    return row[k], row[(k + 1) % 3], row[(k + 2) % 3]
+
+
+def _remove_repeated(done: Repaired) -> None:
+    # the same three corners in the same sense; in opposite senses they are a fin, left to be told
+    first = np.argmin(done.triangles, axis=1)
+    order = (first[:, None] + np.arange(3)) % 3
+    turned = np.take_along_axis(done.triangles, order, axis=1)
+    _, kept = np.unique(turned, axis=0, return_index=True)
+    if gone := len(turned) - len(kept):
+        done.triangles = done.triangles[np.sort(kept)]
+        done.notes.append(f"{gone} triangles that stood twice are kept once")
+
+
+def _turn(done: Repaired) -> None:
+    winding = common_winding(done.triangles, len(done.vertices))
+    if len(winding.one_sided):
+        at = done.vertices[done.triangles[winding.one_sided]].mean(axis=(0, 1))
+        done.problems.append(
+            f"{counted(winding.one_sided, 'triangle')} around {point_text(at)} form a surface with "
+            "one side only, as a Möbius strip: it has no inside"
+        )
+        return
+    done.triangles[winding.turned] = done.triangles[winding.turned][:, ::-1]
+    if n := int(winding.turned.sum()):
+        done.notes.append(f"{n} triangles ran against their neighbours and are turned")
+    surface = Surface(done.vertices, done.triangles)
+    open_bodies = np.unique(surface.body[surface.forward[surface.uses != 2]])
+    inverted = surface.body_volumes() < 0.0
+    inverted[open_bodies] = False  # the volume of an open surface says nothing
+    if n := int(inverted.sum()):
+        back = inverted[surface.body]
+        done.triangles[back] = done.triangles[back][:, ::-1]
+        were = "was inside out and is" if n == 1 else "were inside out and are"
+        done.notes.append(f"{n} of {len(inverted)} bodies {were} turned")

@@ -1,0 +1,174 @@
+"""A tool from a surface file of a CAD program: :func:`read_tool`.
+
+What was assumed, turned or removed is logged as a warning of the logger ``shellcut.tool_file``,
+which Python shows unless told otherwise.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.formats.errors import FileError
+from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.obj import read_obj
+from shellcut.formats.ply import read_ply
+from shellcut.formats.stl import read_stl
+from shellcut.formats.surface_file import SurfaceFile
+
+from .surface import point_text
+from .surface_repair import repaired
+from .tool import Tool, ToolError
+
+_log = logging.getLogger("shellcut.tool_file")
+
+READERS: dict[str, Callable[[str | Path], SurfaceFile]] = {
+    ".stl": read_stl,
+    ".obj": read_obj,
+    ".ply": read_ply,
+}
+"""The reader of each file name's end."""
+
+_FARTHEST = 1e5
+"""A vertex so many times farther from the middle than most is an error of the file."""
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def read_tool(
+    path: str | Path,
+    *,
+    unit: str | float | None = None,
+    axis: str | Sequence[float] = "z",
+    shift: Sequence[float] = (0.0, 0.0, 0.0),
+    sharp_angle_deg: float = 100.0,
+    flank_angle_deg: float = 40.0,
+    not_cutting: Collection[int] = (),
+    merge: float | None = None,
+    name: str | None = None,
+) -> Tool:
+    """Read a tool: STL, OBJ or PLY.
+
+    Parameters
+    ----------
+    path : str or Path
+        The format goes by the end of the name.
+    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
+        Unit of the file's coordinates, or its length in mm. By default guessed from the size
+        where that is safe, and said.
+    axis : {"x", "y", "z", "-x", "-y", "-z"} or sequence of 3 floats
+        Direction in the file that becomes z, the normal of the film in the package's models; the
+        tool is turned the shortest way.
+    shift : sequence of 3 floats, [mm]
+        By which the tool is moved after that.
+    sharp_angle_deg : float, [deg]
+        Least exterior angle of an edge that cuts: 180 minus the angle of the wedge. Between 90 (the
+        rims of a machined block) and 120 the teeth of a cap are found alone.
+    flank_angle_deg : float, [deg]
+        See :meth:`Tool.from_triangles`.
+    not_cutting : collection of int
+        Chains found by angle that do not cut, by the numbers of :meth:`Tool.chains` without them.
+    merge : float, optional, [mm]
+        Vertices nearer than this are one; by default 1e-7 of the tool's diagonal.
+    name : str, optional
+        The file's name by default.
+
+    Returns
+    -------
+    Tool
+
+    Raises
+    ------
+    FileError
+        For a file that cannot be read.
+    ToolError
+        For a surface with holes (told with place and size), without inside, without a sharp edge.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from shellcut.tool.shapes import tooth_ring
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "cap.stl"
+    >>> tooth_ring().write(path)
+    >>> tool = read_tool(path, unit="mm")
+    >>> tool.n_body, [round(chain.length, 3) for chain in tool.chains()]
+    (4, [5.773, 5.773, 5.773, 5.773])
+    """
+    path = Path(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
+    move = np.asarray(shift, dtype=np.float64)
+    if move.shape != (3,) or not np.isfinite(move).all():
+        raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
+    turn = _turn_to_z(axis)
+    file = reader(path)
+    _check_coordinates(file)
+    try:
+        factor, note = unit_in_mm(unit, float(np.ptp(file.vertices, axis=0).max()), "the tool")
+    except ValueError as problem:
+        raise FileError(path, str(problem)) from None
+    done = repaired((factor * file.vertices) @ turn.T + move, file.triangles, tolerance=merge)
+    for said in [*file.notes, *([note] if note else []), *done.notes]:
+        _log.warning("%s: %s", path, said)
+    try:
+        if done.problems:
+            raise ToolError(done.problems)
+        tool = Tool.from_triangles(
+            done.vertices,
+            done.triangles,
+            sharp_angle_deg=sharp_angle_deg,
+            flank_angle_deg=flank_angle_deg,
+            name=path.name if name is None else name,
+        )
+        if not_cutting:
+            tool = tool.without_cutting(*not_cutting)
+    except ToolError as refusal:
+        raise ToolError(list(refusal.problems), what=f"surface in {path}") from None
+    chains = tool.chains()
+    _log.warning(
+        "%s: %d cutting edges by their angle, %.4g mm in all, of %d bodies; not_cutting=[...] "
+        "leaves out those of:\n%s",
+        path,
+        len(chains),
+        sum(chain.length for chain in chains),
+        tool.n_body,
+        "\n".join(f"  {chain}" for chain in chains),
+    )
+    return tool
+
+
+def _check_coordinates(file: SurfaceFile) -> None:
+    if not np.isfinite(file.vertices).all():
+        raise FileError(file.path, "coordinates must be finite numbers")
+    away = np.abs(file.vertices - np.median(file.vertices, axis=0)).max(axis=1)
+    if away.max() > _FARTHEST * np.median(away):
+        k = int(np.argmax(away))
+        raise FileError(
+            file.path,
+            f"vertices must lie together, got vertex {k} at {point_text(file.vertices[k])}, "
+            f"{away[k] / np.median(away):.2g} times as far off as most; is the file damaged?",
+        )
+
+
+def _turn_to_z(axis: str | Sequence[float]) -> Floats:
+    # the shortest rotation, (3, 3): exact zeros and ones for the axes by name
+    if isinstance(axis, str):
+        sign = -1.0 if axis.startswith("-") else 1.0
+        if axis.lstrip("+-") not in _AXES:
+            raise ValueError(f"axis must be x, y, z, -x, -y, -z or a direction, got {axis!r}")
+        direction = sign * np.array(_AXES[axis.lstrip("+-")])
+    else:
+        direction = np.asarray(axis, dtype=np.float64)
+        if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
+            raise ValueError(f"axis must be a direction of three numbers, got {axis!r}")
+        direction = direction / np.linalg.norm(direction)
+    x, y, cosine = direction.tolist()
+    if cosine < -1.0 + 1e-12:  # the opposite: half a turn about x
+        return np.diag([1.0, -1.0, -1.0])
+    w = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])  # of direction x z
+    return np.asarray(np.eye(3) + w + w @ w / (1.0 + cosine))
