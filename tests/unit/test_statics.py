@@ -137,6 +137,51 @@ def test_an_equilibrium_knows_its_reactions_energy_and_residual():
     assert end.energy == pytest.approx(work, rel=2e-3)
 
 
+def test_stresses_of_a_solution_stay_when_the_film_moves_on():
+    strip = cantilever(4, SHEAR, poisson=0.3, n_y=2)
+    answer = strip.linear()
+    before = answer.stress(place="top")
+    strip.load_steps([1.0])
+    assert (answer.stress(place="top") == before).all()
+
+
+@pytest.mark.parametrize(
+    ("quads", "message"),
+    [
+        ([8], "quad ids from 0 to 7, got 8"),
+        ([0, -1], "quad ids from 0 to 7, got -1"),
+        ([True] * 8, r"got an array of shape \(8,\) and type bool; of a mask take np.flatnonzero"),
+        ([0.5], r"got an array of shape \(1,\) and type float64"),
+        (0, r"got an array of shape \(\)"),
+    ],
+)
+def test_stresses_of_no_quads_are_refused(quads, message):
+    strip = cantilever(4, SHEAR, n_y=2)
+    answer = strip.linear()
+    for stress in (strip.stress, answer.stress):
+        with pytest.raises(ValueError, match=message):
+            stress(quads)
+        assert stress([]).shape == (0, 3, 3)
+
+
+def test_rubber():
+    # Plane stress knows no pressure that incompressible films would leave open: nu = 0.5 is as any.
+    strip = cantilever(4, EdgeTraction("right", (5.0, 0.0, 0.0)), poisson=0.5, n_y=2)
+    clamped = strip.linear()
+    free = Statics(
+        strip.mesh,
+        strip.shell.material,
+        supports=[Support("left", "x", "xyz"), Support([strip.mesh.node_set("left")[0]], "yz", "")],
+        loads=[EdgeTraction("right", (5.0, 0.0, 0.0))],
+    ).linear()
+    stretch = 5.0 / (YOUNG * THICKNESS)
+    ends = strip.mesh.node_set("right")
+    np.testing.assert_allclose(free.displacement[ends, 0], stretch * LENGTH, rtol=1e-9)
+    width = np.ptp(free.displacement[ends, 1])
+    assert width == pytest.approx(0.5 * stretch * WIDTH, rel=1e-9)
+    assert clamped.displacement[ends, 0].max() < stretch * LENGTH
+
+
 # --- load steps ----------------------------------------------------------------------------------
 
 
@@ -173,6 +218,14 @@ def test_steps_are_halved(monkeypatch):
     (halved,) = cantilever(8, SHEAR).load_steps([1.0])
     assert halved.n_iteration > expected.n_iteration
     np.testing.assert_allclose(halved.displacement, expected.displacement, atol=1e-6)
+
+
+@pytest.mark.parametrize("factors", [[float("nan")], [0.5, np.inf], ["all"], 1.0])
+def test_load_factors_must_be_numbers(factors):
+    strip = cantilever(2, SHEAR)
+    with pytest.raises(ValueError, match="factors must be a list of finite numbers, got"):
+        strip.load_steps(factors)
+    assert (strip.state.node.x == strip.state.node.X).all()
 
 
 def test_no_convergence_names_the_last_equilibrium_and_puts_it_back(monkeypatch):
@@ -288,7 +341,7 @@ def shallow_roof():
     return roof, top
 
 
-@pytest.mark.parametrize("first", [0.05, 0.4])
+@pytest.mark.parametrize("first", [0.05, 0.4, 1.0, 5.0])
 def test_a_snap_is_not_passed_in_one_leap(first):
     # The load falls to -0.1245 of the full one while the centre goes back by 2 mm.
     roof, top = shallow_roof()
@@ -302,6 +355,8 @@ def test_a_snap_is_not_passed_in_one_leap(first):
     size = np.linalg.norm(increments, axis=1)
     turn = (increments[1:] * increments[:-1]).sum(axis=1) / (size[1:] * size[:-1])
     assert turn.min() > np.cos(np.radians(30.0))
+    # Nor in the first: before it the load has its maximum.
+    assert factor[: factor.argmin()].max() == pytest.approx(0.206, abs=0.01)
 
 
 def test_arc_length_is_bounded():
@@ -315,8 +370,34 @@ def test_arc_length_is_bounded():
         # Along the way; across it a step may be a little longer.
         assert size.max() < 1.1 * longest * size[0]
     assert len(paths[0]) > 2 * len(paths[1])
-    with pytest.raises(ValueError, match=r"first must be .* 0, got 0; longest must be"):
-        cantilever(8, SHEAR).arc_length(0, until=lambda e: True, longest=0.5)
+
+
+def test_an_arc_that_cannot_be_begun_is_refused():
+    strip = cantilever(8, SHEAR)
+    wrong = {"longest": 0.5, "n_wanted": 0, "most_steps": 2.5}
+    with pytest.raises(
+        ValueError,
+        match=r"first must be .* 0, got 0; longest must be .* 1, got 0\.5; n_wanted must be a "
+        r"whole number of at least 1, got 0; most_steps must be a whole .* 1, got 2\.5",
+    ):
+        strip.arc_length(0, until=lambda e: True, **wrong)
+    for first in (np.nan, "some"):
+        with pytest.raises(ValueError, match=f"first must be a number other than 0, got .*{first}"):
+            strip.arc_length(first, until=lambda e: True)
+    for idle in (cantilever(8), cantilever(8, EdgeTraction("left", (0.0, 0.0, 4.0)))):
+        with pytest.raises(ValueError, match="a load that acts where the film is free to move"):
+            idle.arc_length(0.1, until=lambda e: True)
+
+
+def test_an_arc_begins_at_an_equilibrium():
+    # A moved film is at rest nowhere: the first increment is not the way back to rest.
+    strip, still = cantilever(8, SHEAR), cantilever(8, SHEAR)
+    moved = np.zeros((strip.mesh.n_node, 3))
+    moved[:, 2] = 1e-3 * strip.mesh.nodes[:, 0] ** 2
+    strip.move(moved)
+    paths = [s.arc_length(0.05, until=lambda e: e.factor > 0.1) for s in (strip, still)]
+    for one, two in zip(*paths, strict=True):
+        np.testing.assert_allclose(one.displacement, two.displacement, atol=1e-6)
 
 
 # --- vibrations ----------------------------------------------------------------------------------
@@ -377,8 +458,24 @@ def test_what_statics_cannot_do_is_refused():
     moving = Support("right", velocity={"x": lambda time: 1.0}, spin={"y": lambda time: 1.0})
     with pytest.raises(ValueError, match=r"velocity of the support of 'right' .*; spin of .*move"):
         Statics(mesh, film, supports=[Support.clamped("left"), moving])
-    with pytest.raises(ValueError, match="nothing is left to move"):
-        Statics(mesh, film, supports=[Support.clamped(range(6))]).linear()
+    full = Statics(mesh, film, supports=[Support.clamped(range(6))])
+    for ask in (
+        full.linear,
+        full.largest_frequency,
+        lambda: full.modes(1),
+        lambda: full.load_steps([1.0]),
+        lambda: full.arc_length(0.1, until=lambda e: True),
+    ):
+        with pytest.raises(ValueError, match="nothing is left to move"):
+            ask()
+
+
+def test_a_single_freedom_has_a_frequency():
+    mesh, film = rectangle(2.0, 1.0, n_x=2, n_y=1), ShellMaterial.homogeneous()
+    held = [Support.clamped(range(1, 6)), Support([0], "xy", "xyz")]
+    one = Statics(mesh, film, supports=held)
+    lowest = 2.0 * np.pi * one.modes(1, true_inertia=False).frequency[0]
+    assert one.largest_frequency() == pytest.approx(lowest, rel=1e-9)
 
 
 def test_a_moved_rim_stretches_the_film():

@@ -35,11 +35,13 @@ _MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; below it 
 _MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
 _DIRECTOR_LENGTH = 1e-6  # | |T| - 1 | let through, then scaled to one: text files carry 7 digits
 # Thickness is measured along the director: a film all of whose directors lean by 5° is 0.4 % too
-# thin and up to 1.2 % too soft, by 10° four times that. The mean over a quad of exact normals is
-# its own normal, and a single node that leans by 45° costs 2 %; mean normals at a rim lean by part
-# of the fold between their quads.
+# thin and up to 1.2 % too soft, by 10° four times that, and so it is where they lean to all sides
+# by turns. The mean over a quad of exact normals is its own normal; mean normals lean off them by
+# part of the fold between quads, at the rim by half of it, and across a strip one quad wide there
+# is no fold to tell how curved it is.
 _QUAD_LEAN_DEG = 5.0
-_NODE_LEAN_DEG = 45.0
+_NODE_LEAN_DEG = 10.0
+_RIM_LEAN_DEG = 45.0
 _LEAN_OF_FOLD = 0.75
 
 
@@ -89,7 +91,7 @@ def checked_arrays(
         given = mean_directors(X, Q)
         _check_directors(X, Q, given, sound, problems)
     elif given is not None and not problems:
-        _check_lean(X, Q, edges, given, max_fold_deg, problems)
+        _check_lean(X, Q, edges, given, problems)
     if given is None or problems:
         raise error(problems)
     T = unit(given)
@@ -380,9 +382,7 @@ def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: 
         )
 
 
-def _check_lean(
-    X: Floats, Q: Ints, edges: QuadSides, given: Floats, max_fold_deg: float, problems: list[str]
-) -> None:
+def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: list[str]) -> None:
     normals = quad_vectors(X, Q)
     one, two, _ = edges.neighbours()
     fold = np.zeros(len(Q))
@@ -399,10 +399,14 @@ def _check_lean(
             "them out for the mean normals"
         )
     lean = angles_deg(given, mean_directors(X, Q))
-    most = max(_NODE_LEAN_DEG, _LEAN_OF_FOLD * max_fold_deg)
-    if len(bad := np.flatnonzero(lean > most)):
+    limit = np.full(len(X), _NODE_LEAN_DEG)
+    limit[edges.nodes[edges.n_quad == 1]] = _RIM_LEAN_DEG
+    sharpest = np.zeros(len(X))
+    np.maximum.at(sharpest, Q, fold[:, None])
+    if len(bad := np.flatnonzero(lean > limit + _LEAN_OF_FOLD * sharpest)):
         problems.append(
-            f"directors must lie within {most:g} degrees of the mean normal of their quads, got "
+            f"directors must lie within {_NODE_LEAN_DEG:g} degrees of the mean normal of their "
+            f"quads, at the rim within {_RIM_LEAN_DEG:g}, where the film is flat, got "
             f"{_places(bad, X)} that lean by {some(lean[bad], '{:.3g}'.format)} degrees; give "
             "normals of the surface, or leave them out for the mean normals"
         )

@@ -121,9 +121,9 @@ class Mesh:
             Named ids, no id twice in a set.
         directors : array_like, shape (n_node, 3), optional
             Unit directors on the side of the normals; scaled to exact unit length. By default the
-            area-weighted mean of the corner normals at each node. The mean of a quad's four must
-            lie within 5° of its normal, more only where it makes folds with its neighbours, and
-            each within 45° of the default: thickness is measured along the director.
+            area-weighted mean of the corner normals at each node. Each must lie within 10° of the
+            default, 45° at the rim, and the mean of a quad's four within 5° of its normal, more
+            only where quads make folds: thickness is measured along the director.
         origin : array_like of int, shape (n_node,), optional
             For a mesh that was cut before: the node each node was duplicated from.
         max_fold_deg : float

@@ -97,9 +97,10 @@ class CentreStress:
         """
         if place not in self._law:
             raise ValueError(f"place must be one of {sorted(self._law)}, got {place!r}")
+        which = _checked(which, len(quads))
         sigma = np.empty((len(which), 3, 3))
         _cauchy(
-            which=np.asarray(which, np.int64),
+            which=which,
             X=self._mesh.nodes,
             T=self._mesh.directors,
             reference_quads=self._mesh.quads,
@@ -133,6 +134,7 @@ class CentreStress:
         places = ("mid", "top", "bottom")
         if place not in places:
             raise ValueError(f"place must be one of {list(places)}, got {place!r}")
+        which = _checked(which, len(quads))
         corners = self._mesh.quads[which]
 
         def tangents(x: Floats, t: Floats, corners: Ints) -> Floats:
@@ -190,6 +192,19 @@ class CentreStress:
             thickness=stresses.thickness,
         )
         return stresses
+
+
+def _checked(which: Ints, n_quad: int) -> Ints:
+    """Return ids of quads; the kernels would read beyond their arrays."""
+    ids = np.asarray(which)
+    wanted = f"quads must be a list of quad ids from 0 to {n_quad - 1}, got "
+    if ids.ndim != 1 or (ids.size and not np.issubdtype(ids.dtype, np.integer)):
+        mask = "; of a mask take np.flatnonzero" if ids.dtype == np.bool_ else ""
+        raise ValueError(f"{wanted}an array of shape {ids.shape} and type {ids.dtype}{mask}")
+    outside = ids[(ids < 0) | (ids >= n_quad)]
+    if outside.size:
+        raise ValueError(f"{wanted}{', '.join(map(str, outside[:5].tolist()))}")
+    return ids.astype(np.int64)
 
 
 @inline

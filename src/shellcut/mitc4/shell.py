@@ -281,18 +281,27 @@ class MITC4Shell:
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
     def linear_stress(
-        self, state: State, displacement: Floats, rotation: Floats, quads: Ints, place: str
+        self,
+        x: Floats,
+        t: Floats,
+        quads: Ints,
+        displacement: Floats,
+        rotation: Floats,
+        which: Ints,
+        place: str,
     ) -> Floats:
         """Return the Cauchy stress at the centre of some quads after a small motion [MPa].
 
         Parameters
         ----------
-        state : State
-            Positions before it.
+        x, t : ndarray, shape (n_node, 3)
+            Positions [mm] and directors before it.
+        quads : ndarray of int, shape (n_quad, 4)
+            Present node ids.
         displacement, rotation : ndarray, shape (n_node, 3)
             The motion of the nodes [mm], and the spin vectors of the directors [rad].
-        quads : ndarray of int, shape (n,)
-            Which quads.
+        which : ndarray of int, shape (n,)
+            The quads asked for.
         place : {"mid", "top", "bottom"}
             Height at which it is taken.
 
@@ -301,11 +310,8 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
-        node, n = state.node, state.n_node
-        turn = np.cross(rotation, node.t[:n])
-        return self._centre_stress.linear(
-            node.x, node.t, displacement, turn, state.quads, quads, place
-        )
+        turn = np.cross(rotation, t)
+        return self._centre_stress.linear(x, t, displacement, turn, quads, which, place)
 
     def face_stresses(self, state: State) -> FaceStresses:
         """Return stresses of the membrane and at both faces, and the thickness, of all quads."""

@@ -23,8 +23,8 @@ part of the strain change that is not linear in du added to the reference produc
 by those of its first step v, keep v · Δq = Δl |v|; the load factor follows. The direction is the
 one that goes on from the last increment, so a limit point is passed as any other. Steps grow with
 the ease of the iteration, but only up to a bound, and not round a bend: where an increment turns
-from the last one by more than 30° it is taken again by halves, so that the path is not left for
-another branch, nor a snap passed in one leap.
+from the last one, or the first one from the tangent, by more than 30° it is taken again by halves,
+so that the path is not left for another branch, nor a snap passed in one leap.
 
 A step that does not converge is taken again by halves, from the last equilibrium.
 
@@ -119,6 +119,7 @@ class LoadPath:
         longest: float,
     ) -> list[Equilibrium]:
         """As :meth:`shellcut.Statics.arc_length`."""
+        self._begin_arc()
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
@@ -133,6 +134,8 @@ class LoadPath:
     def begin(self) -> None:
         """Start from the present state, which others may have moved, and its own stresses."""
         self.freedoms.update()
+        if not self.freedoms.free.size:
+            raise ValueError("nothing is left to move: supports hold every node and director")
         self._bent = None
 
     def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
@@ -195,6 +198,15 @@ class LoadPath:
             f"residual {self._residual:.3g} N"
         )
 
+    def _begin_arc(self) -> None:
+        """Go to the equilibrium at the present load factor: increments are of the path alone."""
+        self.begin()
+        load, _, small = self.forces(self.factor)
+        if not load[self.freedoms.free].any():
+            raise ValueError("arc length needs a load that acts where the film is free to move")
+        if not small:
+            self._newton(self.factor)
+
     def _arc_step_by_halves(
         self, first: float, length: float, last: Floats | None
     ) -> tuple[Floats, int, float]:
@@ -203,22 +215,27 @@ class LoadPath:
         before = self.factor, self._force_before
         for attempt in range(_MOST_HALVINGS):
             try:
-                increment, used, taken = self._arc_step(first, length, last)
+                increment, way, used, taken = self._arc_step(first, length, last)
             except NoConvergence:
                 pass
             else:
-                if attempt >= _MOST_TURN_HALVINGS or not _turns_off(last, increment):
+                # The first one is measured by the direction in which the path begins.
+                turns_off = _turns_off(way if last is None else last, increment)
+                if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
                 length = taken
                 self.factor, self._force_before = before
             self._put_back(start)
             length, first = 0.5 * length, 0.5 * first
-        raise NoConvergence(f"the path could not be followed past load factor {self.factor:.6g}")
+        smaller = "; begin with a smaller first step" if last is None else ""
+        raise NoConvergence(
+            f"the path could not be followed past load factor {self.factor:.6g}{smaller}"
+        )
 
     def _arc_step(
         self, first: float, length: float, last: Floats | None
-    ) -> tuple[Floats, int, float]:
-        """Take one step; return the translations of the increment, iterations, arc length."""
+    ) -> tuple[Floats, Floats, int, float]:
+        """Take one step; return translations of increment and tangent, iterations, arc length."""
         self.begin()
         factor = self.factor
         total = way = moved = np.zeros(3 * self.state.n_node)
@@ -226,7 +243,7 @@ class LoadPath:
             load, residual, small = self.forces(factor)
             if iteration and (small or self._at_round_off(moved, total)):
                 self.factor, self._force_before = factor, self._force
-                return total, iteration, length
+                return total, way, iteration, length
             correction, tangent = self._solve(residual, load)
             # Only translations measure the way: turns change their basis with the directors.
             forward = _translations(tangent)
@@ -271,9 +288,7 @@ def _translations(u: Floats) -> Floats:
     return np.asarray(u.reshape(-1, 5)[:, :3].ravel())
 
 
-def _turns_off(last: Floats | None, increment: Floats) -> bool:
+def _turns_off(last: Floats, increment: Floats) -> bool:
     """Whether an increment goes another way than the last one."""
-    if last is None:
-        return False
     size = float(np.linalg.norm(last) * np.linalg.norm(increment))
     return float(last @ increment) < _SHARPEST_TURN * size

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+
+
+class Film(NamedTuple):
+    """A film where it was when a solution was taken."""
+
+    x: Floats
+    """Positions [mm], shape (n_node, 3)."""
+    t: Floats
+    """Directors, shape (n_node, 3)."""
+    quads: Ints
+    """Node ids, shape (n_quad, 4)."""
+    shell: MITC4Shell
 
 
 @dataclass(frozen=True)
@@ -64,8 +76,7 @@ class LinearSolution:
     residual: float
     condition: float
     error: float
-    _shell: MITC4Shell = field(repr=False)
-    _state: State = field(repr=False)
+    _film: Film = field(repr=False)
 
     def __iter__(self) -> Iterator[Floats]:
         return iter((self.displacement, self.rotation))
@@ -79,7 +90,7 @@ class LinearSolution:
     def stress(self, quads: Ints | None = None, *, place: str = "mid") -> Floats:
         """Return the Cauchy stress tensors at the centres of quads [MPa], shape (n, 3, 3).
 
-        That of the state the solution was taken about, which must not have moved since, and its
+        That of the state the solution was taken about, wherever the film has gone since, and its
         linear change.
 
         Parameters
@@ -88,10 +99,16 @@ class LinearSolution:
             Which quads, all by default.
         place : {"mid", "top", "bottom"}
             Height at which it is taken.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quad or place.
         """
-        which = np.arange(self._state.quads.shape[0]) if quads is None else np.asarray(quads)
-        return self._shell.linear_stress(
-            self._state, self.displacement, self.rotation, which, place
+        film = self._film
+        which = np.arange(len(film.quads)) if quads is None else np.asarray(quads)
+        return film.shell.linear_stress(
+            film.x, film.t, film.quads, self.displacement, self.rotation, which, place
         )
 
 

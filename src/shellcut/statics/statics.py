@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from shellcut.mitc4.shell import MITC4Shell
 
 from .freedoms import Freedoms, turn_directors
 from .load_path import LoadPath
-from .static_results import Equilibrium, LinearSolution, Modes
+from .static_results import Equilibrium, Film, LinearSolution, Modes
 from .tangent_solver import NoConvergence, TangentSolver
 from .vibration import largest_eigenvalue, lowest_modes
 
@@ -136,8 +137,6 @@ class Statics:
         self._path.begin()
         load, _, _ = self._path.forces(1.0)
         freedoms, free = self._freedoms, self._freedoms.free
-        if not free.size:
-            raise ValueError("nothing is left to move: supports hold every node and director")
         solver = TangentSolver(self.state, freedoms, self.shell)
         u = freedoms.fill(solver.solve(load[free]))
         solver.check(solver.error)
@@ -152,8 +151,7 @@ class Statics:
             residual=float(missed / largest) if largest > 0.0 else 0.0,
             condition=solver.condition,
             error=solver.error,
-            _shell=self.shell,
-            _state=self.state,
+            _film=self._film(),
         )
 
     def stress(self, quads: Ints | None = None, *, place: str = "mid") -> Floats:
@@ -166,7 +164,7 @@ class Statics:
         place : {"mid", "top", "bottom", "nominal"}
             As of :meth:`shellcut.mitc4.shell.MITC4Shell.stress`.
         """
-        which = np.arange(self.mesh.n_quad) if quads is None else np.asarray(quads)
+        which = np.arange(self.mesh.n_quad) if quads is None else quads
         return self.shell.stress(self.state, which, place=place)
 
     def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
@@ -176,10 +174,12 @@ class Statics:
 
         Raises
         ------
+        ValueError
+            If a factor is no finite number.
         NoConvergence
             If a load factor is not reached: use :meth:`arc_length`.
         """
-        return self._path.load_steps(factors)
+        return self._path.load_steps(_checked_factors(factors))
 
     def arc_length(
         self,
@@ -190,12 +190,15 @@ class Statics:
         most_steps: int = 200,
         longest: float = 5.0,
     ) -> list[Equilibrium]:
-        """Follow the load path by arc length, through limit points, from the present state.
+        """Follow the load path by arc length, through limit points.
+
+        It begins at the equilibrium at the present load factor.
 
         Parameters
         ----------
         first : float
-            Change of the load factor in the first step, which sets the arc length.
+            Change of the load factor in the first step, which sets the arc length; halved until
+            that step follows the path.
         until : callable
             Ends the path when true of an equilibrium.
         n_wanted : int
@@ -208,19 +211,12 @@ class Statics:
 
         Raises
         ------
+        ValueError
+            If an argument is out of its range, or no load acts where the film can move.
         NoConvergence
             If the path is lost.
         """
-        problems = [
-            f"{name} must be a number {what}, got {value!r}"
-            for name, what, value, right in (
-                ("first", "other than 0", first, first != 0 and math.isfinite(first)),
-                ("longest", "of at least 1", longest, longest >= 1),
-            )
-            if not right
-        ]
-        if problems:
-            raise ValueError("; ".join(problems))
+        _check_steps(first, n_wanted, most_steps, longest)
         return self._path.arc_length(first, until, n_wanted, most_steps, longest)
 
     def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
@@ -240,7 +236,7 @@ class Statics:
         """
         self._path.begin()
         freedoms, mass = self._freedoms, self._mass(true_inertia)
-        if not (isinstance(n, int | np.integer) and 1 <= n <= mass.size):
+        if not (_is_count(n) and n <= mass.size):
             raise ValueError(
                 f"n must be a whole number from 1 to {mass.size}, the freedoms that the supports "
                 f"leave, got {n!r}"
@@ -266,6 +262,10 @@ class Statics:
 
     # ------------------------------------------------------------------ parts
 
+    def _film(self) -> Film:
+        n, node, quads = self.mesh.n_node, self.state.node, self.state.quads
+        return Film(node.x[:n].copy(), node.t[:n].copy(), quads.copy(), self.shell)
+
     def _mass(self, true_inertia: bool) -> Floats:
         """Return the diagonal of the mass of the free freedoms."""
         n, node, freedoms = self.mesh.n_node, self.state.node, self._freedoms
@@ -273,6 +273,43 @@ class Statics:
         if true_inertia:
             inertia = node.mass[:n] * self.shell.material.thickness**2 / 12.0
         return freedoms.diagonal(node.mass[:n], inertia)[freedoms.free]
+
+
+def _checked_factors(factors: Sequence[float]) -> list[float]:
+    try:
+        values = [float(factor) for factor in factors]
+    except (TypeError, ValueError):
+        values = [math.nan]
+    if not all(map(math.isfinite, values)):
+        raise ValueError(f"factors must be a list of finite numbers, got {factors!r}")
+    return values
+
+
+def _check_steps(first: float, n_wanted: int, most_steps: int, longest: float) -> None:
+    problems = [
+        f"{name} must be a {kind}, got {value!r}"
+        for name, kind, value, right in (
+            ("first", "number other than 0", first, _is_finite(first) and first != 0),
+            ("longest", "number of at least 1", longest, _is_real(longest) and longest >= 1),
+            ("n_wanted", "whole number of at least 1", n_wanted, _is_count(n_wanted)),
+            ("most_steps", "whole number of at least 1", most_steps, _is_count(most_steps)),
+        )
+        if not right
+    ]
+    if problems:
+        raise ValueError("; ".join(problems))
+
+
+def _is_real(value: object) -> bool:
+    return isinstance(value, Real)
+
+
+def _is_finite(value: float) -> bool:
+    return _is_real(value) and math.isfinite(value)
+
+
+def _is_count(value: int) -> bool:
+    return isinstance(value, Integral) and value >= 1
 
 
 def _refuse_motion(supports: Sequence[Support]) -> None:

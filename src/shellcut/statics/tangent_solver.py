@@ -8,8 +8,10 @@ on 64 x 64 quads is off by several per cent, whoever solves it.
 The product of the tangent with a motion does know, for it goes through the strains
 (:mod:`shellcut.mitc4.tangent`). So the factors only lead the way. With M for them, A for the
 product and q for what they say, e = M⁻¹ (f - A q) is what q misses, as they see it; if it is not
-small beside q, GMRES solves M⁻¹ A q = M⁻¹ f. M⁻¹ A differs from one in the few softest motions
-only, and some ten products bring the hemisphere of R/h = 1e8 to seven digits.
+small beside q, GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one in the few
+softest motions only, and some ten products bring the hemisphere of R/h = 1e8 to seven digits. What
+GMRES believes to have solved drifts from what it has: e is taken anew, and what is still missing is
+solved for in the same way.
 
 *Scale.* Freedoms are scaled so that the diagonal of the stiffness is one: displacements in mm and
 turns in rad then compare, and so do the errors of both. Pivots are taken off the diagonal only
@@ -44,6 +46,7 @@ ACCURACY = 1e-9
 LARGEST_ERROR = 1e-4
 
 _MOST_PRODUCTS = 40
+_MOST_CORRECTIONS = 3
 _N_INVERSE = 3
 
 # Share of its column that a diagonal must have to be a pivot, where factors without led nowhere.
@@ -174,19 +177,22 @@ class TangentSolver:
     def _corrected(self, f: Floats, accuracy: float) -> Floats:
         """Return the answer to scaled forces, and keep what it misses."""
         solve = self._factor.solve
-        first = y = solve(f)
-        for corrected in (False, True):
+        led = scipy.sparse.linalg.LinearOperator(
+            self._matrix.shape, matvec=lambda y: solve(self._product(y)), dtype=float
+        )
+        y = solve(f)
+        for correction in range(_MOST_CORRECTIONS + 1):
+            e = np.asarray(solve(f - self._product(y)))
             size = float(np.linalg.norm(y))
-            missing = float(np.linalg.norm(solve(f - self._product(y))))
+            missing = float(np.linalg.norm(e))
             self.missing = missing / size if size > 0.0 else missing
-            if corrected or self.missing <= accuracy or not np.isfinite(self.missing):
+            done = self.missing <= accuracy or not np.isfinite(self.missing)
+            if done or correction == _MOST_CORRECTIONS:
                 break
-            led = scipy.sparse.linalg.LinearOperator(
-                self._matrix.shape, matvec=lambda y: solve(self._product(y)), dtype=float
+            more, _ = scipy.sparse.linalg.gmres(
+                led, e, rtol=0.0, atol=accuracy * size, restart=_MOST_PRODUCTS, maxiter=1
             )
-            y, _ = scipy.sparse.linalg.gmres(
-                led, first, x0=y, rtol=0.0, atol=accuracy * size, restart=_MOST_PRODUCTS, maxiter=1
-            )
+            y = y + more
         return np.asarray(y)
 
     def _product(self, y: Floats) -> Floats:

@@ -46,6 +46,8 @@ def lowest_modes(
 def largest_eigenvalue(freedoms: Freedoms, shell: MITC4Shell, mass: Floats) -> float:
     """Return the largest omega² [1/s²] of masses on the free freedoms, shape (n_free,)."""
     K = freedoms.restrict(freedoms.stiffness(shell))
+    if mass.size == 1:  # Lanczos' method wants two at least
+        return float(K.toarray()[0, 0] / mass[0])
     scale = scipy.sparse.diags_array(1.0 / np.sqrt(mass))
     largest = scipy.sparse.linalg.eigsh(
         scale @ K @ scale, k=1, which="LA", return_eigenvectors=False

@@ -15,15 +15,15 @@ ID, TITLE, FAST = "A15", "Trap: facets of OpenSees' ShellMITC4", False
 
 NORMALISED = {
     "roof": (
-        a03_scordelis_lo.deflection,
+        a03_scordelis_lo,
         {4: 0.9172611760835696, 8: 0.9639569277317044, 16: 0.986566167240037},
     ),
     "pinched cylinder": (
-        a04_pinched_cylinder.deflection,
+        a04_pinched_cylinder,
         {4: 0.34994736967678125, 8: 0.7283139548480351, 16: 0.9251191345150285},
     ),
     "hemisphere": (
-        a05_hemisphere.deflection,
+        a05_hemisphere,
         {4: 0.13581982671580572, 8: 0.6758970254566824, 16: 0.9692586933519058},
     ),
 }
@@ -35,10 +35,10 @@ TWISTED = {
 
 def checks() -> list[Check]:
     rows = []
-    for name, (deflection, table) in NORMALISED.items():
+    for name, (case, table) in NORMALISED.items():
         for n, value in table.items():
-            quantity = f"{name}, N = {n}, facets"
-            rows.append(Check(quantity, value, deflection(n), 2e-3, "other element", gate=False))
+            quantity, ours = f"{name}, N = {n}, facets", case.deflection(case.patch(n))
+            rows.append(Check(quantity, value, ours, 2e-3, "other element", gate=False))
     for load, table in TWISTED.items():
         for n, value in table.items():
             quantity, ours = f"twisted beam {load}, N = {n}, facets", a06_twisted_beam.deflection

@@ -29,10 +29,8 @@ def mapped_patch(n_u: int, n_v: int, place: Place, *, exact: bool = True) -> Mes
     )
 
 
-def cylinder_patch(
-    radius: float, length: float, arc_deg: float, n_arc: int, n_along: int, *, exact: bool = True
-) -> Mesh:
-    """Return a cylindrical patch about the y axis; u runs over the arc from the top, v along y."""
+def cylinder_place(radius: float, length: float, arc_deg: float) -> Place:
+    """Return the map to a cylinder about y; u runs over the arc from the top, v along y."""
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         angle = np.radians(arc_deg) * u
@@ -41,4 +39,11 @@ def cylinder_patch(
         nodes[..., 1] = length * v
         return nodes, director
 
-    return mapped_patch(n_arc, n_along, place, exact=exact)
+    return place
+
+
+def cylinder_patch(
+    radius: float, length: float, arc_deg: float, n_arc: int, n_along: int, *, exact: bool = True
+) -> Mesh:
+    """Return a patch of :func:`cylinder_place`."""
+    return mapped_patch(n_arc, n_along, cylinder_place(radius, length, arc_deg), exact=exact)
