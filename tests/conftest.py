@@ -1,7 +1,8 @@
-"""Give Numba a cache of its own for these very sources, before anything imports it.
+"""Give Numba a cache of its own for these very sources, and order the files of tests.
 
-A cached caller does not see an edit in a kernel that it imports, hence the name of the cache is a
-hash of the sources. The environment's NUMBA_CACHE_DIR, if given, is left alone.
+The cache is named before anything imports Numba. A cached caller does not see an edit in a kernel
+that it imports, hence the name of the cache is a hash of the sources. The environment's
+NUMBA_CACHE_DIR, if given, is left alone.
 """
 
 import getpass
@@ -11,6 +12,8 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+
+from compile_once import compile_once
 
 
 def _source_folder():
@@ -35,3 +38,39 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     assert "numba" not in sys.modules, "numba was imported before its cache could be named"
     cache = Path(tempfile.gettempdir()) / f"shellcut-numba-{getpass.getuser()}"
     os.environ["NUMBA_CACHE_DIR"] = str(cache / _digest(_source_folder()))
+
+# With nothing compiled two processes should begin with different kernels, or one waits for the
+# other: the first with those of the shell, the second with the others, which take no shell. Then
+# the longest files, so that no process is left with one of them at the end.
+_FIRST = (
+    "test_quad_forces.py",
+    "test_contact.py",
+    "test_checkpoint.py",
+    "test_cable.py",
+    "test_tool_grid.py",
+    "test_imprint.py",
+    "test_imprinted_cuts.py",
+    "test_cases.py",
+    "test_examples.py",
+    "test_report.py",
+    "test_command_line.py",
+    "test_docs.py",
+    "test_opening.py",
+    "test_blade_beside_line.py",
+    "test_scene.py",
+    "test_model_check.py",
+    "test_model_file.py",
+    "test_quad_frequency.py",
+    "test_howto.py",
+    "test_model_keys.py",
+)
+
+
+def pytest_configure(config):
+    if hasattr(config, "workerinput"):  # one of several processes
+        compile_once()
+
+
+def pytest_collection_modifyitems(items):
+    place = {name: k for k, name in enumerate(_FIRST)}
+    items.sort(key=lambda item: place.get(item.path.name, len(_FIRST)))

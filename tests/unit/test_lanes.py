@@ -210,9 +210,9 @@ def test_subnormals_are_flushed_where_asked_and_nowhere_else():
     assert (0.5 * least == 2.0**-1023).all()  # and not in what follows
 
 
-_WITHOUT_COMPILER = """
+_ELSEWHERE = """
 import numba
-assert numba.config.DISABLE_JIT
+print(numba.config.DISABLE_JIT, numba.config.CPU_NAME)
 import test_lanes as tests
 tests.test_arithmetic_is_that_of_floats()
 tests.test_total_runs_from_the_first_lane_to_the_last()
@@ -221,12 +221,37 @@ tests.test_consecutive_nodes()
 tests.test_first_node_is_that_of_the_first_place_or_of_the_place_asked_for()
 """
 
+X86 = pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="a processor of this kind only"
+)
 
-def test_the_same_functions_run_without_the_compiler():
-    here = os.path.dirname(__file__)
-    subprocess.run(
-        [sys.executable, "-c", _WITHOUT_COMPILER],
+
+@pytest.mark.parametrize(
+    ("environment", "told"),
+    [
+        pytest.param({"NUMBA_DISABLE_JIT": "1"}, "1 None", id="no compiler"),
+        # Of the registers of sixteen, eight or four singles that LLVM puts lanes into.
+        pytest.param(
+            {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
+            "0 haswell",
+            id="AVX2",
+            marks=X86,
+        ),
+        pytest.param(
+            {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+            "0 generic",
+            id="SSE2",
+            marks=[X86, pytest.mark.slow],
+        ),
+    ],
+)
+def test_the_same_on_other_processors_and_without_the_compiler(environment, told):
+    done = subprocess.run(
+        [sys.executable, "-c", _ELSEWHERE],
         check=True,
-        cwd=here,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        cwd=os.path.dirname(__file__),
+        env={**os.environ, **environment},
     )
+    assert done.stdout.split() == told.split()

@@ -263,11 +263,16 @@ def forces_here():
 @pytest.mark.parametrize(
     "environment",
     [
-        pytest.param({"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}, id="AVX2"),
+        # Compiled again for either; test_lanes does so with what differs between processors.
+        pytest.param(
+            {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
+            id="AVX2",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
             id="SSE2",
-            marks=pytest.mark.slow,  # compiles everything again, as the one before
+            marks=pytest.mark.slow,
         ),
         pytest.param({"NUMBA_DISABLE_JIT": "1"}, id="no compiler"),
     ],

@@ -148,7 +148,9 @@ class QuadFrequencies:
 
     def _at_rest(self) -> Floats:
         first, same = _classes(self._mesh)
-        return self._bounds(self._mesh.nodes, self._mesh.directors, first)[same]
+        # In the layout of a state's arrays: the kernel is compiled for no second one.
+        x, t = np.asfortranarray(self._mesh.nodes), np.asfortranarray(self._mesh.directors)
+        return self._bounds(x, t, first)[same]
 
     def _bounds(self, x: Floats, t: Floats, which: Ints) -> Floats:
         squared = np.empty(which.size)
