@@ -101,10 +101,26 @@ def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     straight = [ahead.index(18)]
     assert table.admissible(0, np.cos(np.radians(57.0))) == straight
     assert len(table.admissible(0, np.cos(np.radians(91.0)))) == 3
-    state.node.x[18] = state.node.x[17] + [0.3, 0.8, 0.0]  # now it turns by 69 degrees
-    table.weigh(state, 0.0)
+    nodes = sheet().nodes.copy()
+    nodes[:, 1] += 2.6 * np.maximum(nodes[:, 0] - 3.0, 0.0)  # now it turns by 69 degrees
+    _, state = cases.set_up(cases.moved_mesh(sheet(), nodes).cut(ROW))
+    ways = partings_of(state, 17, shell.mass, NONE)
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     assert table.admissible(0, np.cos(np.radians(57.0))) == straight
     assert table.admissible(0, np.cos(np.radians(80.0))) == straight
+
+
+def test_to_go_on_across_a_fold_is_no_turn():
+    # Film that a blade drags along stands up behind the tip: the crack comes from above.
+    shell, state = cases.set_up(sheet().cut(ROW))
+    x = state.node.x[: state.n_node]
+    behind = state.node.X[: state.n_node, 0] < 2.5
+    x[behind] = np.stack([3.0 + 0.0 * x[:, 0], x[:, 1], 3.0 - x[:, 0]], axis=1)[behind]
+    ways = partings_of(state, 17, shell.mass, NONE)
+    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
+    table.weigh(state, 0.0)
+    (straight,) = table.admissible(0, np.cos(np.radians(57.0)))
+    assert table.ways[straight].ahead == (18,)
 
 
 def test_free_edges_have_nothing_to_hold_them():

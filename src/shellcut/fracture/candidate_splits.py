@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
@@ -47,6 +47,10 @@ class Parting:
         Of the two sides [t].
     cables : tuple of (int, int, int, float)
         Side, cable, its end at the node, and how much of its force goes with that side.
+    cosine : float
+        Of the crack's turn at the node, 1 where it has no edge to turn from or no choice. In the
+        reference film: film that folds under the blade bends by any angle, and to go straight on
+        across a fold is no turn.
     """
 
     node: int
@@ -57,6 +61,7 @@ class Parting:
     half_edges: tuple[tuple[int, float], ...]
     mass: tuple[float, float]
     cables: tuple[tuple[int, int, int, float], ...]
+    cosine: float
 
     @property
     def length(self) -> float:
@@ -115,6 +120,7 @@ def partings_of(
             tuple(halves),
             (float(mass[0]), float(mass[1])),
             tuple(cables),
+            _cosine_of_turn(state.node.X, node, back, ahead),
         )
 
     if len(fans) > 1:
@@ -133,6 +139,18 @@ def partings_of(
         ]
     back: tuple[int, ...] = cracks[0] if cracks else ()
     return [way(quads[:j], quads[j:], back, (far[j],)) for j in range(1, len(quads))]
+
+
+def _cosine_of_turn(
+    reference: Floats, node: int, back: tuple[int, ...], ahead: tuple[int, ...]
+) -> float:
+    # Both flank copies of an edge have one place in the reference film. At a bridge, where the
+    # crack goes on along an edge that is cracked already, there is nothing to choose.
+    if not back or len(ahead) != 1:
+        return 1.0
+    arrive = reference[node] - reference[back[0]]
+    leave = reference[ahead[0]] - reference[node]
+    return float(arrive @ leave / np.sqrt((arrive @ arrive) * (leave @ leave)))
 
 
 def owns_flank(state: State, node: int, quads: tuple[int, ...], far_origin: int) -> bool:
@@ -214,9 +232,6 @@ class PartingTable:
         self._node = np.array([way.node for way in self.ways], np.int64)
         self._back = _both([way.back or (way.node,) for way in self.ways])
         self._ahead = _both([way.ahead or (way.node,) for way in self.ways])
-        # Without an edge to turn from, or at a bridge, there is nothing to choose.
-        self._turns = np.array([bool(w.back) and len(w.ahead) == 1 for w in self.ways], np.bool_)
-        self._cosine = np.ones(n)
         length = np.array([way.length for way in self.ways])
         self._carried = strength * shell.material.thickness * length
         self.force = np.zeros((n, 3))
@@ -249,7 +264,6 @@ class PartingTable:
             self._node,
             self._back,
             self._ahead,
-            self._turns,
             self._side_start,
             self._member,
             corner_force,
@@ -259,7 +273,6 @@ class PartingTable:
             self._share,
             c.status,
             c.force,
-            self._cosine,
             self.force,
             self.direction,
             self.m,
@@ -275,9 +288,9 @@ class PartingTable:
         crack must not stop for want of mesh lines.
         """
         ways = range(self.start[i], self.start[i + 1])
-        cosines = self._cosine[self.start[i] : self.start[i + 1]].tolist()
-        least = min(cos_limit, max(cosines, default=1.0)) - _SAME_TURN
-        return [k for k, cosine in zip(ways, cosines, strict=True) if cosine >= least]
+        largest = max((self.ways[k].cosine for k in ways), default=1.0)
+        least = min(cos_limit, largest) - _SAME_TURN
+        return [k for k in ways if self.ways[k].cosine >= least]
 
 
 def _both(ends: list[tuple[int, ...]]) -> Ints:
@@ -292,7 +305,6 @@ def weigh_partings(
     node: Ints,
     back: Ints,
     ahead: Ints,
-    turns: Bools,
     side_start: Ints,
     member: Ints,
     corner_force: Floats,
@@ -302,7 +314,6 @@ def weigh_partings(
     share: Floats,
     status: SmallInts,
     cable_force: Floats,
-    cosine: Floats,
     force: Floats,
     direction: Floats,
     m: Floats,
@@ -310,7 +321,7 @@ def weigh_partings(
     measure: Floats,
     chord: Floats,
 ) -> float:
-    """Write cosine, pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
+    """Write pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
 
     node, carried : (n,).  back, ahead, mass : (n, 2).  side_start : (2 n + 1,), rows of ``member``,
     which names rows of corner_force : (n_corner, 3).  share_of : (n_share, 4), parting, side, cable
@@ -329,12 +340,9 @@ def weigh_partings(
                 side_force[k, side, c] += cable_force[cable, end, c] * share[i]
     largest = -np.inf
     for k in range(node.shape[0]):
-        here, director = load(x, node[k]), load(t, node[k])
+        director = load(t, node[k])
         start = combine(0.5, load(x, back[k, 0]), 0.5, load(x, back[k, 1]))
         end = combine(0.5, load(x, ahead[k, 0]), 0.5, load(x, ahead[k, 1]))
-        if turns[k]:
-            arrive, leave = sub(here, start), sub(end, here)
-            cosine[k] = dot(arrive, leave) / np.sqrt(dot(arrive, arrive) * dot(leave, leave))
         way = sub(end, start)
         chord[k] = norm(way)
         e = combine(1.0, way, -dot(way, director), director)
