@@ -197,6 +197,7 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
         ("*NGEN\n1, 9, 1\n", "*NGEN: makes or moves nodes and elements by rule"),
         ("*ELGEN\n", "*ELGEN: makes or moves"),
         ("*ELEMEN, TYPE=S4\n1, 1, 2, 3, 4\n", "did you mean *ELEMENT?"),
+        ("*NSGT, NSET=rim\n10\n", "did you mean *NSET?"),
         ("*ELEMENT\n", "parameter TYPE must be given"),
         ("*ELEMENT, TYPE=S4\n1, 10, 17\n", "must have 4 nodes, got 2; is the file cut short?"),
         ("*ELEMENT, TYPE=S4\n1, 10, 17, 24, 31, 38\n", "must have 4 nodes, got 5"),

@@ -356,6 +356,27 @@ def test_nobody_needs_to_listen(tmp_path, monkeypatch):
     assert "crack length [mm]" in (tmp_path / "run.log").read_text()
 
 
+@pytest.mark.parametrize("command", [["keys"], ["run", "--list"], ["compare"]])
+def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, command):
+    if command == ["compare"]:
+        measured = tmp_path / "measured.csv"
+        measured.write_text("path [mm], force [N]\n0, 0\n1, 3\n1.5, 3\n")
+        command = ["compare", str(shutil.copytree(out, tmp_path / "run")), str(measured)]
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open(writing, "wb") as pipe:
+        done = subprocess.run(
+            [sys.executable, "-m", "shellcut", *command],
+            stdout=pipe,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert (done.returncode, done.stderr) == (0, "")
+    if command[0] == "compare":
+        assert (tmp_path / "run" / "comparison.json").exists()
+
+
 def test_every_exit_code_is_told_by_the_help(capsys):
     with pytest.raises(SystemExit) as left:
         main(["--help"])

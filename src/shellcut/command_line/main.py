@@ -9,6 +9,7 @@ from importlib.metadata import version
 
 from . import compare, doctor, keys, movie, preview, report, resume, run, warmup
 from .exit_code import INTERRUPTED, in_lines, refuse
+from .listener import nobody_needs_to_listen
 
 _COMMANDS = (run, resume, preview, keys, compare, report, movie, doctor, warmup)
 
@@ -24,7 +25,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = parser_of_all().parse_args(argv)
     try:
-        code: int = arguments.run(arguments)
+        with nobody_needs_to_listen():
+            code: int = arguments.run(arguments)
     except MemoryError as problem:
         return refuse(f"this machine's memory is too small for it: {problem}; mesh coarser")
     except KeyboardInterrupt:

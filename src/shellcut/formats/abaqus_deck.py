@@ -19,7 +19,7 @@ from .losses import comment_note, end_note, is_numbers
 
 _DEEPEST = 20  # includes within includes; more is a circle
 _DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # without a blank behind the stars
-_CLOSE = 0.8  # likeness at which an unknown keyword is taken for a misspelt one
+_CLOSE = 0.75  # likeness of an unknown keyword to a misspelt one: of NSET with one letter changed
 
 
 @dataclass
