@@ -262,6 +262,27 @@ def test_files_are_closed_if_one_cannot_be_gone_on_with(tmp_path):
     assert not is_open(tmp_path / "cut.vtkhdf")
 
 
+def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, monkeypatch):
+    looked = []
+
+    def depth(_, state, *__):
+        looked.append(state.step)
+        return 1, 1e-3 * state.step
+
+    monkeypatch.setattr(shellcut.recorder, "unfelt_penetration", depth)
+    histories = []
+    for n_frame in (1, 7, 400):
+        looked.clear()
+        folder = tmp_path / str(n_frame)
+        Case("cut", cutting(), 4e-5).run(
+            folder, n_row=30, n_frame=n_frame, n_snapshot=0, progress=False
+        )
+        histories.append((folder / "history.csv").read_bytes())
+        # A hundred times in a run, or every ten steps of a short one.
+        assert len(looked) >= 100 or len(looked) == 1 + looked[-1] // 10
+    assert histories[0] == histories[1] == histories[2]
+
+
 def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
     def fail(_):
         raise RuntimeError("no log")

@@ -226,16 +226,17 @@ class Recorder:
         if mark.row_due(now):
             self._files.history.append({column: value for column, _, value in self._row()})
             mark.row_time = now
+        if mark.look_due(now):
+            _, mark.unfelt = unfelt_penetration(
+                self._wires, sim.state, sim.rotation, sim.translation
+            )
+            mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
         frame_due = mark.frame_due(now)
         picture_due = mark.picture_due is not None and mark.picture_due(now)
         if frame_due or picture_due:
             exposure = self._expose(sim)
             mark.captured_time = now
             if frame_due:
-                _, mark.unfelt = unfelt_penetration(
-                    self._wires, sim.state, sim.rotation, sim.translation
-                )
-                mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
                 self._files.frames.append(exposure.frame)
                 mark.frame_time = now
             if picture_due:

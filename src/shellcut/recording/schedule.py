@@ -10,6 +10,10 @@ import numpy as np
 
 from shellcut.simulation.hooks import Trigger
 
+_N_LOOK = 100
+"""Looks at how deep the tool is between nodes, in a run: whatever is recorded, since a verdict
+follows from them."""
+
 
 @dataclass
 class Bookmark:
@@ -28,6 +32,8 @@ class Bookmark:
     frame_due: Trigger
     picture_due: Trigger | None
     """None where none are wanted."""
+    look_due: Trigger
+    """Of a look at how deep the tool is between nodes."""
     row_time: float = -np.inf
     """Of the last row [s]."""
     frame_time: float = -np.inf
@@ -51,11 +57,12 @@ class Bookmark:
             Trigger(until / n_row),
             Trigger(until / n_frame),
             Trigger(until / n_snapshot) if n_snapshot else None,
+            Trigger(until / _N_LOOK),
         )
 
     def due(self, time: float) -> bool:
         """Whether anything is due; it stays so."""
-        triggers = (self.row_due, self.frame_due, self.picture_due)
+        triggers = (self.row_due, self.frame_due, self.picture_due, self.look_due)
         return any(one is not None and time >= one.next for one in triggers)
 
     def copy(self) -> Bookmark:
@@ -65,11 +72,17 @@ class Bookmark:
             row_due=replace(self.row_due),
             frame_due=replace(self.frame_due),
             picture_due=replace(self.picture_due) if self.picture_due else None,
+            look_due=replace(self.look_due),
         )
 
     def saved(self) -> dict[str, Any]:
         """Return it as numbers and dictionaries of numbers, by name."""
-        due = {"row": self.row_due, "frame": self.frame_due, "picture": self.picture_due}
+        due = {
+            "row": self.row_due,
+            "frame": self.frame_due,
+            "picture": self.picture_due,
+            "look": self.look_due,
+        }
         others = {
             item.name: getattr(self, item.name)
             for item in fields(self)
@@ -80,8 +93,8 @@ class Bookmark:
     @classmethod
     def restored(cls, saved: Mapping[str, Any]) -> Bookmark | None:
         """Return what :meth:`saved` gave; None if that is something else."""
-        if "due" not in saved:
+        if not {"row", "frame", "look"} <= saved.get("due", {}).keys():
             return None
         due = {name: Trigger(**trigger) for name, trigger in saved["due"].items()}
         others = {name: value for name, value in saved.items() if name != "due"}
-        return cls(due["row"], due["frame"], due.get("picture"), **others)
+        return cls(due["row"], due["frame"], due.get("picture"), due["look"], **others)
