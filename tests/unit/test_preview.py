@@ -15,6 +15,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
+from shellcut.view import model_picture
 
 
 def test_a_picture_of_both_poses_and_a_report(tmp_path):
@@ -35,6 +36,29 @@ def test_a_picture_of_both_poses_and_a_report(tmp_path):
     squared = sim.shell.frequencies.squared
     assert squared[int(worst[0][0])] == squared.max()
     assert [share for _, share in worst] == sorted(share for _, share in worst)
+
+
+@pytest.mark.parametrize("pitch", [12.0, 40.0])
+def test_the_legend_hides_nothing(tmp_path, monkeypatch, pitch):
+    kept = []
+    monkeypatch.setattr(model_picture, "save", lambda figure, _: kept.append(figure))
+    case = opening_test("quick", pitch=pitch)  # with 40 mm the line on the edges is longer
+    preview(case.simulation, tmp_path / "model.png", time=case.duration)
+    (figure,) = kept
+    figure.draw_without_rendering()
+    assert not any(axes.get_legend() for axes in figure.axes)
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert box.x0 > 0.0
+    assert box.x1 < figure.bbox.x1
+    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+    assert not any(box.overlaps(text.get_window_extent()) for text in figure.texts)
+    # The cutting edges lie on their way, as seen from above.
+    drawn = {artist.get_label(): artist for artist in figure.axes[0].get_children()}
+    edges, way = (
+        next(drawn[name] for name in drawn if part in name) for part in ("cutting", "way")
+    )
+    assert edges.get_zorder() > way.get_zorder()
 
 
 @pytest.mark.parametrize("fixed", [None, 1e-8])

@@ -278,6 +278,7 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
             DOUBT,
             "the way of the cutting edges must keep clear of held nodes, which never split: the "
             "blade runs against them",
-            f"{len(held):,} held nodes on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            f"{len(held):,} held node{'' if len(held) == 1 else 's'} on it, the first at "
+            f"({x:.4g}, {y:.4g}, {z:.4g}) mm",
             "hold other nodes, or move the tool",
         )

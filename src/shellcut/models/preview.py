@@ -147,8 +147,8 @@ def _draw(
         )
     if tool is not None:
         lines.append(
-            f"tool   {tool.n_body} bodies, {tool.n_triangle} triangles, {tool.n_chain} cutting "
-            "edges"
+            f"tool   {_number(tool.n_body, 'body', 'bodies')}, {tool.n_triangle} triangles, "
+            f"{_number(tool.n_chain, 'cutting edge', 'cutting edges')}"
         )
     if sweep is not None:
         lines.append(edge_line(sweep))
@@ -218,6 +218,10 @@ def _film_lines(mesh: Mesh) -> Iterator[str]:
             yield f"sets   of {kind}: {', '.join(counts)}"
     for doubt in film_doubts(mesh):
         yield f"doubt  {doubt}"
+
+
+def _number(n: int, one: str, many: str) -> str:
+    return f"{n:,} {one if n == 1 else many}"
 
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:

@@ -105,7 +105,11 @@ def draw_model(
             axes.tick_params(labelsize=8)
             if bottom > 0.3:
                 axes.set_title(model.titles[k], fontsize=10)
-                axes.legend(loc="upper right", fontsize=8)
+                drawn = axes.get_legend_handles_labels()
+    # The same in every pose: once, where it hides nothing.
+    figure.legend(
+        *drawn, loc="center", bbox_to_anchor=(0.5, 0.945), fontsize=8, ncols=6, frameon=False
+    )
     save(figure, path)
 
 
@@ -134,6 +138,7 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
             style = "dashed" if group.dashed else "solid"
             lines = list(tool[group.segments])
             edges = LineCollection(lines, colors=group.color, linewidths=1.8, linestyles=style)
+            edges.set_zorder(3)  # over their way
             edges.set_label(group.label)
             add(edges)
     if len(model.way):

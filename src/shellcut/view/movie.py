@@ -162,16 +162,30 @@ def _ffmpeg() -> str:
 
 
 def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:
-    from PIL import Image as Pillow
-
-    # Palettes keep rare colours such as those of the cables; frames in full colour would fill the
-    # memory.
-    pictures = [
-        Pillow.fromarray(image).quantize(method=Pillow.Quantize.MAXCOVERAGE) for image in images
-    ]
+    # Frames in full colour would fill the memory.
+    pictures = [_of_256_colours(image) for image in images]
     pictures[0].save(
         path, save_all=True, append_images=pictures[1:], duration=round(1000.0 / fps), loop=0
     )
+
+
+def _of_256_colours(image: Image) -> Any:
+    """Return a Pillow picture with a palette of its own, without dots of other colours.
+
+    Pillow's palettes either mind areas, and lose the few pixels of a cable, or the spread of the
+    colours, and make blotches of a smooth film. So the palette is that of the median cut of
+    colours that count by the root of their pixels.
+    """
+    from PIL import Image as Pillow
+
+    colours = image.reshape(-1, 3)
+    coarse = (colours >> 3).astype(np.int64) @ [1 << 10, 1 << 5, 1]
+    _, which, n_pixel = np.unique(coarse, return_inverse=True, return_counts=True)
+    sums = [np.bincount(which, weights=colours[:, k]) for k in range(3)]
+    means = np.rint(np.stack(sums, axis=1) / n_pixel[:, None]).astype(np.uint8)
+    counted = np.repeat(means, np.ceil(np.sqrt(n_pixel)).astype(np.int64), axis=0)
+    palette = Pillow.fromarray(counted[None]).quantize(method=Pillow.Quantize.MEDIANCUT, kmeans=1)
+    return Pillow.fromarray(image).quantize(palette=palette, dither=Pillow.Dither.NONE)
 
 
 _WRITERS: dict[str, Any] = {".mp4": _write_mp4, ".gif": _write_gif}
