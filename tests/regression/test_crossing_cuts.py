@@ -5,8 +5,8 @@ import pytest
 
 from shellcut import CohesiveLaw, Mesh, ShellMaterial, Simulation, Support
 from shellcut.meshing import rectangle
-from shellcut.table_motion import TableMotion
-from shellcut.tool_shapes import straight_blade
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.table_motion import TableMotion
 
 SIZE = 0.8  # mm, of an edge
 HALF = 5 * SIZE  # of the film
