@@ -110,7 +110,8 @@ def test_impossible_times_are_refused(tmp_path, time):
 def drawn(monkeypatch):
     """What is given to the picture."""
     views = []
-    module = importlib.import_module("shellcut.preview")  # the package has a function of the name
+    # The package has a function of the name.
+    module = importlib.import_module("shellcut.models.preview")
     monkeypatch.setattr(module, "draw_model", lambda view, *_, **__: views.append(view))
     return views
 
