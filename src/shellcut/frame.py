@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any, get_type_hints
 
 import numpy as np
 
@@ -21,6 +21,44 @@ JOINTED = 1
 """State of a cable that is bent around the cutting edge."""
 
 
+SIZED_BY = {
+    "node": "points",
+    "quad": "quads",
+    "segment": "cable_segments",
+    "vertex": "tool_points",
+    "triangle": "tool_triangles",
+    "crack": "crack_edges",
+    "edge": "edge_points",
+}
+"""What a row of an array may belong to, with the array whose length is their number."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Of an array of :class:`Frame`: what its rows belong to, and how result files keep it."""
+
+    of: str
+    """A key of :data:`SIZED_BY`; "" for an array that is no table."""
+    shape: tuple[int, ...] = ()
+    """Shape of a row."""
+    dtype: Any = np.float64
+    ids: str = ""
+    """What its numbers are ids of, a key of :data:`SIZED_BY`."""
+    arrays: tuple[str, ...] = ()
+    """Names of its arrays in result files (:mod:`shellcut.results.frame_grid`): one, or one for
+    each column."""
+    left_out: Any = None
+    """Value of every row where the array is not given; or the name of the field to take then."""
+
+
+_LEFT_OUT: Any = ()
+"""Given for an array that is left out."""
+
+
+def _principal(place: str) -> tuple[str, str]:
+    return f"largest principal stress{place} [MPa]", f"smallest principal stress{place} [MPa]"
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
     """One picture of the run, everything at one time.
@@ -28,6 +66,9 @@ class Frame:
     Arrays are copied, cast and checked on construction and are read-only afterwards, so that a
     frame stays true while the simulation goes on. What a model does not have (cables, a tool)
     is left out.
+
+    A new array is one entry here, with :class:`Rows`; checks and result files follow from it. Fill
+    it in ``recording/frame_capture.py``.
 
     Raises
     ------
@@ -48,86 +89,108 @@ class Frame:
     coordinate_unit: str
     """Unit of ``coordinate``, e.g. ``"deg"``."""
 
-    points: Floats
+    points: Annotated[Floats, Rows("node", (3,))]
     """Deformed mid-surface positions, shape (n_node, 3), [mm]."""
 
-    reference: Floats
+    reference: Annotated[Floats, Rows("node", (3,))]
     """Reference mid-surface positions, shape (n_node, 3), [mm]."""
 
-    director: Floats
+    director: Annotated[Floats, Rows("node", (3,), arrays=("director",))]
     """Unit directors, shape (n_node, 3), [-]."""
 
-    velocity: Floats
+    velocity: Annotated[Floats, Rows("node", (3,), arrays=("velocity [mm per s]",))]
     """Velocities, shape (n_node, 3), [mm/s]."""
 
-    quads: Ints
+    quads: Annotated[Ints, Rows("quad", (4,), dtype=np.int64, ids="node")]
     """Node ids of the quads, shape (n_quad, 4)."""
 
-    quad_stress: Floats
+    quad_stress: Annotated[Floats, Rows("quad", (3,), arrays=("membrane stress [MPa]",))]
     """Cauchy membrane stress s11, s22, s12 in the lamina frame, shape (n_quad, 3), [MPa]: the mean
     over the thickness. The frame's first axis runs from the middle of the quad's edge 3-0 to that
     of its edge 1-2."""
 
-    quad_principal: Floats
+    quad_principal: Annotated[Floats, Rows("quad", (2,), arrays=_principal(""))]
     """Largest and smallest principal membrane stress, shape (n_quad, 2), [MPa]."""
 
-    quad_stress_top: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    quad_stress_top: Annotated[
+        Floats, Rows("quad", (3,), arrays=("top stress [MPa]",), left_out="quad_stress")
+    ] = _LEFT_OUT
     """As ``quad_stress``, at the outer face of the top layer; left out: the membrane's."""
 
-    quad_principal_top: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    quad_principal_top: Annotated[
+        Floats, Rows("quad", (2,), arrays=_principal(", top"), left_out="quad_principal")
+    ] = _LEFT_OUT
     """As ``quad_principal``, at the outer face of the top layer; left out: the membrane's."""
 
-    quad_stress_bottom: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    quad_stress_bottom: Annotated[
+        Floats, Rows("quad", (3,), arrays=("bottom stress [MPa]",), left_out="quad_stress")
+    ] = _LEFT_OUT
     """As ``quad_stress``, at the outer face of the bottom layer; left out: the membrane's."""
 
-    quad_principal_bottom: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    quad_principal_bottom: Annotated[
+        Floats, Rows("quad", (2,), arrays=_principal(", bottom"), left_out="quad_principal")
+    ] = _LEFT_OUT
     """As ``quad_principal``, at the outer face of the bottom layer; left out: the membrane's."""
 
-    quad_thickness: Floats = field(default_factory=lambda: np.zeros(0))
+    quad_thickness: Annotated[Floats, Rows("quad", arrays=("thickness [mm]",), left_out=0.0)] = (
+        _LEFT_OUT
+    )
     """Present thickness at the centre, shape (n_quad,), [mm]; left out: 0."""
 
-    held: Bools = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    held: Annotated[Bools, Rows("node", dtype=np.bool_, arrays=("held",), left_out=False)] = (
+        _LEFT_OUT
+    )
     """Whether a support prescribes any motion of the node, shape (n_node,); left out: none."""
 
-    crack_edges: Ints = field(default_factory=lambda: np.zeros((0, 2, 2), dtype=np.int64))
+    crack_edges: Annotated[Ints, Rows("crack", (2, 2), dtype=np.int64, ids="node")] = _LEFT_OUT
     """Node ids ((a_minus, b_minus), (a_plus, b_plus)) of the two flanks of each crack edge,
     shape (n_crack, 2, 2); a flank that ends at a crack tip shares that node with the other."""
 
-    cable_segments: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    cable_segments: Annotated[Floats, Rows("segment", (2, 3))] = _LEFT_OUT
     """End points of the straight branches of the cables, shape (n_segment, 2, 3), [mm]; a straight
     cable is one segment, a jointed one two."""
 
-    cable_state: SmallInts = field(default_factory=lambda: np.zeros(0, dtype=np.int8))
+    cable_state: Annotated[SmallInts, Rows("segment", dtype=np.int8, arrays=("cable state",))] = (
+        _LEFT_OUT
+    )
     """State of the cable of each segment, shape (n_segment,): 0 straight, 1 jointed."""
 
-    cable_traction: Floats = field(default_factory=lambda: np.zeros(0))
+    cable_traction: Annotated[Floats, Rows("segment", arrays=("traction [MPa]",))] = _LEFT_OUT
     """Traction that the cable of each segment carries, shape (n_segment,), [MPa]."""
 
-    cable_opening: Floats = field(default_factory=lambda: np.zeros(0))
+    cable_opening: Annotated[Floats, Rows("segment", arrays=("opening [mm]",), left_out=0.0)] = (
+        _LEFT_OUT
+    )
     """Opening of the cable of each segment, the length that its law sees, shape (n_segment,),
     [mm]; of a jointed one that of both branches together. Left out: 0."""
 
-    tool_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    tool_points: Annotated[Floats, Rows("vertex", (3,))] = _LEFT_OUT
     """Vertices of the tool in their present position, shape (n_vertex, 3), [mm]."""
 
-    tool_triangles: Ints = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+    tool_triangles: Annotated[Ints, Rows("triangle", (3,), dtype=np.int64, ids="vertex")] = (
+        _LEFT_OUT
+    )
     """Vertex ids of the tool's triangles, normals outward, shape (n_triangle, 3)."""
 
-    tool_tooth: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    tool_tooth: Annotated[Ints, Rows("triangle", dtype=np.int64, arrays=("tooth",), left_out=0)] = (
+        _LEFT_OUT
+    )
     """Tooth of each triangle, counted from 1 as in the history, shape (n_triangle,); left out:
     0, not told."""
 
-    tool_rotation: Floats = field(default_factory=lambda: np.eye(3))
+    tool_rotation: Annotated[Floats, Rows("", (3, 3))] = field(default_factory=lambda: np.eye(3))
     """Rotation R of the tool, x = R X + r from its body frame, shape (3, 3)."""
 
-    tool_translation: Floats = field(default_factory=lambda: np.zeros(3))
+    tool_translation: Annotated[Floats, Rows("", (3,))] = field(default_factory=lambda: np.zeros(3))
     """Translation r of the tool, shape (3,), [mm]."""
 
-    edge_points: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    edge_points: Annotated[Floats, Rows("edge", (2, 3))] = _LEFT_OUT
     """End points of the segments of the cutting edges in their present position, shape
     (n_edge, 2, 3), [mm]."""
 
-    edge_tooth: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    edge_tooth: Annotated[Ints, Rows("edge", dtype=np.int64, arrays=("tooth",), left_out=0)] = (
+        _LEFT_OUT
+    )
     """Tooth of each of these segments, as ``tool_tooth``, shape (n_edge,)."""
 
     scalars: Mapping[str, float] = field(default_factory=dict)
@@ -137,41 +200,14 @@ class Frame:
     """Unit of every scalar by the same names, e.g. ``{"torque": "N*mm"}``; ``"-"`` for none."""
 
     def __post_init__(self) -> None:
-        n_node = len(self.points)
-        n_quad = len(self.quads)
-        n_crack = len(self.crack_edges)
-        n_segment = len(self.cable_segments)
-        n_vertex = len(self.tool_points)
-        n_triangle = len(self.tool_triangles)
-        n_edge = len(self.edge_points)
-        self._fill_in(n_node, n_quad, n_segment, n_triangle, n_edge)
-        self._cast("points", np.float64, (n_node, 3))
-        self._cast("reference", np.float64, (n_node, 3))
-        self._cast("director", np.float64, (n_node, 3))
-        self._cast("velocity", np.float64, (n_node, 3))
-        self._cast("quads", np.int64, (n_quad, 4))
-        self._cast("quad_stress", np.float64, (n_quad, 3))
-        self._cast("quad_principal", np.float64, (n_quad, 2))
-        for side in ("top", "bottom"):
-            self._cast(f"quad_stress_{side}", np.float64, (n_quad, 3))
-            self._cast(f"quad_principal_{side}", np.float64, (n_quad, 2))
-        self._cast("quad_thickness", np.float64, (n_quad,))
-        self._cast("held", np.bool_, (n_node,))
-        self._cast("crack_edges", np.int64, (n_crack, 2, 2))
-        self._cast("cable_segments", np.float64, (n_segment, 2, 3))
-        self._cast("cable_state", np.int8, (n_segment,))
-        self._cast("cable_traction", np.float64, (n_segment,))
-        self._cast("cable_opening", np.float64, (n_segment,))
-        self._cast("tool_points", np.float64, (n_vertex, 3))
-        self._cast("tool_triangles", np.int64, (n_triangle, 3))
-        self._cast("tool_tooth", np.int64, (n_triangle,))
-        self._cast("tool_rotation", np.float64, (3, 3))
-        self._cast("tool_translation", np.float64, (3,))
-        self._cast("edge_points", np.float64, (n_edge, 2, 3))
-        self._cast("edge_tooth", np.int64, (n_edge,))
-        self._check_ids("quads", n_node)
-        self._check_ids("crack_edges", n_node)
-        self._check_ids("tool_triangles", n_vertex)
+        n = {entity: len(getattr(self, array)) for entity, array in SIZED_BY.items()}
+        for name, rows in ROWS.items():
+            self._fill_in(name, rows, n)
+            count = (n[rows.of],) if rows.of else ()
+            self._cast(name, rows.dtype, count + rows.shape)
+        for name, rows in ROWS.items():
+            if rows.ids:
+                self._check_ids(name, n[rows.ids])
         if not np.isin(self.cable_state, (STRAIGHT, JOINTED)).all():
             raise ValueError("cable_state must be 0 (straight) or 1 (jointed)")
         for name in ("time", "coordinate"):
@@ -179,23 +215,16 @@ class Frame:
                 raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
         self._check_scalars()
 
-    def _fill_in(
-        self, n_node: int, n_quad: int, n_segment: int, n_triangle: int, n_edge: int
-    ) -> None:
-        left_out: dict[str, Any] = {
-            "quad_stress_top": self.quad_stress,
-            "quad_stress_bottom": self.quad_stress,
-            "quad_principal_top": self.quad_principal,
-            "quad_principal_bottom": self.quad_principal,
-            "quad_thickness": np.zeros(n_quad),
-            "held": np.zeros(n_node, dtype=np.bool_),
-            "cable_opening": np.zeros(n_segment),
-            "tool_tooth": np.zeros(n_triangle, dtype=np.int64),
-            "edge_tooth": np.zeros(n_edge, dtype=np.int64),
-        }
-        for name, value in left_out.items():
-            if len(getattr(self, name)) == 0:
-                object.__setattr__(self, name, value)
+    def _fill_in(self, name: str, rows: Rows, n: Mapping[str, int]) -> None:
+        if len(getattr(self, name)):
+            return
+        if rows.left_out is None:
+            value = np.zeros((0, *rows.shape), rows.dtype)
+        elif isinstance(rows.left_out, str):
+            value = getattr(self, rows.left_out)
+        else:
+            value = np.full((n[rows.of], *rows.shape), rows.left_out, rows.dtype)
+        object.__setattr__(self, name, value)
 
     def _cast(self, name: str, dtype: Any, shape: tuple[int, ...]) -> None:
         given = np.asarray(getattr(self, name))
@@ -233,3 +262,11 @@ class Frame:
     def displacement(self) -> Floats:
         """Displacement, shape (n_node, 3), [mm]."""
         return self.points - self.reference
+
+
+ROWS: dict[str, Rows] = {
+    name: hint.__metadata__[0]
+    for name, hint in get_type_hints(Frame, include_extras=True).items()
+    if hasattr(hint, "__metadata__")
+}
+"""The arrays of a frame by name, in the order of its fields."""

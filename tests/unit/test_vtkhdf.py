@@ -15,7 +15,7 @@ import pytest
 import shellcut
 from opening_frame import opening_frame
 from shellcut.frame import Frame
-from shellcut.results.frame_grid import CABLE, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
+from shellcut.results.frame_grid import CABLE, CELL_ARRAYS, EDGE, FLANK, KEPT_BITS, MEMBRANE, TOOL
 from shellcut.results.hdf_columns import Columns
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -39,6 +39,23 @@ def write(path, frames, **options):
     with VtkHdfWriter(path, **options) as writer:
         for frame in frames:
             writer.append(frame)
+
+
+def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypatch):
+    frame = frames(3)[2]
+    name = "thickness [mm]"
+    older = {array: kind for array, kind in CELL_ARRAYS.items() if array != name}
+    with monkeypatch.context() as context:
+        for module in ("frame_grid", "vtkhdf"):
+            context.setattr(f"shellcut.results.{module}.CELL_ARRAYS", older)
+        write(tmp_path / "older.vtkhdf", [frame])
+    assert_same(
+        VtkHdfReader(tmp_path / "older.vtkhdf").frame(0),
+        dataclasses.replace(frame, quad_thickness=np.zeros(len(frame.quads))),
+    )
+    # To go on with it, the file must have all of them.
+    with pytest.raises(ValueError, match="by an older version"):
+        VtkHdfWriter(tmp_path / "older.vtkhdf", mode="a")
 
 
 class Reading:

@@ -50,7 +50,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.frame import Frame
+from shellcut.frame import ROWS, SIZED_BY, Frame, Rows
 
 MEMBRANE, CABLE, TOOL, FLANK, EDGE = range(5)
 """Values of the cell array ``part``."""
@@ -61,39 +61,25 @@ LINE, TRIANGLE, QUAD = 3, 5, 9
 KEPT_BITS = 12
 """Of the 23 in the mantissa of a single, for all floating-point arrays but the points."""
 
-POINT_ARRAYS: dict[str, tuple[Any, tuple[int, ...]]] = {
-    "displacement [mm]": (np.float32, (3,)),
-    "velocity [mm per s]": (np.float32, (3,)),
-    "director": (np.float32, (3,)),
-    "held": (np.uint8, ()),
-}
+_KEPT_AS = {np.float64: np.float32, np.bool_: np.uint8, np.int8: np.uint8, np.int64: np.uint16}
+"""Type of an array in a file by the type of its field."""
+
+
+def _tables(of_points: bool) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    return {
+        array: (_KEPT_AS[rows.dtype], rows.shape if len(rows.arrays) == 1 else ())
+        for rows in ROWS.values()
+        for array in rows.arrays
+        if (rows.of == "node") == of_points
+    }
+
+
+_DISPLACEMENT = "displacement [mm]"
+
+POINT_ARRAYS = {_DISPLACEMENT: (np.float32, (3,))} | _tables(of_points=True)
 """Type and shape of a row of each array on the points; they speak of the nodes."""
 
-# Cell arrays of the membrane, each with the field of Frame that it holds, all of it or a column.
-_OF_QUADS: dict[str, tuple[str, int | None]] = {
-    "membrane stress [MPa]": ("quad_stress", None),
-    "top stress [MPa]": ("quad_stress_top", None),
-    "bottom stress [MPa]": ("quad_stress_bottom", None),
-    "largest principal stress [MPa]": ("quad_principal", 0),
-    "smallest principal stress [MPa]": ("quad_principal", 1),
-    "largest principal stress, top [MPa]": ("quad_principal_top", 0),
-    "smallest principal stress, top [MPa]": ("quad_principal_top", 1),
-    "largest principal stress, bottom [MPa]": ("quad_principal_bottom", 0),
-    "smallest principal stress, bottom [MPa]": ("quad_principal_bottom", 1),
-    "thickness [mm]": ("quad_thickness", None),
-}
-
-CELL_ARRAYS: dict[str, tuple[Any, tuple[int, ...]]] = {
-    "part": (np.uint8, ()),
-    **{
-        name: (np.float32, (3,) if field.startswith("quad_stress") else ())
-        for name, (field, _) in _OF_QUADS.items()
-    },
-    "traction [MPa]": (np.float32, ()),
-    "opening [mm]": (np.float32, ()),
-    "cable state": (np.uint8, ()),
-    "tooth": (np.uint16, ()),
-}
+CELL_ARRAYS = {"part": (np.uint8, ())} | _tables(of_points=False)
 """Type and shape of a row of each array on the cells."""
 
 
@@ -111,15 +97,14 @@ class Counts(NamedTuple):
     @classmethod
     def of(cls, frame: Frame) -> Counts:
         """Count what a frame holds."""
-        return cls(
-            len(frame.points),
-            len(frame.quads),
-            len(frame.cable_segments),
-            len(frame.tool_points),
-            len(frame.tool_triangles),
-            len(frame.crack_edges),
-            len(frame.edge_points),
-        )
+        return cls(**{entity: len(getattr(frame, array)) for entity, array in SIZED_BY.items()})
+
+    def rows(self, entity: str) -> slice:
+        """Return the rows of an entity's arrays, on the points of a node's, else on the cells."""
+        if entity == "node":
+            return slice(0, self.node)
+        part = ("quad", "segment", "triangle", "crack", "edge").index(entity)
+        return slice((0, *self.cells)[part], self.cells[part])
 
     @property
     def points(self) -> tuple[int, ...]:
@@ -203,35 +188,30 @@ def frame_of(
     nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])
     row_ends = _ends(4 * n.quad, 2 * n.segment, 3 * n.triangle, 4 * n.crack)
     quads, _, triangles, flanks, _ = np.split(np.asarray(connectivity, np.int64), row_ends)
-    quad_end, segment_end, triangle_end, crack_end, _ = n.cells
-    segments = slice(quad_end, segment_end)
-    columns: dict[str, list[Any]] = {}
-    for name, (field, _) in _OF_QUADS.items():
-        columns.setdefault(field, []).append(arrays[name][:quad_end])
-    of_quads: dict[str, Any] = {
-        field: values[0] if len(values) == 1 else np.stack(values, axis=1)
-        for field, values in columns.items()
+    fields = {
+        name: _field_of(rows, arrays, n.rows(rows.of))
+        for name, rows in ROWS.items()
+        if rows.arrays and all(array in arrays for array in rows.arrays)
     }
     return Frame(
         points=nodes,
-        reference=nodes - arrays["displacement [mm]"][: n.node],
-        director=arrays["director"][: n.node],
-        velocity=arrays["velocity [mm per s]"][: n.node],
-        held=arrays["held"][: n.node].astype(bool),
+        reference=nodes - arrays[_DISPLACEMENT][: n.node],
         quads=quads.reshape(-1, 4),
-        **of_quads,
         crack_edges=flanks.reshape(-1, 2, 2),
         cable_segments=cable_ends.reshape(-1, 2, 3),
-        cable_state=arrays["cable state"][segments].astype(np.int8),
-        cable_traction=arrays["traction [MPa]"][segments],
-        cable_opening=arrays["opening [mm]"][segments],
         tool_points=vertices,
         tool_triangles=triangles.reshape(-1, 3) - n.points[1],
-        tool_tooth=arrays["tooth"][segment_end:triangle_end].astype(np.int64),
         edge_points=edge_ends.reshape(-1, 2, 3),
-        edge_tooth=arrays["tooth"][crack_end:].astype(np.int64),
+        **fields,
         **others,
     )
+
+
+def _field_of(rows: Rows, arrays: Mapping[str, Any], some: slice) -> Any:
+    """Return one field of a frame from its arrays in the file."""
+    columns = [arrays[name][some] for name in rows.arrays]
+    values = columns[0] if len(columns) == 1 else np.stack(columns, axis=1)
+    return values.astype(rows.dtype)
 
 
 def series_of(frame: Frame) -> dict[str, float]:
@@ -255,33 +235,34 @@ def _ends(*counts: int) -> tuple[int, ...]:
 
 
 def _point_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    zeros = np.zeros((n.points[-1] - n.node, 3), np.float32)
-    values = (frame.displacement, frame.velocity, frame.director)
-    arrays = {
-        name: np.concatenate((_rounded(value), zeros))
-        for name, value in zip(POINT_ARRAYS, values, strict=False)
-    }
-    return arrays | {"held": np.concatenate((frame.held, zeros[:, 0])).astype(np.uint8)}
+    arrays = _zeros(POINT_ARRAYS, n.points[-1])
+    arrays[_DISPLACEMENT][: n.node] = _rounded(frame.displacement)
+    _fill(arrays, frame, n)
+    return arrays
 
 
 def _cell_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
-    n_cell = n.cells[-1]
-    quad_end, segment_end, triangle_end, crack_end, _ = n.cells
-    arrays = {
-        name: np.zeros((n_cell, *shape), dtype) for name, (dtype, shape) in CELL_ARRAYS.items()
-    }
+    arrays = _zeros(CELL_ARRAYS, n.cells[-1])
     for part, (first, last) in enumerate(zip((0, *n.cells), n.cells, strict=False)):
         arrays["part"][first:last] = part
-    for name, (field, column) in _OF_QUADS.items():
-        values = getattr(frame, field)
-        arrays[name][:quad_end] = _rounded(values if column is None else values[:, column])
-    segments = slice(quad_end, segment_end)
-    arrays["traction [MPa]"][segments] = _rounded(frame.cable_traction)
-    arrays["opening [mm]"][segments] = _rounded(frame.cable_opening)
-    arrays["cable state"][segments] = frame.cable_state
-    arrays["tooth"][segment_end:triangle_end] = frame.tool_tooth
-    arrays["tooth"][crack_end:] = frame.edge_tooth
+    _fill(arrays, frame, n)
     return arrays
+
+
+def _zeros(table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int) -> dict[str, Any]:
+    return {name: np.zeros((count, *shape), dtype) for name, (dtype, shape) in table.items()}
+
+
+def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
+    """Write the fields of a frame into those of their arrays that are here."""
+    for name, rows in ROWS.items():
+        values = getattr(frame, name)
+        if rows.dtype is np.float64:
+            values = _rounded(values)
+        for column, array in enumerate(rows.arrays):
+            if array in arrays:
+                one = values if len(rows.arrays) == 1 else values[:, column]
+                arrays[array][n.rows(rows.of)] = one
 
 
 def _rounded(values: Floats) -> Any:

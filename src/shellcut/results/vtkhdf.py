@@ -291,9 +291,10 @@ class VtkHdfWriter(GrowingFile):
         )
 
     def _open_old(self) -> None:
-        if not is_ours(self._file):
+        if not is_ours(self._file) or not _has_all_arrays(self._file["VTKHDF"]):
             raise ValueError(
-                f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
+                f"{self.path} was not written by shellcut, or by an older version; move it away or "
+                "begin anew with mode 'w'"
             )
         self._root = self._file["VTKHDF"]
         self._columns = Columns(self._root)
@@ -342,7 +343,12 @@ class VtkHdfWriter(GrowingFile):
 
 
 def is_ours(file: Any) -> bool:
-    """Whether an open file was written by this class, with all that its present version writes."""
-    wanted = [f"VTKHDF/CellData/{name}" for name in CELL_ARRAYS]
+    """Whether an open file was written by this class; an older one may lack some arrays."""
+    wanted = ["VTKHDF/Steps", "VTKHDF/CellData/part"]
     wanted += [f"{BESIDE}/{name}" for name in ("counts", "pose", DIGESTS)]
-    return all(name in file for name in ("VTKHDF/Steps", *wanted))
+    return all(name in file for name in wanted)
+
+
+def _has_all_arrays(root: Any) -> bool:
+    tables = (("PointData", POINT_ARRAYS), ("CellData", CELL_ARRAYS))
+    return all(name in root[data] for data, table in tables for name in table)

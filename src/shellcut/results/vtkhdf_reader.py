@@ -186,9 +186,15 @@ class VtkHdfReader:
         point, n_point = steps["PointOffsets"][k], counts.points[-1]
         cell, n_cell = steps["CellOffsets"][k, 0], counts.cells[-1]
         data = steps["CellDataOffsets/part"][k]
-        arrays = {name: rows(root["PointData"][name], point, n_point) for name in POINT_ARRAYS} | {
-            name: rows(root["CellData"][name], data, n_cell) for name in CELL_ARRAYS
+        # Fields that came later are left out of older files.
+        on_points = {
+            name: root["PointData"][name] for name in POINT_ARRAYS if name in root["PointData"]
         }
+        on_cells = {
+            name: root["CellData"][name] for name in CELL_ARRAYS if name in root["CellData"]
+        }
+        arrays = {name: rows(column, point, n_point) for name, column in on_points.items()}
+        arrays |= {name: rows(column, data, n_cell) for name, column in on_cells.items()}
         points = rows(root["Points"], point, n_point)
         connectivity = rows(root["Connectivity"], first_id, int(n_id))
         cells = {
