@@ -21,6 +21,7 @@ from shellcut.model_file.run_sections import Head, Output, SupportSection
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.model_file.writer import written
 from shellcut.models import Case
+from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -341,7 +342,7 @@ def test_a_ramp_rises_to_one(tmp_path):
 
 
 def test_outputs_are_those_of_a_run():
-    assert set(Output().arguments()) <= set(inspect.signature(Case.run).parameters)
+    assert set(Output().arguments()) <= set(inspect.signature(RunOptions).parameters)
 
 
 def test_the_disc_of_a_free_model():

@@ -18,7 +18,7 @@ from shellcut.loads.loads import (
     steady,
 )
 from shellcut.loads.supports import Support
-from shellcut.models import Case
+from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 
@@ -124,7 +124,7 @@ class Damping(Section):
     )
 
 
-@section("output", of=Case.run)
+@section("output", of=RunOptions)
 class Output(Section):
     """What a run leaves; see also the flags of ``shellcut run``."""
 

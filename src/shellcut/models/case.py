@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from shellcut.checks import ModelCheck, check_model
 from shellcut.imprinting import ImprintResult
@@ -64,21 +64,7 @@ class Case:
         """What the checks before the run find; to be asked for at t = 0."""
         return check_model(self.simulation, self.duration)
 
-    def run(
-        self,
-        folder: str | os.PathLike[str],
-        *,
-        n_row: int = 1900,
-        n_frame: int = 100,
-        n_snapshot: int = 5,
-        progress: bool = True,
-        pvd: bool = False,
-        log: Callable[[str], None] | None = None,
-        checkpoint_every: float | None = 60.0,
-        resume: bool = False,
-        force: bool = False,
-        replace: bool = True,
-    ) -> None:
+    def run(self, folder: str | os.PathLike[str], **options: Any) -> None:
         """Run to the end and leave everything in ``folder``, see :class:`Recorder`.
 
         What the checks of the model doubt is logged before the run, what the figures of the run
@@ -93,13 +79,10 @@ class Case:
         ----------
         folder : path
             Where to.
-        n_row, n_frame, n_snapshot, progress, pvd, log, checkpoint_every, replace
-            As :class:`Recorder`.
-        resume : bool
-            Go on with the run in ``folder``, on a case just built from the same inputs; a run that
-            has ended is left as it is, and a line says so.
-        force : bool
-            Run what a check refuses, where that can make sense.
+        **options
+            As the fields of :class:`~shellcut.recording.run_options.RunOptions`: how many rows,
+            frames and pictures; progress; checkpoints; ``resume`` to go on with the run in
+            ``folder``, which is left as it is if it has ended, and a line says so.
 
         Raises
         ------
@@ -135,17 +118,8 @@ class Case:
                 folder,
                 until=self.duration,
                 name=self.name,
-                n_row=n_row,
-                n_frame=n_frame,
-                n_snapshot=n_snapshot,
-                progress=progress,
-                pvd=pvd,
-                log=log,
-                checkpoint_every=checkpoint_every,
-                resume=resume,
                 check=self.check,
-                force=force,
-                replace=replace,
+                **options,
             )
         except RunEnded as ended:
             _log.warning("%s; nothing was changed", ended)

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from .cut_front import CutFront
 from .frame_capture import Exposure
 from .history_row import history_row
 from .run_files import RunFiles
+from .run_options import RunOptions
 from .run_summary import run_summary
 from .schedule import Bookmark
 from .status_line import account_line
@@ -70,34 +72,17 @@ class Recorder:
         End of the run [s], for the intervals and the progress.
     name : str
         Stem of the result file and title of the pictures.
-    n_row, n_frame, n_snapshot : int
-        How many rows, frames and pictures over the run.
-    progress : bool
-        Whether to show on standard error how far the run is, with a line of account every 5 %.
-    pvd : bool
-        Whether to write the frames as PVD + VTU too, for ParaView before 5.12; that takes some
-        eight times as long as a frame else.
-    log : callable, optional
-        Also given each line that is shown.
-    checkpoint_every : float or None
-        Wall time between two checkpoints [s], the first one at the start; None makes one only when
-        the run ends or is interrupted. One is always made then, unless the run died within a step.
-    resume : bool
-        Go on from the checkpoint in ``folder``: ``sim``, just built, is put into its state, and the
-        files are appended to. Rows, frames and pictures keep the intervals they began with.
     check : ModelCheck, optional
         Of this very model, if it is known; else it is made here.
-    force : bool
-        Run what a check refuses, where that can make sense.
+    also : sequence of str
+        Names of further files in the folder that belong to the run and go with it.
+    **options
+        As the fields of :class:`~shellcut.recording.run_options.RunOptions`.
 
     Attributes
     ----------
     verdict : tuple of Line
         What of the run may be trusted; empty before it has ended.
-    replace : bool
-        Whether an earlier run in the folder may be removed.
-    also : sequence of str
-        Names of further files in the folder that belong to the run and go with it.
 
     Raises
     ------
@@ -114,8 +99,6 @@ class Recorder:
         If the run to resume has reached ``until``; nothing in the folder has been touched.
     RefusedModel
         If a check of the model refuses it; nothing in the folder has been touched.
-        If the run to resume has reached ``until`` and left everything; nothing in the folder has
-        been touched.
     FolderLost
         During the run, if somebody removes, moves or empties the folder.
     OSError
@@ -129,28 +112,16 @@ class Recorder:
         *,
         until: float,
         name: str,
-        n_row: int = 1900,
-        n_frame: int = 100,
-        n_snapshot: int = 5,
-        progress: bool = True,
-        pvd: bool = False,
-        log: Callable[[str], None] | None = None,
-        checkpoint_every: float | None = 60.0,
-        resume: bool = False,
         check: ModelCheck | None = None,
-        force: bool = False,
-        replace: bool = True,
         also: Sequence[str] = (),
+        **options: Any,
     ) -> None:
         if sim.motion is None or sim.tool is None:
             raise ValueError("a Recorder needs a simulation with a tool and its motion")
-        if checkpoint_every is not None and not checkpoint_every >= 0:
-            raise ValueError(
-                f"checkpoint_every must be a wall time in s, or None, got {checkpoint_every!r}"
-            )
+        chosen = RunOptions(**options)
         self._check = check or check_model(sim, until)
-        if not resume:
-            self._check.enforce(force=force)
+        if not chosen.resume:
+            self._check.enforce(force=chosen.force)
         self._check.say()
         self.verdict: tuple[Line, ...] = ()
         self.folder = Path(folder)
@@ -164,18 +135,21 @@ class Recorder:
         # nothing is known beforehand, and each picture has its own.
         self._stress_limits = None if sim.law is None else (0.0, sim.law.strength)
         self._mark = Bookmark.at_start(
-            until=until, n_row=n_row, n_frame=n_frame, n_snapshot=n_snapshot
+            until=until,
+            n_row=chosen.n_row,
+            n_frame=chosen.n_frame,
+            n_snapshot=chosen.n_snapshot,
         )
-        if resume and not (self.folder / CHECKPOINT).exists():
+        if chosen.resume and not (self.folder / CHECKPOINT).exists():
             raise FileNotFoundError(
                 f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
             )
         columns = [(column, unit) for column, unit, _ in self._row()]
         curve = self.resistance.columns[0][0]
-        self._files = RunFiles(folder, name, curve, columns=columns, pvd=pvd, also=also)
+        self._files = RunFiles(folder, name, curve, columns=columns, pvd=chosen.pvd, also=also)
         with ExitStack() as on_error:
             on_error.callback(self._files.give_back)
-            if resume:
+            if chosen.resume:
                 self._mark = self._take_up_run()
                 self._files.go_on(
                     row_time=self._mark.row_time,
@@ -183,16 +157,20 @@ class Recorder:
                     n_picture=self._mark.n_picture,
                 )
             else:
-                self._files.begin(n_snapshot=n_snapshot, n_frame=n_frame, replace=replace)
+                self._files.begin(
+                    n_snapshot=chosen.n_snapshot, n_frame=chosen.n_frame, replace=chosen.replace
+                )
             on_error.pop_all()
         self._account_due = Trigger(until / _N_ACCOUNT)
         self._accounted = -1  # step of the last line of account
-        self._progress = self._make_progress(log) if progress else None
+        self._progress = self._make_progress(chosen.log) if chosen.progress else None
         self._wires = ToolWires(sim.tool)
-        self._checkpoint_every = np.inf if checkpoint_every is None else checkpoint_every
+        self._checkpoint_every = (
+            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
+        )
         self._checkpoint_failed = False
         self._started = self._looked = time.perf_counter()
-        self._saved = self._started if resume else -np.inf
+        self._saved = self._started if chosen.resume else -np.inf
         self._record_failed = self._closed = False
 
     def due(self, sim: Simulation) -> bool:
