@@ -18,7 +18,7 @@ from shellcut.command_line import main
 from shellcut.files import run_folder
 from shellcut.report import pictures, report
 from shellcut.report.chart import Curve, _columns, _ticks, chart
-from shellcut.report.figures import key_figures, with_unit
+from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.view import Panels, draw_snapshot, snapshot_limits
 
 CHROMIUM = next(

@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.results.summary_figures import plain_figures
 from shellcut.results.verdict import Line
 
 from .exit_code import BAD_INPUT, DONE, FAILED, INTERRUPTED, STOPPED
@@ -26,24 +27,12 @@ USED, LOG = "used.toml", "run.log"
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
-_FIGURES = {
-    "n_step": "steps",
-    "wall_s": "stepping and output [s]",
-    "torque_plateau_Nmm": "torque, mean over {window} [N*mm]",
-    "torque_peak_Nmm": "torque, peak [N*mm]",
-    "axial_force_plateau_N": "axial force, mean over {window} [N]",
-    "force_plateau_N": "force, mean over {window} [N]",
-    "force_peak_N": "force, peak [N]",
-    "tool_work_Nmm": "work of the tool [N*mm]",
-    "cohesive_work_Nmm": "work of the cables [N*mm]",
-    "crack_length_mm": "crack length [mm]",
-    "n_cable_created": "cables made",
-    "n_cable_jointed": "cables met by the blade",
-    "n_cable_broken": "cables broken",
-    "imbalance_rel": "largest imbalance of the energies, of the work [-]",
-    "kinetic_rel": "largest kinetic energy, of the work [-]",
-}
-"""What of ``summary.json`` is said at the end."""
+_FIGURES = (
+    *("n_step", "wall_s", "torque_plateau_Nmm", "torque_peak_Nmm", "axial_force_plateau_N"),
+    *("force_plateau_N", "force_peak_N", "tool_work_Nmm", "cohesive_work_Nmm", "crack_length_mm"),
+    *("n_cable_created", "n_cable_jointed", "n_cable_broken", "imbalance_rel", "kinetic_rel"),
+)
+"""The figures of ``summary.json`` that are said at the end."""
 
 
 def carry_out(
@@ -208,22 +197,11 @@ def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import files_there
 
     summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    window = _window(summary)
-    for name, words in _FIGURES.items():
-        if name in summary:
-            log.say(f"{words.format(window=window):<52} {summary[name]:>12,.6g}")
+    for label, value in plain_figures(summary, _FIGURES):
+        log.say(f"{label:<52} {value:>12,.6g}")
     if "no_window" in summary:
         log.say(f"no steady window, hence no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
     if not log.has_verdict:  # it had ended before
         for line in summary.get("verdict", ()):
             log.keep_for_last(str(Line(**line)))
-
-
-def _window(summary: dict[str, Any]) -> str:
-    """Return where the cut is steady, as "27.4 to 67.3 deg"; nothing if it is nowhere."""
-    for unit in ("deg", "mm"):
-        if f"window_from_{unit}" in summary:
-            low, high = (summary[f"window_{end}_{unit}"] for end in ("from", "to"))
-            return f"{low:.3g} to {high:.3g} {unit}"
-    return ""

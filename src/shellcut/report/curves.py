@@ -11,9 +11,9 @@ import numpy as np
 from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
 from shellcut.results.energy_balance import energy_shares, work_put_in
+from shellcut.results.summary_figures import window_of
 
 from .chart import Curve, chart
-from .figures import window_of
 from .gathered import Gathered
 from .markup import figure_of, in_unit, missing, pretty, table
 

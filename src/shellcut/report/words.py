@@ -15,10 +15,10 @@ import numpy as np
 from shellcut.frame import Frame
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
 from shellcut.results.cut_quality import cut_quality
+from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line, verdict
 from shellcut.view import edge_length
 
-from .figures import key_figures
 from .gathered import Gathered
 from .markup import figure_of, in_unit, missing, table
 

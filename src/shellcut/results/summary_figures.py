@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 # Endings of the names tell the unit; longer ones first.
@@ -11,7 +11,7 @@ _UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", 
 _STEADY = " over {window}"
 """Where the window of the figures is said."""
 
-_LABELS = {
+LABELS = {
     "torque_plateau_Nmm": f"torque, mean{_STEADY}",
     "torque_peak_Nmm": "torque, peak",
     "torque_peak_at_deg": "torque, peak at",
@@ -35,15 +35,17 @@ _LABELS = {
     "dW_dtheta_Nmm": f"tool's work per radian{_STEADY}",
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",
     "dW_ds_N": f"tool's work per mm{_STEADY}",
-    "n_cable_created": "cables created",
-    "n_cable_jointed": "cables bent around the edge",
+    "n_cable_created": "cables made",
+    "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",
     "n_split": "splits",
     "n_quad": "quads",
     "n_step": "steps",
     "ns_per_quad_step": "time of computing per quad and step",
-    "wall_s": "time of computing",
+    "wall_s": "time of computing and output",
     "pictures_s": "time of drawing",
+    "imbalance_rel": "largest imbalance of the energies, over the work",
+    "kinetic_rel": "largest kinetic energy, over the work",
     "added_inertia_factor": "scale of the rotary inertia",
     "deepest_penetration_mm": "nodes in the tool, at most",
     "tool_half_thickness_mm": "tool, half thickness",
@@ -51,8 +53,9 @@ _LABELS = {
     "largest_overshoot_mm": "edge past a cable before it was met, at most",
     "n_recovery_borrowed": "stresses from a neighbour's patch",
 }
+"""Of each figure, in the order in which they are shown; the unit stands in its name."""
 
-# Judged or shown elsewhere in the report.
+# Of the report: judged or shown elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
 _ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
 _ELSEWHERE |= {"resistance", "no_window"}
@@ -67,13 +70,29 @@ def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     >>> key_figures({"n_step": 39194, "torque_peak_Nmm": 208.17})
     [('torque, peak', '208.2 N·mm'), ('steps', '39,194')]
     """
-    known = [key for key in _LABELS if key in summary]
-    others = [key for key in summary if key not in _LABELS and key not in _ELSEWHERE]
+    known = [key for key in LABELS if key in summary and key not in _ELSEWHERE]
+    others = [key for key in summary if key not in LABELS and key not in _ELSEWHERE]
     window = window_of(summary)
     return [
         (_label(key).format(window=window), with_unit(key, summary[key]))
         for key in [*known, *others]
     ]
+
+
+def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[tuple[str, float]]:
+    """Yield label with unit and value of some figures, in ASCII for any terminal.
+
+    Examples
+    --------
+    >>> list(plain_figures({"n_step": 39194, "torque_peak_Nmm": 208.17}, ["torque_peak_Nmm"]))
+    [('torque, peak [N*mm]', 208.17)]
+    """
+    window = window_of(summary).replace("°", " deg").replace("-", " to ")
+    for name in names:
+        if name in summary:
+            unit = "-" if name.endswith("_rel") else _unit(name).replace("·", "*")
+            label = LABELS[name].format(window=window)
+            yield f"{label} [{unit}]" if unit else label, summary[name]
 
 
 def window_of(summary: Mapping[str, Any]) -> str:
@@ -95,13 +114,17 @@ def with_unit(key: str, value: Any) -> str:
     """Return a figure of ``summary.json`` with the unit that its name ends with."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
-    unit = next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+    unit = _unit(key)
     number = f"{value:,}" if isinstance(value, int) else f"{value:.4g}"
     return f"{number}{'' if unit in ('', '°') else ' '}{unit}"
 
 
+def _unit(key: str) -> str:
+    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+
+
 def _label(key: str) -> str:
-    if key in _LABELS:
-        return _LABELS[key]
+    if key in LABELS:
+        return LABELS[key]
     ending = next((ending for ending in _UNITS if key.endswith(ending)), "")
     return key.removesuffix(ending).removeprefix("n_").replace("_", " ")
