@@ -17,11 +17,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.numerics.jit import inline, kernel
+
+Unloading: TypeAlias = Literal["secant", "elastic"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +65,7 @@ class CohesiveLaw:
     opening_p: float = 3.0
     opening_u: float = 4.0
     onset: float = 5e-3
-    unloading: str = "secant"
+    unloading: Unloading = "secant"
     unloading_stiffness: float = 1000.0
 
     def __post_init__(self) -> None:
@@ -86,7 +89,7 @@ class CohesiveLaw:
                 problems.append(
                     f"onset must be small beside opening_u = {self.opening_u} mm, got {self.onset}"
                 )
-            if self.unloading not in ("secant", "elastic"):
+            if self.unloading not in get_args(Unloading):
                 problems.append(f"unloading must be 'secant' or 'elastic', got {self.unloading!r}")
             if self.unloading == "elastic" and self.unloading_stiffness * self.opening_a < (
                 self.strength - self.plateau

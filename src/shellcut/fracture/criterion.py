@@ -29,7 +29,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -43,6 +43,10 @@ from shellcut.tool.tool import Tool
 
 from .blade_cut import BladeCut
 from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
+
+Measure: TypeAlias = Literal["force", "stress"]
+StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
+Candidates: TypeAlias = Literal["tips", "all"]
 
 
 @dataclass(frozen=True)
@@ -72,9 +76,9 @@ class Fracture:
     True
     """
 
-    criterion: str = "force"
-    stress_place: str = "mid"
-    candidates: str = "tips"
+    criterion: Measure = "force"
+    stress_place: StressPlace = "mid"
+    candidates: Candidates = "tips"
     blade_cut: bool = True
     turn_limit_deg: float = 57.0
     check_every: int = 10
@@ -82,13 +86,12 @@ class Fracture:
 
     def __post_init__(self) -> None:
         problems = []
-        places = ("mid", "top", "bottom", "largest", "nominal")
-        for name, allowed in (
-            ("criterion", ("force", "stress")),
-            ("candidates", ("tips", "all")),
-            ("stress_place", places),
+        for name, choices in (
+            ("criterion", Measure),
+            ("candidates", Candidates),
+            ("stress_place", StressPlace),
         ):
-            if getattr(self, name) not in allowed:
+            if getattr(self, name) not in (allowed := get_args(choices)):
                 problems.append(f"{name} must be one of {allowed}, got {getattr(self, name)!r}")
         if not 0 < self.turn_limit_deg < 180:
             problems.append(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 import scipy
@@ -30,6 +30,8 @@ from .film_doubts import film_doubts
 from .film_size import check_film_size
 from .mesh import Mesh, MeshError
 from .triangles_to_quads import split_in_quads
+
+Triangles: TypeAlias = Literal["refuse", "split"]
 
 _log = logging.getLogger("shellcut.film_file")
 
@@ -51,7 +53,7 @@ def read_film(
     path: str | Path,
     *,
     unit: str | float | None = None,
-    triangles: Literal["refuse", "split"] = "refuse",
+    triangles: Triangles = "refuse",
     leave_out: Collection[str] = (),
     merge: float | None = None,
     max_fold_deg: float = 60.0,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
-from shellcut.mesh.film_file import read_film
+from shellcut.mesh.film_file import Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
-from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut.mesh.structured import OpeningName, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test
 from shellcut.models.guillotine import notched_strip
 
@@ -39,7 +39,7 @@ class OpeningDisc(Section):
     """The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre."""
 
     mesh: str = key(
-        choice("quick", "M1", "M2"),
+        choice(*get_args(OpeningName)),
         "612, 2660 or 8625 quads",
         default=default_of(opening_test, "mesh"),
         parameter="name",
@@ -110,7 +110,7 @@ class FilmFile(Section):
         unset="guessed, and said",
     )
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
-    triangles: str = key(choice("refuse", "split"), "what to do with triangles")
+    triangles: str = key(choice(*get_args(Triangles)), "what to do with triangles")
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
     merge: float | None = key(
         number("mm"), "nodes nearer than this are one", unset="none are merged"

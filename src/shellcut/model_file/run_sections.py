@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, Unloading
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.criterion import Candidates, Fracture, Measure, StressPlace
 from shellcut.loads.loads import (
     EdgeTraction,
     Gravity,
@@ -18,6 +18,7 @@ from shellcut.loads.loads import (
     steady,
 )
 from shellcut.loads.supports import Support
+from shellcut.mitc4.shell import Precision
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
@@ -52,7 +53,7 @@ class Head(Section):
         default=default_of(Simulation, "directional"),
     )
     precision: str = key(
-        choice("double", "single"),
+        choice(*get_args(Precision)),
         "of what is kept and computed of each quad; nodes are double either way",
         default=default_of(Simulation, "precision"),
     )
@@ -74,7 +75,7 @@ class Cohesive(Section):
     opening_p: float = key(number("mm"), "l_P, end of the plateau")
     opening_u: float = key(number("mm"), "l_U, at which the cable breaks")
     onset: float = key(number("mm"), "delta_0, over which the force turns to the opening")
-    unloading: str = key(choice("secant", "elastic"), "how a cable unloads")
+    unloading: str = key(choice(*get_args(Unloading)), "how a cable unloads")
     unloading_stiffness: float = key(number("MPa/mm"), "slope of the elastic unloading")
 
 
@@ -92,11 +93,9 @@ class ContactSection(Section):
 class FractureSection(Section):
     """How cracks start and run."""
 
-    criterion: str = key(choice("force", "stress"), "measure of a split")
-    stress_place: str = key(
-        choice("mid", "top", "bottom", "largest", "nominal"), "where the stress is read"
-    )
-    candidates: str = key(choice("tips", "all"), "which nodes may split by the measure")
+    criterion: str = key(choice(*get_args(Measure)), "measure of a split")
+    stress_place: str = key(choice(*get_args(StressPlace)), "where the stress is read")
+    candidates: str = key(choice(*get_args(Candidates)), "which nodes may split by the measure")
     blade_cut: bool = key(flag, "whether the blade splits what it pierces and passes")
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.criterion import Fracture, Measure
 from shellcut.imprinting import PathCurve, imprint
 from shellcut.mesh.structured import rectangle
 from shellcut.view._raster import Canvas
@@ -20,7 +20,7 @@ from .guillotine import guillotine
 
 
 def warmup(
-    criteria: Sequence[str] = ("force", "stress"), precisions: Sequence[str] = ("double",)
+    criteria: Sequence[Measure] = ("force", "stress"), precisions: Sequence[str] = ("double",)
 ) -> None:
     """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
 
