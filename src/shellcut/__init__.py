@@ -17,7 +17,7 @@ from .fracture.criterion import Fracture
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
-from .material.shell_material import ShellMaterial
+from .material.shell_material import Elastic, Layer, ShellMaterial
 from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline
@@ -32,6 +32,7 @@ from .report import report
 from .results.comparison import Comparison, compare
 from .results.measured_curve import MeasuredCurve, read_measured_curve
 from .results.run_results import Results, read
+from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
@@ -47,10 +48,13 @@ __all__ = [
     "Comparison",
     "Contact",
     "EdgeTraction",
+    "Elastic",
     "Fracture",
     "Gravity",
+    "Hook",
     "ImprintError",
     "ImprintResult",
+    "Layer",
     "MeasuredCurve",
     "Mesh",
     "ModelFileError",
@@ -65,6 +69,7 @@ __all__ = [
     "Simulation",
     "Statics",
     "Stepping",
+    "StopRun",
     "StraightMotion",
     "Support",
     "TableMotion",

@@ -34,6 +34,12 @@ class Elastic:
         Poisson's ratio.
     density : float
         Reference density [t/mm³].
+
+    Examples
+    --------
+    >>> aluminium = Elastic(young=70_000.0, poisson=0.33, density=2.7e-9)
+    >>> round(float(aluminium.plane_stress()[0, 0]))
+    78555
     """
 
     young: float
@@ -86,7 +92,29 @@ class Elastic:
 
 @dataclass(frozen=True)
 class Layer:
-    """One ply: a material and its thickness [mm]."""
+    """One ply of a film.
+
+    Parameters
+    ----------
+    material : Elastic
+        What it is made of.
+    thickness : float
+        Its thickness [mm].
+
+    Raises
+    ------
+    ValueError
+        If the thickness is not positive.
+
+    Examples
+    --------
+    Aluminium foil on polyethylene:
+
+    >>> foil = Layer(Elastic(young=70_000.0, poisson=0.33, density=2.7e-9), thickness=0.009)
+    >>> liner = Layer(Elastic(young=200.0, poisson=0.42, density=0.92e-9), thickness=0.065)
+    >>> ShellMaterial([liner, foil]).thickness
+    0.074
+    """
 
     material: Elastic
     thickness: float

@@ -9,18 +9,53 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from .simulation import Simulation
 
 
 class StopRun(Exception):
-    """Raised by a hook that has seen enough."""
+    """Raised by a hook that has seen enough; the run ends after this step.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> class Until:
+    ...     def due(self, sim: shellcut.Simulation) -> bool:
+    ...         return sim.state.step >= 3
+    ...
+    ...     def __call__(self, sim: shellcut.Simulation) -> None:
+    ...         raise shellcut.StopRun
+    ...
+    ...     def close(self) -> None:
+    ...         pass
+    >>> case = shellcut.guillotine(1.0, length=6.0, width=4.0)
+    >>> case.simulation.run(case.duration, [Until()])
+    >>> case.simulation.state.step
+    3
+    """
 
 
+@runtime_checkable
 class Hook(Protocol):
-    """Reads the simulation now and then."""
+    """Reads the simulation now and then; any object with these three methods is one.
+
+    :class:`~shellcut.simulation.hooks.Sampler` is a ready one that keeps what a function returns.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> from shellcut.simulation.hooks import Sampler
+    >>> case = shellcut.guillotine(1.0, length=6.0, width=4.0)
+    >>> sim = case.simulation
+    >>> pull = Sampler(1e-6, lambda sim: float(sim.tooth_wrenches[:, 2].sum()))
+    >>> isinstance(pull, shellcut.Hook)
+    True
+    >>> sim.run(5e-6, [pull])
+    >>> len(pull.values)
+    6
+    """
 
     def due(self, sim: Simulation) -> bool:
         """Whether to be called at this step."""
