@@ -307,7 +307,7 @@ def test_ctrl_c_before_the_run_leaves_nothing(tmp_path, capsys, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(importlib.import_module("shellcut.warmup"), "warmup", interrupted)
+    monkeypatch.setattr(importlib.import_module("shellcut.models.warmup"), "warmup", interrupted)
     assert main(["run", "guillotine", "-o", str(tmp_path / "out"), *SHORT]) == 130
     assert "interrupted; nothing was run" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
