@@ -12,6 +12,11 @@ QUICK = {
     "own_tooth": [],
     "cut_quality": [],
     "compare_with_measured": [],
+    "reading_hook": [],
+    "tool_of_triangles": [],
+    "stretched_cut": [],
+    "laminate": [],
+    "vibration_modes": [],
 }
 """Arguments by example, in the order of the gallery: seconds each instead of minutes. An example
 that is missing is an error."""
@@ -20,6 +25,10 @@ OWN_PICTURES = {
     "own_tooth": ["torque.png"],
     "cut_quality": ["quality.png"],
     "compare_with_measured": ["comparison.png"],
+    "reading_hook": ["force.png"],
+    "stretched_cut": ["work.png"],
+    "laminate": ["stress.png"],
+    "vibration_modes": ["modes.png"],
 }
 """What an example shows; else the last snapshot and the curves of its run."""
 

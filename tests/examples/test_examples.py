@@ -72,6 +72,55 @@ def test_compare_with_measured(tmp_path):
     assert (tmp_path / "comparison.png").stat().st_size > 10_000
 
 
+def test_reading_hook(tmp_path):
+    told = run_example("reading_hook.py", tmp_path)
+    steady, place, theory = map(float, re.findall(r"[\d.]+(?= N| mm)", told))
+    assert place == pytest.approx(7.0, abs=0.02)  # where the hook ends the run
+    # Over two and a half edges of a coarse strip: within 10 % of G h.
+    assert steady == pytest.approx(theory, rel=0.10)
+    assert (tmp_path / "force.png").stat().st_size > 10_000
+
+
+def test_laminate(tmp_path):
+    told = run_example("laminate.py", tmp_path)
+    pairs = re.findall(r"(-?[\d.]+) (?:mm|MPa), composite beam (-?[\d.]+)", told)
+    (tip, beam), *stresses = [tuple(map(float, pair)) for pair in pairs]
+    # The clamp keeps the strip from curving across, which beams know nothing of: 1.1 %.
+    assert tip == pytest.approx(beam, rel=0.02)
+    assert len(stresses) == 2
+    for stress, of_beam in stresses:
+        assert stress == pytest.approx(of_beam, rel=5e-3)  # four digits are printed
+    assert (tmp_path / "stress.png").stat().st_size > 10_000
+
+
+def test_vibration_modes(tmp_path):
+    told = run_example("vibration_modes.py", tmp_path)
+    pairs = re.findall(r"([\d.]+) Hz, thin plate ([\d.]+) Hz", told)
+    assert len(pairs) == 4
+    for frequency, plate in pairs:
+        assert float(frequency) == pytest.approx(float(plate), rel=5e-3)  # of the mesh
+    assert (tmp_path / "modes.png").stat().st_size > 10_000
+
+
+def test_stretched_cut(tmp_path):
+    told = run_example("stretched_cut.py", tmp_path)
+    work = dict(re.findall(r"(loose|stretched): work of the tool ([\d.]+)", told))
+    # Where the cut lets the strip go slack it gives its energy, E/(1-nu²) e² / 2 times thickness,
+    # width and 6.9 mm of way: 0.24 of 15 N*mm, but for its ends and for vibration.
+    given = 0.5 * 1678.0 / (1.0 - 0.3**2) * 0.008**2 * 0.074 * 8.0 * 6.9
+    assert 0.2 * given < float(work["loose"]) - float(work["stretched"]) < 1.2 * given
+    assert (tmp_path / "work.png").stat().st_size > 10_000
+
+
+def test_tool_of_triangles(tmp_path):
+    told = run_example("tool_of_triangles.py", tmp_path)
+    assert "12 segments, 4.04" in told  # 2 R asin(H / 2R), as chords
+    crack = float(re.search(r"crack ([\d.]+) mm", told)[1])
+    # The edge is 6.9 mm on its way, the crack begins at the notch of 1.6 mm.
+    assert crack == pytest.approx(6.9 - 1.6, abs=0.8)
+    assert figures(tmp_path / "summary.json")["n_cable_jointed"] > 4
+
+
 def test_every_example_has_a_test():
     tested = {name.removeprefix("test_") for name in globals() if name.startswith("test_")}
     assert {path.stem for path in EXAMPLES.glob("*.py")} <= tested

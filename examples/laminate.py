@@ -1,0 +1,76 @@
+"""A laminate
+==========
+
+A strip of aluminium on polyethylene, clamped at one end, carries a line load at the other: the
+deflection by the theory of composite beams, and the stress at both faces. ::
+
+    python examples/laminate.py --out DIR
+"""
+
+import argparse
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+import shellcut as sc
+from shellcut.meshing import rectangle
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+LENGTH, WIDTH = 10.0, 1.0  # mm
+LOAD = 1e-5  # N/mm, along z at the free end
+
+LINER = sc.Layer(sc.Elastic(young=200.0, poisson=0.3, density=0.92e-9), thickness=0.065)
+FOIL = sc.Layer(sc.Elastic(young=70_000.0, poisson=0.3, density=2.7e-9), thickness=0.009)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="bend a strip of aluminium on polyethylene")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the picture")
+    out = parser.parse_args().out
+
+    mesh = rectangle(LENGTH, WIDTH, size=0.25)
+    strip = sc.Statics(
+        mesh,
+        sc.ShellMaterial([LINER, FOIL]),  # from the bottom to the top
+        supports=[sc.Support.clamped("left")],
+        loads=[sc.EdgeTraction("right", (0.0, 0.0, LOAD))],
+    )
+    solution = strip.linear()
+    tip = solution.displacement[mesh.node_set("right"), 2].mean()
+    bending, neutral = beam([LINER, FOIL])
+    theory = LOAD * WIDTH * LENGTH**3 / (3.0 * bending)
+    print(f"deflection {tip:.4f} mm, composite beam {theory:.4f} mm")
+
+    quads = np.flatnonzero(np.abs(mesh.nodes[mesh.quads, 1].mean(axis=1)) < 0.25)
+    x = mesh.nodes[mesh.quads[quads], 0].mean(axis=1)
+    faces = {place: solution.stress(quads, place=place)[:, 0, 0] for place in ("top", "bottom")}
+    out.mkdir(parents=True, exist_ok=True)
+    figure, axes = plt.subplots(figsize=(7.0, 3.6), layout="constrained")
+    height = {"top": FOIL.thickness + LINER.thickness - neutral, "bottom": -neutral}
+    for place, layer in (("top", FOIL), ("bottom", LINER)):
+        (line,) = axes.plot(x, faces[place], ".", label=f"{place} face")
+        moment = LOAD * WIDTH * (LENGTH - x)
+        by_beam = -moment * height[place] * layer.material.young / bending
+        axes.plot(x, by_beam, color=line.get_color(), lw=0.8)
+        middle = np.argmin(np.abs(x - 0.5 * LENGTH))
+        shell, by_theory = faces[place][middle], by_beam[middle]
+        print(f"{place} face at the middle: {shell:.4f} MPa, composite beam {by_theory:.4f} MPa")
+    axes.set(xlabel="x [mm]", ylabel="stress along x [MPa]", title="points: shell; lines: beam")
+    axes.legend()
+    figure.savefig(out / "stress.png", dpi=120)
+
+
+def beam(layers: list[sc.Layer]) -> tuple[float, float]:
+    """Return the bending stiffness [N·mm²] and the height of the neutral axis [mm]."""
+    top = np.cumsum([layer.thickness for layer in layers])
+    h = np.array([layer.thickness for layer in layers])
+    middle, stretch = top - 0.5 * h, WIDTH * h * [layer.material.young for layer in layers]
+    neutral = float(stretch @ middle / stretch.sum())
+    return float(stretch @ (h**2 / 12.0 + (middle - neutral) ** 2)), neutral
+
+
+if __name__ == "__main__":
+    main()
