@@ -176,17 +176,27 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
     monkeypatch.setenv(renderer.CHOICE, "matplotlib")
     folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
     path = tmp_path / "cut.gif"
-    assert main(["movie", str(folder), "-o", str(path), "--limits", "0", "20"]) == 0
+    assert main(["view", str(folder), "--movie", str(path), "--limits", "0", "20"]) == 0
     with pillow.open(path) as drawn:
         assert drawn.n_frames == shellcut.read(folder).n_frame
     out, err = capsys.readouterr()
     assert out.startswith(f"{path} (")
     assert "100 %" in err
-    assert main(["movie", str(folder), "-o", "cut.avi", "--stress", "tresca"]) == 2
+    assert main(["view", str(folder), "--movie", "cut.avi", "--stress", "tresca"]) == 2
     err = capsys.readouterr().err
     assert ".mp4 or .gif" in err
     assert "got 'tresca'" in err
-    assert main(["movie", str(tmp_path / "none")]) == 2
+    assert main(["view", str(folder), "--frame", "0"]) == 0
+    still = folder / "frame_0000.png"
+    assert capsys.readouterr().out.startswith(f"{still} (")
+    assert main(["view", str(folder), "-o", str(tmp_path / "last.png")]) == 0
+    assert (tmp_path / "last.png").read_bytes() == still.read_bytes()
+    capsys.readouterr()
+    assert main(["view", str(folder), "--frame", "9"]) == 2
+    assert "0 to 0, got 9" in capsys.readouterr().err
+    assert main(["view", str(folder), "--movie", "a.gif", "-o", "b.png"]) == 2
+    assert "leave one" in capsys.readouterr().err
+    assert main(["view", str(tmp_path / "none")]) == 2
     assert "none" in capsys.readouterr().err
 
 

@@ -1,5 +1,8 @@
 """The order of a run: restart, hooks, the end of it, blow-up; and the ledger of a small cut."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -122,6 +125,12 @@ def test_classical_cables_never_meet_the_blade():
     sim.run(END)
     assert sim.n_joint_made == 0
     assert sim.state.n_cable > 0
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_simulation_is_not_copied(again):
+    with pytest.raises(TypeError, match="save_checkpoint"):
+        again(cutting())
 
 
 def test_without_a_law_nothing_splits():

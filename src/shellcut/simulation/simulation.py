@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -415,6 +415,12 @@ class Simulation:
         if self.criterion is not None:
             saved["criterion"] = self.criterion.saved()
         return saved
+
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        raise TypeError(
+            "a Simulation cannot be copied or pickled, its parts share their arrays: build another "
+            "from the same inputs; save_checkpoint and load_checkpoint put it into the same state"
+        )
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved` of another simulation of the same inputs, in place of t_0."""
