@@ -50,6 +50,7 @@ PAGES = {
         "howto/model-file",
         "howto/own-tool",
         "howto/own-film",
+        "howto/hand-built",
         "howto/resume",
         "howto/imprint",
         "howto/read-results",

@@ -74,6 +74,19 @@ def test_first_cut(tmp_path, monkeypatch, capsys):
     assert told[1].startswith("crack ")
 
 
+def test_hand_built(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for code in blocks("hand-built.md", "python"):
+        exec(compile(code, "hand-built.md", "exec"), names)
+    assert 0.5 < names["sim"].translation[0] < 0.6  # the hook ended the run
+    assert max(names["hook"].force) > 0.0
+    told = capsys.readouterr().out.splitlines()
+    assert told[0].startswith("Results of 'cut' in out")
+    # between a beam (lateral strain free, 0.2193 mm) and a plate (1 - nu² of it, 0.1996 mm)
+    assert 0.1996 < float(told[-1].split()[1]) < 0.2193
+
+
 def test_compare(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     angle = np.linspace(0.0, 40.0, 401)
