@@ -26,7 +26,8 @@ import numpy as np
 from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.jit import always_inline, bound_once, kernel
 from .numerics.lane_instructions import WIDTH
-from .numerics.lanes import align_stack, along, at, put_at, row_columns, total, zero
+from .numerics.lanes import along, at, put_at, row_columns, total, zero
+from .numerics.processor import align_stack
 from .numerics.threads import NODE_CHUNK, Workers, in_order
 from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
 from .state import State

@@ -12,16 +12,13 @@ from shellcut.numerics.jit import kernel
 from shellcut.numerics.lane_instructions import SIXTEEN
 from shellcut.numerics.lanes import (
     add_row_columns,
-    align_stack,
     aligned_zeros,
     along,
     at,
     clear_rows,
     corner_node,
     first_node,
-    flush_subnormals,
     gather,
-    make_prefetch,
     multiply_add,
     narrow,
     nth,
@@ -31,11 +28,16 @@ from shellcut.numerics.lanes import (
     put_row_columns,
     row_columns,
     scatter_add,
-    set_rounding,
     total,
     turns,
     widen,
     zero,
+)
+from shellcut.numerics.processor import (
+    align_stack,
+    flush_subnormals,
+    make_prefetch,
+    set_rounding,
 )
 
 RNG = np.random.default_rng(8)

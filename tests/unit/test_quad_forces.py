@@ -16,7 +16,7 @@ from shellcut.mesh.structured import disc, rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
-from shellcut.numerics.lane_instructions import mxcsr
+from shellcut.numerics.processor import mxcsr
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 

@@ -25,18 +25,20 @@ from shellcut.arrays import Bools, Floats, Ints, Number, Numbers, SmallIds
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import (
-    align_stack,
-    flush_subnormals,
-    make_prefetch,
     nth,
     pick,
     put,
     scatter_add,
-    set_rounding,
     total,
     turns,
     widen,
     zero,
+)
+from shellcut.numerics.processor import (
+    align_stack,
+    flush_subnormals,
+    make_prefetch,
+    set_rounding,
 )
 
 from .element import (

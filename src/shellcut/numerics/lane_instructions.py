@@ -1,11 +1,11 @@
-"""The types of lanes and the instructions that handle them, as LLVM is given them.
+"""The types of lanes and the instructions that load and store them, as LLVM is given them.
 
 Kernels call these through :mod:`shellcut.numerics.lanes`, which says what they are for.
 
 =================  ==========================================================================
-``_DOUBLES``       ``<8 x double>``, a block of eight
-``_SINGLES``       ``<16 x float>``, a block of sixteen
-``_WIDE``          ``<16 x double>``: what is read at the nodes of sixteen, and sums of singles
+``DOUBLES``       ``<8 x double>``, a block of eight
+``SINGLES``       ``<16 x float>``, a block of sixteen
+``WIDE``          ``<16 x double>``: what is read at the nodes of sixteen, and sums of singles
 ``LaneIdsType``    as many node ids
 =================  ==========================================================================
 """
@@ -15,15 +15,11 @@ Kernels call these through :mod:`shellcut.numerics.lanes`, which says what they 
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import NativeValue, intrinsic, models, register_model, typeof_impl, unbox
 
 WIDTH = 8
@@ -47,10 +43,9 @@ def takes_all(lane: Any) -> bool:
 
 CACHE_LINE = 64
 
-_I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
+_I1, I8, I32, I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _DOUBLE = ir.DoubleType()
 _LANES = ir.VectorType(_DOUBLE, WIDTH)
-_CONTRACT = ("contract",)
 
 
 # ---------------------------------------------------------------- the types
@@ -91,8 +86,8 @@ class _SixteenType(types.Opaque):
     pass
 
 
-_DOUBLES, _SINGLES = LanesType(64, WIDTH), LanesType(32, 2 * WIDTH)
-_WIDE = LanesType(64, 2 * WIDTH)  # sixteen doubles: what is to become singles, and sums of them
+DOUBLES, SINGLES = LanesType(64, WIDTH), LanesType(32, 2 * WIDTH)
+WIDE = LanesType(64, 2 * WIDTH)  # sixteen doubles: what is to become singles, and sums of them
 SIXTEEN_TYPE = _SixteenType("Sixteen")
 
 
@@ -105,7 +100,7 @@ class _LanesModel(models.PrimitiveModel):
 @register_model(LaneIdsType)
 class _LaneIdsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, front_end_type: Any) -> None:
-        super().__init__(manager, front_end_type, ir.VectorType(_I32, front_end_type.width))
+        super().__init__(manager, front_end_type, ir.VectorType(I32, front_end_type.width))
 
 
 register_model(_SixteenType)(models.OpaqueModel)
@@ -121,64 +116,12 @@ def _unbox_sixteen(kind: Any, value: Any, context: Any) -> Any:
     return NativeValue(context.context.get_dummy_value())
 
 
-# ---------------------------------------------------------------- arithmetic
-
-
-def _constant(kind: Any, values: list[int]) -> Any:
-    return ir.Constant(ir.VectorType(kind, len(values)), values)
-
-
-def _broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
-    """Return lanes that are all one double."""
-    if kind.bits == 32:
-        value = builder.fptrunc(value, kind.one)
-    nothing = ir.Constant(kind.all, ir.Undefined)
-    one = builder.insert_element(nothing, value, ir.Constant(_I32, 0))
-    return builder.shuffle_vector(one, one, _constant(_I32, [0] * kind.width))
-
-
-def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
-    @infer_global(op)
-    class _Typing(AbstractTemplate):
-        def generic(self, args: Any, kws: Any) -> Any:
-            kinds = {a for a in args if isinstance(a, LanesType)}
-            if len(kinds) != 1 or not all(a in kinds or isinstance(a, types.Float) for a in args):
-                return None
-            (kind,) = kinds
-            return signature(kind, *(a if a == kind else types.float64 for a in args))
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        operands = [
-            a if t == sig.return_type else _broadcast(builder, a, sig.return_type)
-            for a, t in zip(args, sig.args, strict=True)
-        ]
-        return getattr(builder, instruction)(*operands, flags=_CONTRACT)
-
-    for pair in ((LanesType,) * 2, (LanesType, types.Float), (types.Float, LanesType)):
-        lower_builtin(op, *pair)(lower)
-
-
-for _op, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _add_binary_operator(_op, _instruction)
-
-
-@infer_global(operator.neg)
-class _NegativeTyping(AbstractTemplate):
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(args[0], args[0]) if isinstance(args[0], LanesType) else None
-
-
-@lower_builtin(operator.neg, LanesType)
-def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fneg(args[0])
-
-
 # ---------------------------------------------------------------- addresses and transposition
+
+
+def vector_constant(kind: Any, values: list[int]) -> Any:
+    """Return a vector of whole numbers."""
+    return ir.Constant(ir.VectorType(kind, len(values)), values)
 
 
 def _address(context: Any, builder: Any, array_type: Any, array: Any, index: list[Any]) -> Any:
@@ -190,9 +133,10 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, index: lis
     )
 
 
-def _vector_address(
+def vector_address(
     context: Any, builder: Any, array_type: Any, array: Any, index: list[Any], kind: Any
 ) -> Any:
+    """Return where an element of an array begins, as the address of ``kind``."""
     address = _address(context, builder, array_type, array, index)
     return builder.bitcast(address, kind.as_pointer())
 
@@ -211,7 +155,7 @@ def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
     rows = [*rows, *[ir.Constant(rows[0].type, ir.Undefined)] * (WIDTH - len(rows))]
 
     def exchange(a: Any, b: Any, order: list[int]) -> Any:
-        return builder.shuffle_vector(a, b, _constant(_I32, order))
+        return builder.shuffle_vector(a, b, vector_constant(I32, order))
 
     pairs = [None] * 8
     for k in range(0, 8, 2):
@@ -228,17 +172,17 @@ def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
     return columns
 
 
-_ZERO = ir.Constant(_I64, 0)
+_ZERO = ir.Constant(I64, 0)
 
 
 def _of_nodes(lane: Any) -> LanesType:
     """Return the lanes of what is read at nodes."""
-    return _WIDE if lane == SIXTEEN_TYPE else _DOUBLES
+    return WIDE if lane == SIXTEEN_TYPE else DOUBLES
 
 
 def _of_table(table: Any) -> LanesType:
     """Return the lanes of a table in blocks."""
-    return _SINGLES if table.dtype == types.float32 else _DOUBLES
+    return SINGLES if table.dtype == types.float32 else DOUBLES
 
 
 @intrinsic
@@ -248,7 +192,7 @@ def load_block(typing_context: Any, table: Any, b: Any, k: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        where = _vector_address(context, builder, table, args[0], index, kind.all)
+        where = vector_address(context, builder, table, args[0], index, kind.all)
         return builder.load(where, align=kind.bits // 8)
 
     return kind(table, types.intp, types.intp), generate
@@ -261,7 +205,7 @@ def store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> 
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        where = _vector_address(context, builder, table, args[0], index, kind.all)
+        where = vector_address(context, builder, table, args[0], index, kind.all)
         builder.store(args[3], where, align=kind.bits // 8)
         return context.get_dummy_value()
 
@@ -274,7 +218,7 @@ def load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
     kind = _of_nodes(lane)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], args[1:3], kind.all)
+        where = vector_address(context, builder, values, args[0], args[1:3], kind.all)
         return builder.load(where, align=8)
 
     return kind(values, types.intp, types.intp, lane), generate
@@ -285,10 +229,10 @@ def load_along(typing_context: Any, values: Any, n: Any) -> Any:
     """Load eight of a row of doubles."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], [args[1]], _LANES)
+        where = vector_address(context, builder, values, args[0], [args[1]], _LANES)
         return builder.load(where, align=8)
 
-    return _DOUBLES(values, types.intp), generate
+    return DOUBLES(values, types.intp), generate
 
 
 @intrinsic
@@ -296,11 +240,11 @@ def store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> An
     """Store column ``c`` of eight nodes from ``n`` on."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        where = _vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
+        where = vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
         builder.store(args[3], where, align=8)
         return context.get_dummy_value()
 
-    return types.void(values, types.intp, types.intp, _DOUBLES), generate
+    return types.void(values, types.intp, types.intp, DOUBLES), generate
 
 
 @intrinsic
@@ -310,8 +254,8 @@ def load_ids(typing_context: Any, corner: Any, b: Any, a: Any, lane: Any) -> Any
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         index = [args[1], args[2], _ZERO]
-        ids = ir.VectorType(_I32, kind.width)
-        where = _vector_address(context, builder, corner, args[0], index, ids)
+        ids = ir.VectorType(I32, kind.width)
+        where = vector_address(context, builder, corner, args[0], index, ids)
         return builder.load(where, align=4)
 
     return kind(corner, types.intp, types.intp, lane), generate
@@ -330,37 +274,17 @@ def gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
         where.indices = [args[2]]
         where.operands = [column, args[2]]
         where.type = ir.VectorType(_DOUBLE.as_pointer(), kind.width)
-        mask = _constant(_I1, [1] * kind.width)
+        mask = vector_constant(_I1, [1] * kind.width)
         function = cgutils.get_or_insert_function(
             builder.module,
-            ir.FunctionType(kind.all, [where.type, _I32, mask.type, kind.all]),
+            ir.FunctionType(kind.all, [where.type, I32, mask.type, kind.all]),
             f"llvm.masked.gather.{kind.suffix}.v{kind.width}p0",
         )
         return builder.call(
-            function, [where, ir.Constant(_I32, 8), mask, ir.Constant(kind.all, ir.Undefined)]
+            function, [where, ir.Constant(I32, 8), mask, ir.Constant(kind.all, ir.Undefined)]
         )
 
     return kind(values, types.intp, ids), generate
-
-
-@intrinsic
-def fewer_bits(typing_context: Any, value: Any) -> Any:
-    """Round sixteen doubles to singles."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fptrunc(args[0], _SINGLES.all)
-
-    return _SINGLES(value), generate
-
-
-@intrinsic
-def more_bits(typing_context: Any, value: Any) -> Any:
-    """Return sixteen singles as doubles."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.fpext(args[0], _WIDE.all)
-
-    return _WIDE(value), generate
 
 
 @intrinsic
@@ -374,9 +298,9 @@ def scatter_add_rows(
         lane = 0
         for first in range(0, force.dtype.width, WIDTH):
             for row in _transpose(builder, [_eight(builder, c, first) for c in columns]):
-                index = [args[2], args[3], ir.Constant(_I64, lane)]
+                index = [args[2], args[3], ir.Constant(I64, lane)]
                 node = builder.load(_address(context, builder, corner, args[1], index))
-                where = _row_address(context, builder, rows, args[0], builder.sext(node, _I64))
+                where = _row_address(context, builder, rows, args[0], builder.sext(node, I64))
                 more = builder.fpext(row, _LANES) if force.dtype.bits == 32 else row
                 builder.store(builder.fadd(builder.load(where, align=8), more), where, align=8)
                 lane += 1
@@ -389,18 +313,20 @@ def _eight(builder: Any, value: Any, first: int) -> Any:
     """Return eight of the lanes."""
     if value.type.count == WIDTH:
         return value
-    return builder.shuffle_vector(value, value, _constant(_I32, list(range(first, first + WIDTH))))
+    return builder.shuffle_vector(
+        value, value, vector_constant(I32, list(range(first, first + WIDTH)))
+    )
 
 
 @intrinsic
 def load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
     """Load the first six columns of eight rows."""
-    returns = types.UniTuple(_DOUBLES, 6)
+    returns = types.UniTuple(DOUBLES, 6)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         loaded = []
         for lane in range(WIDTH):
-            row = builder.add(args[1], ir.Constant(_I64, lane))
+            row = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], row)
             loaded.append(builder.load(where, align=8))
         return context.make_tuple(builder, returns, _transpose(builder, loaded)[:6])
@@ -415,7 +341,7 @@ def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
         given = cgutils.unpack_tuple(builder, args[2], columns.count)
         nothing = [ir.Constant(_LANES, [0.0] * WIDTH)] * (WIDTH - columns.count)
         for lane, row in enumerate(_transpose(builder, [*given, *nothing])):
-            index = builder.add(args[1], ir.Constant(_I64, lane))
+            index = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], index)
             written = builder.fadd(builder.load(where, align=8), row) if adding else row
             builder.store(written, where, align=8)
@@ -442,7 +368,7 @@ def zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         for lane in range(WIDTH):
-            row = builder.add(args[1], ir.Constant(_I64, lane))
+            row = builder.add(args[1], ir.Constant(I64, lane))
             where = _row_address(context, builder, rows, args[0], row)
             builder.store(ir.Constant(_LANES, [0.0] * WIDTH), where, align=8)
         return context.get_dummy_value()
@@ -453,117 +379,9 @@ def zero_rows(typing_context: Any, rows: Any, n: Any) -> Any:
 @intrinsic
 def no_lanes(typing_context: Any, lane: Any) -> Any:
     """Return zeros."""
-    kind = _SINGLES if lane == SIXTEEN_TYPE else _DOUBLES
+    kind = SINGLES if lane == SIXTEEN_TYPE else DOUBLES
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return ir.Constant(kind.all, [0.0] * kind.width)
 
     return kind(lane), generate
-
-
-@intrinsic
-def sum_of_lanes(typing_context: Any, value: Any) -> Any:
-    """Add the lanes from the first to the last."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        sum_ = builder.extract_element(args[0], ir.Constant(_I32, 0))
-        for lane in range(1, value.width):
-            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(_I32, lane)))
-        return sum_
-
-    return types.float64(value), generate
-
-
-@intrinsic
-def fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return a b + c."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = context.get_value_type(a)
-        suffix = a.suffix if isinstance(a, LanesType) else f"f{a.bitwidth}"
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
-        )
-        return builder.call(function, args)
-
-    return (a(a, a, a) if a == b == c else None), generate
-
-
-FLUSH = 0x8040  # of x86's MXCSR: results flushed to zero, operands taken as zero
-
-
-def _on_x86(builder: Any) -> bool:
-    return str(builder.module.triple).startswith(("x86_64", "amd64", "i386", "i686"))
-
-
-def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
-    """Load or store the setting from or to a number in memory."""
-    where = cgutils.alloca_once_value(builder, value)
-    address = builder.bitcast(where, _I8.as_pointer())
-    function = cgutils.get_or_insert_function(
-        builder.module,
-        ir.FunctionType(ir.VoidType(), [address.type]),
-        f"llvm.x86.sse.{name}",
-    )
-    builder.call(function, [address])
-    return builder.load(where)
-
-
-@intrinsic
-def mxcsr(typing_context: Any) -> Any:
-    """Return x86's setting of rounding and exceptions; 0 elsewhere."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        nothing = _I32(0)
-        return _of_mxcsr(builder, "stmxcsr", nothing) if _on_x86(builder) else nothing
-
-    return types.int32(), generate
-
-
-@intrinsic
-def set_mxcsr(typing_context: Any, setting: Any) -> Any:
-    """Give x86 that setting."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        if _on_x86(builder):
-            _of_mxcsr(builder, "ldmxcsr", args[0])
-        return context.get_dummy_value()
-
-    return types.void(types.int32), generate
-
-
-@intrinsic
-def align_stack_of_function(typing_context: Any) -> Any:
-    """Let the function that has this in its own body begin its stack on a cache line."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        attributes = builder.function.attributes
-        attributes.alignstack = CACHE_LINE
-        attributes.add("nounwind")  # true of all kernels; llvmlite writes no attributes without one
-        return context.get_dummy_value()
-
-    return types.void(), generate
-
-
-def prefetch_lines(lines: int) -> Any:
-    """Return the instruction that asks for the ``lines`` cache lines of block ``b`` of a table."""
-
-    @intrinsic
-    def ask(typing_context: Any, table: Any, b: Any) -> Any:
-        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            index = [args[1], _ZERO, _ZERO]
-            first = _vector_address(context, builder, table, args[0], index, _I8)
-            function = cgutils.get_or_insert_function(
-                builder.module,
-                ir.FunctionType(ir.VoidType(), [first.type, _I32, _I32, _I32]),
-                "llvm.prefetch.p0",
-            )
-            read, keep_near, data = _I32(0), _I32(3), _I32(1)
-            for line in range(lines):
-                where = builder.gep(first, [ir.Constant(_I64, line * CACHE_LINE)])
-                builder.call(function, [where, read, keep_near, data])
-            return context.get_dummy_value()
-
-        return types.void(table, types.intp), generate
-
-    return ask

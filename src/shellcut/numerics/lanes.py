@@ -26,10 +26,6 @@ always, and :func:`narrow` makes singles of it:
 :func:`narrow`, :func:`widen`          from doubles to what is meant, and back
 :func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
 :func:`multiply_add`                   a b + c, one instruction where there is one
-:func:`make_prefetch`                  a function that asks for a block needed soon
-:func:`align_stack`                    the first line of a kernel with more lanes than registers
-:func:`flush_subnormals`               what numbers too small do in a kernel, and
-:func:`set_rounding`                   what they did before
 =====================================  ===================================================
 
 Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
@@ -43,7 +39,6 @@ addition may become one fused instruction, nothing is reassociated. LLVM lowers 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -52,9 +47,9 @@ from numba.extending import overload
 
 from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
 
+from .lane_arithmetic import fewer_bits, fused, more_bits, sum_of_lanes
 from .lane_instructions import (
     CACHE_LINE,
-    FLUSH,
     SIXTEEN,
     SIXTEEN_TYPE,
     WIDTH,
@@ -62,25 +57,17 @@ from .lane_instructions import (
     LaneIdsType,
     LanesType,
     add_to_rows,
-    align_stack_of_function,
-    fewer_bits,
-    fused,
     gather_column,
     load_along,
     load_at,
     load_block,
     load_ids,
     load_row_columns,
-    more_bits,
-    mxcsr,
     no_lanes,
-    prefetch_lines,
     put_into_rows,
     scatter_add_rows,
-    set_mxcsr,
     store_at,
     store_block,
-    sum_of_lanes,
     takes_all,
     zero_rows,
 )
@@ -403,63 +390,3 @@ def _multiply_add(a, b, c):
     if isinstance(a, LanesType):
         return lambda a, b, c: fused(a, b, c)
     return lambda a, b, c: fused(np.float64(a), np.float64(b), np.float64(c))
-
-
-def align_stack() -> None:
-    """Let the kernel that calls this begin its stack on a cache line.
-
-    More lanes are alive in a quad than there are registers. Without this LLVM puts those set aside
-    anywhere, each across two cache lines, which costs a kernel a tenth of its time, more or less as
-    the caller's stack lies.
-    """
-
-
-@overload(align_stack, inline="always")
-def _aligned_stack():
-    return lambda: align_stack_of_function()
-
-
-def flush_subnormals() -> int:
-    """Let numbers too small for all their digits be zero; return the setting before.
-
-    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in singles such numbers are subnormal,
-    and arithmetic with them takes a hundred times as long on x86. Elsewhere this does nothing.
-    """
-    return 0
-
-
-@overload(flush_subnormals, jit_options=_OPTIONS)
-def _flush_subnormals():
-    def flush():
-        before: int = mxcsr()
-        set_mxcsr(before | FLUSH)
-        return before
-
-    return flush
-
-
-def set_rounding(setting: int) -> None:
-    """Take back the setting that :func:`flush_subnormals` returned."""
-
-
-@overload(set_rounding, jit_options=_OPTIONS)
-def _restore_rounding(setting):
-    return lambda setting: set_mxcsr(setting)
-
-
-def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
-    """Return a function that asks for the ``lines`` cache lines of block ``b`` of a table.
-
-    The hardware looks ahead along a few streams only; a quad's tables are more. The block after
-    the last one does no harm.
-    """
-    ask = prefetch_lines(lines)
-
-    def prefetch(table: Floats, b: int) -> None:
-        pass
-
-    @overload(prefetch, jit_options=_OPTIONS)
-    def _prefetch(table, b):
-        return lambda table, b: ask(table, b)
-
-    return prefetch

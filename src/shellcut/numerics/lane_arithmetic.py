@@ -1,0 +1,119 @@
+"""Arithmetic with lanes as LLVM is given it: operators, precision, sums, fused products."""
+
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic
+
+from .lane_instructions import I32, SINGLES, WIDE, LanesType, vector_constant
+
+_CONTRACT = ("contract",)
+
+
+def _broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
+    """Return lanes that are all one double."""
+    if kind.bits == 32:
+        value = builder.fptrunc(value, kind.one)
+    nothing = ir.Constant(kind.all, ir.Undefined)
+    one = builder.insert_element(nothing, value, ir.Constant(I32, 0))
+    return builder.shuffle_vector(one, one, vector_constant(I32, [0] * kind.width))
+
+
+def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
+    @infer_global(op)
+    class _Typing(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            kinds = {a for a in args if isinstance(a, LanesType)}
+            if len(kinds) != 1 or not all(a in kinds or isinstance(a, types.Float) for a in args):
+                return None
+            (kind,) = kinds
+            return signature(kind, *(a if a == kind else types.float64 for a in args))
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        operands = [
+            a if t == sig.return_type else _broadcast(builder, a, sig.return_type)
+            for a, t in zip(args, sig.args, strict=True)
+        ]
+        return getattr(builder, instruction)(*operands, flags=_CONTRACT)
+
+    for pair in ((LanesType,) * 2, (LanesType, types.Float), (types.Float, LanesType)):
+        lower_builtin(op, *pair)(lower)
+
+
+for _op, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _add_binary_operator(_op, _instruction)
+
+
+@infer_global(operator.neg)
+class _NegativeTyping(AbstractTemplate):
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(args[0], args[0]) if isinstance(args[0], LanesType) else None
+
+
+@lower_builtin(operator.neg, LanesType)
+def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fneg(args[0])
+
+
+@intrinsic
+def fewer_bits(typing_context: Any, value: Any) -> Any:
+    """Round sixteen doubles to singles."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fptrunc(args[0], SINGLES.all)
+
+    return SINGLES(value), generate
+
+
+@intrinsic
+def more_bits(typing_context: Any, value: Any) -> Any:
+    """Return sixteen singles as doubles."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fpext(args[0], WIDE.all)
+
+    return WIDE(value), generate
+
+
+@intrinsic
+def sum_of_lanes(typing_context: Any, value: Any) -> Any:
+    """Add the lanes from the first to the last."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        sum_ = builder.extract_element(args[0], ir.Constant(I32, 0))
+        for lane in range(1, value.width):
+            sum_ = builder.fadd(sum_, builder.extract_element(args[0], ir.Constant(I32, lane)))
+        return sum_
+
+    return types.float64(value), generate
+
+
+@intrinsic
+def fused(typing_context: Any, a: Any, b: Any, c: Any) -> Any:
+    """Return a b + c."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = context.get_value_type(a)
+        suffix = a.suffix if isinstance(a, LanesType) else f"f{a.bitwidth}"
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fmuladd.{suffix}"
+        )
+        return builder.call(function, args)
+
+    return (a(a, a, a) if a == b == c else None), generate
