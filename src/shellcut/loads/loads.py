@@ -12,18 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Number, Vec3
+from shellcut.arrays import Bools, Floats, Ints, Number
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
+from shellcut.numerics.jit import always_inline, bound_once, kernel
 from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, store, sub
+from shellcut.numerics.vec3 import dot, scale
 from shellcut.state import State, columns
 
+from .pressure import pressure_on_nodes, pressure_rows, scatter_rows
 from .supports import NodeChoice, choose_nodes
-
-_G = 1.0 / np.sqrt(3.0)
 
 Factor = Callable[[float], float]
 
@@ -180,8 +179,8 @@ class LoadSet:
             for pressed, value, factor in self._following:
                 quads = np.flatnonzero(pressed)
                 rows = np.empty((quads.size, 4, 3))
-                _pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
-                _scatter_rows(state.quads, quads, rows, pushed)
+                pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
+                scatter_rows(state.quads, quads, rows, pushed)
             step = dt * n.velocity_half[: n.count]
             work += 0.5 * float(((n.load_force[: n.count] + pushed) * step).sum())
             n.load_force[: n.count] = pushed
@@ -241,7 +240,7 @@ class LoadSet:
             mine = np.flatnonzero(loaded[quads])
             rows = np.empty((mine.size, 4, 3))
             pressure = value * factor(state.time)
-            _pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
+            pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
             force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
 
 
@@ -266,7 +265,7 @@ class _Pressed:
     def on(self, state: State, nodes: Ints) -> Floats:
         force = np.zeros((nodes.size, 3))
         n = state.node
-        _pressure_on_nodes(
+        pressure_on_nodes(
             nodes,
             n.quads,
             n.n_quad_at,
@@ -283,7 +282,7 @@ class _Pressed:
         rows = np.zeros((quads.size, 4, 3))
         mine = np.flatnonzero(self._pressed[quads])
         some = np.empty((mine.size, 4, 3))
-        _pressure_rows(self._mesh.nodes, self._mesh.quads, quads[mine], self._value, some)
+        pressure_rows(self._mesh.nodes, self._mesh.quads, quads[mine], self._value, some)
         rows[mine] = some
         return np.asarray(rows[state.quads[quads] == nodes[:, None]])
 
@@ -296,7 +295,7 @@ class _Drawn:
 
     def on(self, state: State, nodes: Ints) -> Floats:
         force = np.zeros((state.n_node, 3))
-        _scatter_rows(state.quads, self._quads, self._rows, force)
+        scatter_rows(state.quads, self._quads, self._rows, force)
         return np.asarray(force[nodes])
 
     def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
@@ -423,74 +422,3 @@ def _clear_forces(first: int, stride: int, n_node: int, rows: Floats) -> None:
             clear_rows(rows, n, None)
         for n in range(stop - (stop - start) % WIDTH, stop):
             clear_rows(rows, n, 0)
-
-
-@kernel
-def _scatter_rows(quads: Ints, which: Ints, rows: Floats, force: Floats) -> None:
-    """Add rows : (n, 4, 3) of the quads ``which`` to force : (n_node, 3)."""
-    for i in range(which.shape[0]):
-        for a in range(4):
-            for c in range(3):
-                force[quads[which[i], a], c] += rows[i, a, c]
-
-
-@inline
-def _weight(c: float, near: bool) -> float:
-    return 0.5 * (1.0 - c) if near else 0.5 * (1.0 + c)
-
-
-@always_inline
-def _pressure_on_corners(x: Floats, quads: Ints, e: int, pressure: float) -> tuple[Vec3, ...]:
-    """Return ∫ p N_a a_1 x a_2 of a quad over 2 x 2 Gauss points, for its four corners."""
-    x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
-    x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
-    x01, x32, x03, x12 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
-    f0 = f1 = f2 = f3 = (0.0, 0.0, 0.0)
-    for q in range(4):
-        xi = -_G if q in (0, 3) else _G
-        eta = -_G if q < 2 else _G
-        a1 = combine(0.5 * _weight(eta, True), x01, 0.5 * _weight(eta, False), x32)
-        a2 = combine(0.5 * _weight(xi, True), x03, 0.5 * _weight(xi, False), x12)
-        p = scale(pressure, cross(a1, a2))
-        f0 = add(f0, scale(_weight(xi, True) * _weight(eta, True), p))
-        f1 = add(f1, scale(_weight(xi, False) * _weight(eta, True), p))
-        f2 = add(f2, scale(_weight(xi, False) * _weight(eta, False), p))
-        f3 = add(f3, scale(_weight(xi, True) * _weight(eta, False), p))
-    return f0, f1, f2, f3
-
-
-@kernel
-def _pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: Floats) -> None:
-    """Write the pressure on the corners of the quads ``which`` into rows : (n, 4, 3)."""
-    for i in range(which.shape[0]):
-        corners = _pressure_on_corners(x, quads, which[i], pressure)
-        for a in range(4):
-            store(rows[i], a, corners[a])
-
-
-@kernel
-def _pressure_on_nodes(
-    nodes: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    quads: Ints,
-    pressed: Bools,
-    X: Floats,
-    reference_quads: Ints,
-    pressure: float,
-    force: Floats,
-) -> None:
-    """Write the dead pressure on ``nodes`` from the pressed quads at each into force : (n, 3).
-
-    quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
-    before any split.
-    """
-    for i in range(nodes.shape[0]):
-        for k in range(n_quad_at[nodes[i]]):
-            e = quads_at[nodes[i], k]
-            if pressed[e]:
-                corners = _pressure_on_corners(X, reference_quads, e, pressure)
-                for a in range(4):
-                    if quads[e, a] == nodes[i]:
-                        for c in range(3):
-                            force[i, c] += corners[a][c]
