@@ -27,6 +27,7 @@ import numpy.typing as npt
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.formats.stl import write_stl
 
+from .edge_chains import chains_facing_back, chains_of
 from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
 FARTHEST_SHIFT = 1e6
@@ -215,14 +216,14 @@ class Tool:
         if problems:
             raise ToolError(problems)
 
-        segments, chain = _chains(segments)
+        segments, chain = chains_of(segments)
         plus, minus = surface.sides(segments)
         normal, back = surface.mid_planes(segments, plus, minus)
         if given is None:
             body = surface.body[plus]
-            reverse = _chains_facing_back(body, chain, normal)
+            reverse = chains_facing_back(body, chain, normal)
             if reverse.any():
-                segments = _reverse_chains(segments, chain, reverse)
+                segments = reverse_chains(segments, chain, reverse)
                 plus, minus = surface.sides(segments)
                 normal, back = surface.mid_planes(segments, plus, minus)
         return cls(
@@ -420,66 +421,3 @@ def _cast_ids(
     else:
         return np.array(ids, dtype=np.int64, order="C")
     return np.zeros((0, width), dtype=np.int64)
-
-
-def _chains(segments: Ints) -> tuple[Ints, Ints]:
-    # Order segments into chains that break where not exactly two of them meet. A chain keeps the
-    # direction of its first segment as given; chains are numbered by that segment.
-    at_vertex: dict[int, list[int]] = {}
-    for e, (i, j) in enumerate(segments.tolist()):
-        at_vertex.setdefault(i, []).append(e)
-        at_vertex.setdefault(j, []).append(e)
-
-    def step(e: int, vertex: int) -> tuple[int, int] | None:
-        # the segment that continues e at this vertex, and that segment's far vertex
-        meeting = at_vertex[vertex]
-        if len(meeting) != 2:
-            return None
-        other = meeting[0] if meeting[1] == e else meeting[1]
-        i, j = segments[other].tolist()
-        return other, j if i == vertex else i
-
-    ordered: list[tuple[int, int]] = []
-    chain: list[int] = []
-    done = np.zeros(len(segments), dtype=bool)
-    n_chain = 0
-    for seed in range(len(segments)):
-        if done[seed]:
-            continue
-        done[seed] = True
-        tail, head = segments[seed].tolist()
-        links = [(tail, head)]
-        e, vertex = seed, head
-        while (found := step(e, vertex)) is not None and not done[found[0]]:
-            links.append((vertex, found[1]))
-            e, vertex = found
-            done[e] = True
-        before = []
-        e, vertex = seed, tail
-        while (found := step(e, vertex)) is not None and not done[found[0]]:
-            before.append((found[1], vertex))
-            e, vertex = found
-            done[e] = True
-        links = before[::-1] + links
-        ordered += links
-        chain += [n_chain] * len(links)
-        n_chain += 1
-    return np.array(ordered, dtype=np.int64), np.array(chain, dtype=np.int64)
-
-
-def _chains_facing_back(body: Ints, chain: Ints, normal: Floats) -> npt.NDArray[np.bool_]:
-    # Chains found by angle whose plus side faces against that of the first chain of their body.
-    reverse = np.zeros(chain.max() + 1, dtype=bool)
-    facing: dict[int, Floats] = {}
-    for c in range(reverse.size):
-        mean = normal[chain == c].sum(axis=0)
-        first = facing.setdefault(int(body[chain == c][0]), mean)
-        reverse[c] = float(mean @ first) < 0.0
-    return reverse
-
-
-def _reverse_chains(segments: Ints, chain: Ints, reverse: npt.NDArray[np.bool_]) -> Ints:
-    turned = segments.copy()
-    for c in np.flatnonzero(reverse):
-        turned[chain == c] = segments[chain == c][::-1, ::-1]
-    return turned
