@@ -27,7 +27,7 @@ import numpy.typing as npt
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.formats.stl import write_stl
 
-from .edge_chains import chains_facing_back, chains_of
+from .edge_chains import chains_facing_back, chains_of, reverse_chains
 from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
 FARTHEST_SHIFT = 1e6
