@@ -36,7 +36,7 @@ class ForceOnBlade:
 
     def __call__(self, sim: sc.Simulation) -> None:
         force = sim.tooth_wrenches[:, :3].sum(axis=0)  # contact and cables, all bodies of the tool
-        self.place.append(float(sim.translation[0]))
+        self.place.append(float(sim.pose.translation[0]))
         self.force.append(-float(force[0]))  # the film pushes the blade back
         if self.place[-1] > WAY:
             raise sc.StopRun

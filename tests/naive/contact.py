@@ -33,13 +33,13 @@ def smoothed(g, g_m):
     return (g / g_m) ** 3 * (3 * g_m - 2 * g) if g < g_m else g
 
 
-def node_force(x, tool, rotation, translation, side, area, penalty, g_m):
+def node_force(x, tool, pose, side, area, penalty, g_m):
     """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
 
     Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
     the tool there is one answer: no force, and no tooth.
     """
-    p = rotation.T @ (x - translation)
+    p = pose.rotation.T @ (x - pose.translation)
     if winding_number(p, tool) < 0.5:
         return [(np.zeros(3), 0.0, None)]
     allowed = [k for k in range(tool.n_triangle) if side * tool.flank[k] >= 0]
@@ -52,5 +52,5 @@ def node_force(x, tool, rotation, translation, side, area, penalty, g_m):
             normal = tool.triangle_normals[k]
             depth = (places[k] - p) @ normal
             size = penalty * area * smoothed(depth, g_m)
-            answers.append((size * (rotation @ normal), depth, int(tool.triangle_body[k])))
+            answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_body[k])))
     return answers

@@ -13,12 +13,13 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.models.opening import opening_test
 from shellcut.state import JOINTED
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool_file import read_tool
 
 REACH = 0.3  # of a whole node of unit squares, beside the edge and behind it [mm]
 NO_RIM = np.zeros(0, np.bool_)
-HERE = np.eye(3), np.zeros(3)
+HERE = Pose.at_origin()
 RADIUS = 9.4
 
 
@@ -34,7 +35,7 @@ def cut_of(tool, points):
     state.node.contact_area[:] = 0.25
     state.node.x[: state.n_node] = 1e3
     state.node.x[: len(points)] = points
-    found = BladeCut(tool, 1.0).cut_nodes(state, [], NO_RIM, *HERE)
+    found = BladeCut(tool, 1.0).cut_nodes(state, [], NO_RIM, HERE)
     cut = np.zeros(len(points), np.bool_)
     cut[list(found)] = True
     return cut
@@ -50,7 +51,7 @@ def cables_met(tool, points, across):
         state.node.x[2 * k : 2 * k + 2] = points[k] - across[k], points[k] + across[k]
         state.cable.m[k] = across[k] / np.linalg.norm(across[k])
         state.cable.area[k] = 0.03
-    CableSet(CohesiveLaw(), tool).add_forces(state, *HERE)
+    CableSet(CohesiveLaw(), tool).add_forces(state, HERE)
     return state.cable.status[:n] == JOINTED
 
 

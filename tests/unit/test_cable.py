@@ -10,11 +10,12 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
 from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 LAW = CohesiveLaw()
 AREA = 0.03
-HERE = np.eye(3), np.zeros(3)
+HERE = Pose.at_origin()
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 BLADE = straight_blade()  # edge x = y = 0, 3 > z > -3; blade at x < 0; plus is y > 0
 
@@ -37,7 +38,7 @@ def state_with(*pairs, m=(0.0, 1.0, 0.0)):
 def evaluate(cables, state, pose=HERE):
     """Forces on the nodes of the cables from one evaluation, and what it returned."""
     state.node.force[:] = 0.0
-    result = cables.add_forces(state, *pose)
+    result = cables.add_forces(state, pose)
     return state.node.force[: 2 * state.n_cable].copy(), result
 
 
@@ -466,6 +467,6 @@ def test_newborn_cable_counts_with_its_full_strength():
 
 def test_no_cables_no_forces():
     state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
-    result = CableSet(LAW, BLADE).add_forces(state, *HERE)
+    result = CableSet(LAW, BLADE).add_forces(state, HERE)
     assert (result.work, result.n_broken, result.n_joint_made) == (0.0, 0, 0)
     assert result.wrench.shape == (1, 6)

@@ -291,7 +291,7 @@ def test_history_of_thickness_points_and_a_turned_tool(tmp_path):
     sim.state.history += np.arange(8.0)
     save_checkpoint(sim, tmp_path / "c.h5")
     again = turning()
-    assert {"state.history", "rotation"} <= set(differing(sim, again))
+    assert {"state.history", "pose.rotation"} <= set(differing(sim, again))
     load_checkpoint(again, tmp_path / "c.h5")
     assert differing(sim, again) == []
 

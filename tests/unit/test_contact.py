@@ -11,9 +11,10 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
-HERE = np.eye(3), np.zeros(3)
+HERE = Pose.at_origin()
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 BLADE = straight_blade()
 FILM = ShellMaterial.homogeneous(thickness=0.074)
@@ -37,7 +38,7 @@ def nodes_at(points, far=(50.0, 60.0, 70.0)):
 
 def evaluate(contact, state, pose=HERE):
     state.node.force[:] = 0.0
-    result = contact.add_forces(state, *pose)
+    result = contact.add_forces(state, pose)
     return state.node.force[: state.n_node].copy(), result
 
 
@@ -69,7 +70,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     inside = 0
     for n, p in enumerate(points):
         side = int(state.node.contact_side[n])
-        answers = naive.node_force(p, tool, *pose, side, AREA, 2e4, g_m)
+        answers = naive.node_force(p, tool, pose, side, AREA, 2e4, g_m)
         force, depth, body = min(answers, key=lambda a: np.linalg.norm(a[0] - forces[n]))
         # Round-off: a depth of 1e-3 mm or more from positions of 10 mm, 1e-13 of it.
         np.testing.assert_allclose(forces[n], force, rtol=0, atol=1e-10 * 2e4 * AREA)
@@ -372,7 +373,7 @@ def test_the_list_of_near_nodes_never_misses_one():
     searched, listed = 0, None
     for step in range(130):
         state.node.x[: mesh.n_node] += state.dt * state.node.velocity_half[: mesh.n_node]
-        pose = np.eye(3), np.array([0.03 * step, 0.0, 0.02 * step])
+        pose = Pose(np.eye(3), np.array([0.03 * step, 0.0, 0.02 * step]))
         _, result = evaluate(contact, state, pose)
         searched += listed is not contact.near.ids
         listed = contact.near.ids

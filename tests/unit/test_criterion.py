@@ -10,6 +10,7 @@ from shellcut.fracture.quad_fans import boundary_edges, crack_tips, open_edges
 from shellcut.fracture.split_node import split_node
 from shellcut.loads.loads import LoadSet, Pressure
 from shellcut.mesh.structured import rectangle
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 
 H = 0.074
@@ -46,9 +47,9 @@ def pulled(mesh, strain, loads=(), tool=None, **fracture):
 
 
 def due(criterion, state, tips=None, pose=None):
-    rotation, translation = pose or (np.eye(3), np.full(3, 1e3))
+    far_off = Pose(np.eye(3), np.full(3, 1e3))
     tips = crack_tips(state) if tips is None else tips
-    return criterion.due(state, tips, rotation, translation, 0.0)
+    return criterion.due(state, tips, pose or far_off, 0.0)
 
 
 @pytest.mark.parametrize("skewed", [False, True])
@@ -216,7 +217,7 @@ def test_options_are_forgotten_when_the_topology_changes():
 
 def at(x, y):
     """Pose of the blade with its edge at a place; it moves along +x, and y is lateral."""
-    return np.eye(3), np.array([x, y, 0.0])
+    return Pose(np.eye(3), np.array([x, y, 0.0]))
 
 
 @pytest.mark.parametrize(
@@ -278,7 +279,7 @@ def slide(shell, state, criterion, start, angle_deg, way):
     past = []
     for path in np.arange(0.0, way, STEP):
         edge = np.asarray(start) + path * rotation[:, 0]
-        for split in due(criterion, state, pose=(rotation, edge)):
+        for split in due(criterion, state, pose=Pose(rotation, edge)):
             assert split.blade
             depth = (edge - state.node.x[split.node]) @ rotation[:, 0]
             past.append((int(state.node.origin[split.node]), float(depth)))

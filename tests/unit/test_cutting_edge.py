@@ -8,14 +8,8 @@ from shellcut.tool.cutting_edge import (
     CuttingEdges,
     edge_point,
     strip_coordinates,
-    to_body,
-    to_space,
-    turn,
 )
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
-
-POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 
 
 def strip(p, k, edges):
@@ -104,15 +98,6 @@ def test_edge_point_is_clipped_to_the_segment():
     edges = CuttingEdges.of(straight_blade())
     for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):
         np.testing.assert_allclose(edge_point(along, 0, edges.segments), [0, 0, z], atol=1e-15)
-
-
-def test_body_and_space_are_inverse():
-    rotation, translation = POSE
-    p = (1.0, -2.0, 0.5)
-    space = to_space(p, rotation, translation)
-    np.testing.assert_allclose(space, rotation @ p + translation, atol=1e-14)
-    np.testing.assert_allclose(to_body(space, rotation, translation), p, atol=1e-14)
-    np.testing.assert_allclose(turn(p, rotation), rotation @ p, atol=1e-15)
 
 
 def test_no_tool_has_no_edges():

@@ -38,11 +38,11 @@ def test_all_nodes_within_the_margin_are_listed(time):
     _, state = sheet()
     near = NearNodes(LOW, HIGH, MARGIN)
     pose = MOTION.pose(time)
-    assert near.renew(state, *pose)
+    assert near.renew(state, pose)
     np.testing.assert_array_equal(near.ids, inside(state.node.x[: state.n_node], pose, MARGIN))
     assert near.ids.size > 50
     wanted = inside(state.node.x[: state.n_node], pose, 0.5 * MARGIN)
-    np.testing.assert_array_equal(near.within(state, *pose), wanted)
+    np.testing.assert_array_equal(near.within(state, pose), wanted)
 
 
 def test_the_list_holds_every_node_within_half_the_margin_while_it_lasts():
@@ -57,7 +57,7 @@ def test_the_list_holds_every_node_within_half_the_margin_while_it_lasts():
         state.node.velocity_half[: mesh.n_node] = v
         state.node.x[: mesh.n_node] += state.dt * v
         pose = MOTION.pose(state.time)
-        renewals += near.renew(state, *pose)
+        renewals += near.renew(state, pose)
         x = state.node.x[: mesh.n_node]
         # Between two looks tool and nodes have gone a little further.
         assert np.isin(inside(x, pose, 0.5 * MARGIN - 10 * 0.02), near.ids).all()
@@ -68,15 +68,15 @@ def test_a_split_and_another_state_are_searched_at_once():
     _, state = sheet()
     near = NearNodes(LOW, HIGH, MARGIN)
     pose = MOTION.pose(0.0)
-    assert near.renew(state, *pose)
+    assert near.renew(state, pose)
     state.step = 1
-    assert not near.renew(state, *pose)
+    assert not near.renew(state, pose)
     new = state.node.append_copy(int(near.ids[0]))
     state.revision += 1
-    assert near.renew(state, *pose)
+    assert near.renew(state, pose)
     assert new in near.ids
     _, other = sheet()
     other.revision = state.revision
     other.step = 1
-    assert near.renew(other, *pose)
+    assert near.renew(other, pose)
     assert new not in near.ids

@@ -7,6 +7,7 @@ from naive import cases
 from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
@@ -53,14 +54,14 @@ def test_depths_match_brute_force(tool):
     x = x @ POSE[0].T + POSE[1]
     wanted = brute_force(x, mesh.quads, tool, POSE)
     noticed = np.zeros(mesh.n_node, np.bool_)
-    quads, depth = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, *POSE)
+    quads, depth = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, POSE)
     assert quads.size > 2
     np.testing.assert_array_equal(quads, np.flatnonzero(wanted))
     np.testing.assert_allclose(depth, wanted[quads], atol=1e-12)
     noticed[mesh.quads[quads[0], 2]] = True
     left = quads[~noticed[mesh.quads[quads]].any(axis=1)]
     assert left.size < quads.size
-    others, _ = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, *POSE)
+    others, _ = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, POSE)
     np.testing.assert_array_equal(others, left)
 
 
@@ -68,12 +69,13 @@ def test_what_a_node_has_felt_or_a_crack_opened_does_not_count():
     mesh = cases.skewed_flat(4, 3)
     state = initial_state(mesh)
     tool = straight_blade()
-    pose = np.eye(3), mesh.nodes[mesh.quads[5]].mean(axis=0) + np.array([0.2, 0.0, 0.0])
+    beside = np.array([0.2, 0.0, 0.0])
+    pose = Pose(np.eye(3), mesh.nodes[mesh.quads[5]].mean(axis=0) + beside)
     wires = ToolWires(tool)
-    count, depth = unfelt_penetration(wires, state, *pose)
+    count, depth = unfelt_penetration(wires, state, pose)
     assert count >= 1
     assert depth > 0.1
     state.node.contact_depth[mesh.quads[5, 0]] = 0.01
-    assert unfelt_penetration(wires, state, *pose)[0] < count
+    assert unfelt_penetration(wires, state, pose)[0] < count
     state.node.halved[: mesh.n_node] = True
-    assert unfelt_penetration(wires, state, *pose) == (0, 0.0)
+    assert unfelt_penetration(wires, state, pose) == (0, 0.0)

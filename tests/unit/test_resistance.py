@@ -215,7 +215,7 @@ def test_the_torque_of_every_step_does_the_work_of_the_ledger(turned):
     while sim.state.time < 8e-5:
         sim.step()
         wrench = sim.contact_forces.wrench.sum(axis=0) + sim.cable_forces.wrench.sum(axis=0)
-        torque, *_ = r.of(wrench, sim.translation, sim.state.time)
+        torque, *_ = r.of(wrench, sim.pose.translation, sim.state.time)
         rows.append((sim.motion.coordinate(sim.state.time), torque))
     angle, torque = np.array(rows).T
     sim.close_ledger()

@@ -7,6 +7,7 @@ from naive import cases
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
@@ -18,7 +19,7 @@ def check(mesh, x, z=0.0):
 
 
 def check_at(mesh, tool, rotation, translation):
-    check_tool_outside(mesh, tool, ClosestTriangleGrid.build(tool), rotation, translation)
+    check_tool_outside(mesh, tool, ClosestTriangleGrid.build(tool), Pose(rotation, translation))
 
 
 def test_free_starts_are_taken():

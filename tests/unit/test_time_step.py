@@ -10,6 +10,7 @@ from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.simulation.stable_step import StableStep, Stepping
+from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 from test_shell import stiffness
 
@@ -94,8 +95,8 @@ def test_contact_stiffness_of_near_nodes_counts():
     with_tool = stepper(shell, contact, tool, safety=1.0)
     assert with_tool.next(state) == free  # nothing is near yet
     node = 5
-    pose = np.eye(3), mesh.nodes[node].copy()
-    contact.add_forces(state, *pose)
+    pose = Pose(np.eye(3), mesh.nodes[node].copy())
+    contact.add_forces(state, pose)
     near = contact.near_nodes(state)
     assert node in near
     added = np.zeros(mesh.n_node)

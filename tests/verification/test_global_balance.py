@@ -52,7 +52,7 @@ def _turned(x: np.ndarray, force: np.ndarray) -> np.ndarray:
 def _about_origin(sim: Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return force and moment about the origin of space from wrenches of the teeth."""
     force, moment = wrench.sum(axis=0)[:3], wrench.sum(axis=0)[3:]
-    return force, moment + np.cross(sim.translation, force)
+    return force, moment + np.cross(sim.pose.translation, force)
 
 
 def _check_shell(sim: Simulation) -> None:

@@ -56,10 +56,8 @@ from shellcut.tool.cutting_edge import (
     in_the_blade,
     segment_part,
     strip_coordinates,
-    to_body,
-    to_space,
-    turn_back,
 )
+from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 from shellcut.tool.tool import Tool
 
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
@@ -118,15 +116,15 @@ class CableSet:
         self._call = bound_once(_add_cable_forces)
         self._energies_of = bound_once(_energies)
 
-    def add_forces(self, state: State, rotation: Floats, translation: Floats) -> CableForces:
+    def add_forces(self, state: State, pose: Pose) -> CableForces:
         """Find joints, add the cable forces at t_n to the nodal forces.
 
         Parameters
         ----------
         state : State
             At t_n.
-        rotation, translation : ndarray, shapes (3, 3) and (3,)
-            Pose of the tool at t_n, x = R X + r [mm].
+        pose : Pose
+            Of the tool at t_n.
         """
         wrench = np.zeros((self._n_body, 6))
         couple = np.zeros(3)
@@ -134,9 +132,7 @@ class CableSet:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
         if self._state is not state or self._revision != state.revision:
             self._collect(state)
-        work = self._call(
-            rotation, translation, state.dt, state.time, wrench, couple, *self._arguments
-        )
+        work = self._call(pose, state.dt, state.time, wrench, couple, *self._arguments)
         return CableForces(wrench, couple, *work)
 
     def _collect(self, state: State) -> None:
@@ -226,8 +222,7 @@ def _find_joint(
     m: Vec3,
     onset: float,
     reach: float,
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     segments: Floats,
     solid: tuple,  # type: ignore[type-arg]
     edge: Ints,
@@ -241,9 +236,9 @@ def _find_joint(
     Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  solid :
     as in CuttingEdges.  Writes row c of the last five.
     """
-    minus = to_body(x_minus, rotation, translation)
-    plus = to_body(x_plus, rotation, translation)
-    across = turn_back(m, rotation)
+    minus = to_body(x_minus, pose)
+    plus = to_body(x_plus, pose)
+    across = turn_back(m, pose)
     shallowest = np.inf
     for k in range(segments.shape[0]):
         a = segment_part(segments, k, START)
@@ -267,7 +262,7 @@ def _find_joint(
         overshoot[c] = depth
         p = edge_point(along, k, segments)
         store(joint_body, c, p)
-        p = to_space(p, rotation, translation)
+        p = to_space(p, pose)
         store(joint, c, p)
         bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
         straight = norm(combine(1.0, sub(x_plus, x_minus), onset, m)) - onset
@@ -277,8 +272,7 @@ def _find_joint(
 
 @kernel
 def _add_cable_forces(
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     dt: float,
     time: float,
     wrench: Floats,
@@ -337,8 +331,7 @@ def _add_cable_forces(
                 load(m, c),
                 onset,
                 reach,
-                rotation,
-                translation,
+                pose,
                 segments,
                 solid,
                 edge,
@@ -353,7 +346,7 @@ def _add_cable_forces(
         p = (0.0, 0.0, 0.0)
         p_moved = (0.0, 0.0, 0.0)
         if jointed:
-            p = to_space(load(joint_body, c), rotation, translation)
+            p = to_space(load(joint_body, c), pose)
             p_moved = sub(p, load(joint, c))
             store(joint, c, p)
             to_minus, to_plus = sub(p, minus), sub(p, plus)
@@ -411,7 +404,8 @@ def _add_cable_forces(
         if jointed:
             body = edge_body[edge[c]]
             on_tool = scale(-1.0, add(f_minus, f_plus))
-            arm = (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2])
+            origin = pose.translation
+            arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
             moment = cross(arm, on_tool)
             rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
             for k in range(3):

@@ -24,6 +24,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
@@ -211,10 +212,10 @@ class _Search:
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
         self._times, self.n_time = self._moments()
-        poses = [motion.pose(t) for t in self._times.tolist()]
+        poses = [Pose.of(*motion.pose(t)) for t in self._times.tolist()]
         twists = [motion.twist(t) for t in self._times.tolist()]
-        self._rotation = np.array([pose[0] for pose in poses])
-        self._translation = np.array([pose[1] for pose in poses])
+        self._rotation = np.array([pose.rotation for pose in poses])
+        self._translation = np.array([pose.translation for pose in poses])
         self._spin = np.array([twist[0] for twist in twists])
         self._velocity = np.array([twist[1] for twist in twists])
 
@@ -253,7 +254,8 @@ class _Search:
         return tick * np.arange(float(n + beyond + 1)), n
 
     def _moved(self, points: Floats, times: Floats) -> Floats:
-        return np.array([points @ R.T + r for R, r in map(self._motion.pose, times.tolist())])
+        poses = [Pose.of(*self._motion.pose(t)) for t in times.tolist()]
+        return np.array([pose.to_space(points) for pose in poses])
 
     def _heights(self, x: Floats) -> Floats:
         if self._plane is not None:

@@ -14,7 +14,7 @@ from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
 from shellcut.state import State
-from shellcut.tool.cutting_edge import to_body
+from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.tool import Tool
 
 # Wires in a bundle, which are passed over together.
@@ -44,8 +44,7 @@ class ToolWires:
         x: Floats,
         quads: Ints,
         noticed: Bools,
-        rotation: Floats,
-        translation: Floats,
+        pose: Pose,
     ) -> tuple[Ints, Floats]:
         """Return the quads that the tool passes through, and how far.
 
@@ -57,8 +56,8 @@ class ToolWires:
             Node ids.
         noticed : ndarray of bool, shape (n_node,)
             Nodes whose quads are left out.
-        rotation, translation : ndarray, shapes (3, 3) and (3,)
-            Pose of the tool.
+        pose : Pose
+            Of the tool.
 
         Returns
         -------
@@ -71,8 +70,7 @@ class ToolWires:
             x=x,
             quads=quads,
             noticed=noticed,
-            rotation=rotation,
-            translation=translation,
+            pose=pose,
             teeth=self._teeth,
             wires=self._wires,
             first=self._first,
@@ -83,16 +81,14 @@ class ToolWires:
         return crossed, depth[crossed]
 
 
-def unfelt_penetration(
-    wires: ToolWires, state: State, rotation: Floats, translation: Floats
-) -> tuple[int, float]:
+def unfelt_penetration(wires: ToolWires, state: State, pose: Pose) -> tuple[int, float]:
     """Return how many whole quads the tool passes through unnoticed, and the largest depth [mm].
 
     A quad notices when one of its nodes is in contact, and is no longer whole when one has split.
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
-    quads, depth = wires.crossed_quads(n.x, state.quads, noticed, rotation, translation)
+    quads, depth = wires.crossed_quads(n.x, state.quads, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
 
 
@@ -108,8 +104,7 @@ def _deepest_crossings(
     x: Floats,
     quads: Ints,
     noticed: Bools,
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     teeth: Floats,
     wires: Floats,
     first: Ints,
@@ -121,6 +116,7 @@ def _deepest_crossings(
     noticed : (n_node,), nodes whose quads are left out.  wires : (n_wire, 2, 3), their ends; those
     of bundle b begin at first[b].  teeth, bundles : (n, 2, 3), boxes around them.
     """
+    rotation, translation = pose.rotation, pose.translation
     # Boxes in space around those of the teeth: most quads are far off.
     around = np.empty(teeth.shape)
     for b in range(teeth.shape[0]):
@@ -142,10 +138,10 @@ def _deepest_crossings(
         if far or noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
             continue
         halves = (
-            to_body(x0, rotation, translation),
-            to_body(x1, rotation, translation),
-            to_body(x2, rotation, translation),
-            to_body(x3, rotation, translation),
+            to_body(x0, pose),
+            to_body(x1, pose),
+            to_body(x2, pose),
+            to_body(x3, pose),
         )
         low, high = _box(halves[0], halves[1], halves[2], halves[3])
         for b in range(bundles.shape[0]):

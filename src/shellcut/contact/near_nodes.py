@@ -17,7 +17,7 @@ from shellcut.arrays import Floats, Ints
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import load
 from shellcut.state import State
-from shellcut.tool.cutting_edge import to_body
+from shellcut.tool.pose import Pose, to_body
 
 # Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
 _LOOK_EVERY = 10
@@ -39,7 +39,7 @@ class NearNodes:
         self._low, self._high = low - margin, high + margin
         corner = np.maximum(abs(self._low), abs(self._high))
         self._radius = float(np.linalg.norm(corner, axis=1).max())
-        self._pose = np.eye(3), np.zeros(3)
+        self._pose = Pose.at_origin()
         self._time = 0.0
         self._state: State | None = None
         self._revision = -1
@@ -48,15 +48,13 @@ class NearNodes:
         """The nodes, ascending."""
         self._way = bound_once(_moved)
 
-    def renew(self, state: State, rotation: Floats, translation: Floats) -> bool:
+    def renew(self, state: State, pose: Pose) -> bool:
         """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
         n = state.node
         if self._state is state and self._revision == state.revision:
             if state.step % _LOOK_EVERY:
                 return False
-            tool, fastest = self._way(
-                self.ids, n.velocity_half, rotation, translation, *self._pose, self._radius
-            )
+            tool, fastest = self._way(self.ids, n.velocity_half, pose, self._pose, self._radius)
             self._walked += (state.time - self._time) * fastest
             self._time = state.time
             if tool + self._walked < 0.5 * self._margin:
@@ -65,25 +63,22 @@ class NearNodes:
         count = _inside(
             n_node=n.count,
             x=n.x,
-            rotation=rotation,
-            translation=translation,
+            pose=pose,
             low=self._low,
             high=self._high,
             found=found,
         )
         self.ids = found[:count].copy()
-        self._pose = rotation, translation
+        self._pose = pose
         self._state, self._revision = state, state.revision
         self._time, self._walked = state.time, 0.0
         return True
 
     def saved(self) -> dict[str, Any]:
         """Return the list, and when and where it was made."""
-        rotation, translation = self._pose
         return {
             "ids": self.ids,
-            "rotation": rotation,
-            "translation": translation,
+            "pose": self._pose._asdict(),
             "time": self._time,
             "walked": self._walked,
             "revision": self._revision,
@@ -93,17 +88,17 @@ class NearNodes:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
         self._state = state
         self.ids = saved["ids"].copy()
-        self._pose = saved["rotation"].copy(), saved["translation"].copy()
+        self._pose = Pose(**saved["pose"]).copied()
         self._time, self._walked = saved["time"], saved["walked"]
         self._revision = saved["revision"]
 
-    def within(self, state: State, rotation: Floats, translation: Floats) -> Ints:
+    def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.
 
         They depend on the present places only, not on when the list was made.
         """
         inner = 0.5 * self._margin
-        body = (state.node.x[self.ids] - translation) @ rotation
+        body = pose.to_body(state.node.x[self.ids])
         inside = np.zeros(self.ids.size, np.bool_)
         for low, high in zip(self._low + inner, self._high - inner, strict=True):
             inside |= ((body > low) & (body < high)).all(axis=1)
@@ -128,10 +123,8 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
 def _moved(
     ids: Ints,
     velocity: Floats,
-    rotation: Floats,
-    translation: Floats,
-    rotation_then: Floats,
-    translation_then: Floats,
+    pose: Pose,
+    then: Pose,
     radius: float,
 ) -> tuple[float, float]:
     """Return how far the tool has moved at most within a radius, and the largest nodal speed."""
@@ -139,9 +132,9 @@ def _moved(
     turn = 0.0
     shift = 0.0
     for i in range(3):
-        shift += (translation[i] - translation_then[i]) ** 2
+        shift += (pose.translation[i] - then.translation[i]) ** 2
         for j in range(3):
-            turn += (rotation[i, j] - rotation_then[i, j]) ** 2
+            turn += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
     fastest = 0.0
     for i in range(ids.shape[0]):
         v = load(velocity, ids[i])
@@ -153,8 +146,7 @@ def _moved(
 def _inside(
     n_node: int,
     x: Floats,
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     low: Floats,
     high: Floats,
     found: Ints,
@@ -162,7 +154,7 @@ def _inside(
     """Write the nodes inside any box to found : (n_node,), return how many."""
     count = 0
     for n in range(n_node):
-        p = to_body(load(x, n), rotation, translation)
+        p = to_body(load(x, n), pose)
         hit = False
         for b in range(low.shape[0]):
             hit |= in_box(p, low, high, b)

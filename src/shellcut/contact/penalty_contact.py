@@ -45,9 +45,8 @@ from shellcut.tool.cutting_edge import (
     CuttingEdges,
     segment_part,
     strip_coordinates,
-    to_body,
-    turn,
 )
+from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
 
@@ -142,21 +141,18 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
         self._lookups = _NO_LOOKUPS
-        self._pose: tuple[Floats, Floats] | None = None
+        self._pose: Pose | None = None
         self._arguments: tuple[Any, ...] = ()
         self._call = bound_once(_add_contact_forces)
 
-    def add_forces(self, state: State, rotation: Floats, translation: Floats) -> ContactForces:
+    def add_forces(self, state: State, pose: Pose) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
-        before = self._pose or (rotation, translation)
-        self._pose = rotation, translation
-        if self.near.renew(state, rotation, translation):
+        before, self._pose = self._pose or pose, pose
+        if self.near.renew(state, pose):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
-        return ContactForces(
-            wrench,
-            *self._call(rotation, translation, *before, state.dt, wrench, *self._arguments),
-        )
+        found = self._call(pose, before, state.dt, wrench, *self._arguments)
+        return ContactForces(wrench, *found)
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon.
@@ -164,17 +160,15 @@ class PenaltyContact:
         It depends on the places of the last evaluation alone, not on when the list was made; before
         the first there are none.
         """
-        return self.near.within(state, *self._pose) if self._pose else self.near.ids
+        return self.near.within(state, self._pose) if self._pose else self.near.ids
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes and what each of them found last."""
         return {"near": self.near.saved(), "lookups": self._lookups._asdict()}
 
-    def restore(
-        self, state: State, rotation: Floats, translation: Floats, saved: dict[str, Any]
-    ) -> None:
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
-        self._pose = rotation, translation
+        self._pose = pose
         self.near.restore(state, saved["near"])
         self._listed = self.near.ids
         self._lookups = _Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
@@ -239,8 +233,7 @@ class PenaltyContact:
 def _side_of_quads(
     n: int,
     x: Floats,
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     segments: Floats,
     quads: Ints,
     quads_at: Ints,
@@ -248,7 +241,7 @@ def _side_of_quads(
     contact_area: Floats,
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
-    here = to_body(load(x, n), rotation, translation)
+    here = to_body(load(x, n), pose)
     size = np.sqrt(4.0 * contact_area[n])
     k_best = -1
     shallowest = np.inf
@@ -268,7 +261,7 @@ def _side_of_quads(
             cx += weight * x[other, 0]
             cy += weight * x[other, 1]
             cz += weight * x[other, 2]
-    centre = to_body((cx, cy, cz), rotation, translation)
+    centre = to_body((cx, cy, cz), pose)
     beside = dot(sub(centre, here), segment_part(segments, k_best, NORMAL))
     if abs(beside) < _CLEARLY_BESIDE * size:
         return 0
@@ -277,10 +270,8 @@ def _side_of_quads(
 
 @kernel
 def _add_contact_forces(
-    rotation: Floats,
-    translation: Floats,
-    rotation_before: Floats,
-    translation_before: Floats,
+    pose: Pose,
+    pose_before: Pose,
     dt: float,
     wrench: Floats,
     near: Ints,
@@ -329,7 +320,7 @@ def _add_contact_forces(
     deepest = 0.0
     for i in range(near.shape[0]):
         n = near[i]
-        p = to_body(load(x, n), rotation, translation)
+        p = to_body(load(x, n), pose)
         if norm(sub(p, load(place, i))) < lasts[i]:
             if not within[i]:
                 continue
@@ -366,8 +357,7 @@ def _add_contact_forces(
             lies = _side_of_quads(
                 n,
                 x,
-                rotation,
-                translation,
+                pose,
                 segments,
                 quads,
                 quads_at,
@@ -390,7 +380,7 @@ def _add_contact_forces(
         change = g - depth[n]
         impact = abs(change) > noticed
         if impact:
-            was = to_body(combine(1.0, load(x, n), -dt, moved), rotation_before, translation_before)
+            was = to_body(combine(1.0, load(x, n), -dt, moved), pose_before)
             way = dot(sub(was, p), outward)
             if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
                 offset[n] += change
@@ -410,7 +400,7 @@ def _add_contact_forces(
             absorbed -= stiffness * smoothed_integral(loaded, g_m)
         magnitude = stiffness * smoothed(loaded, g_m)
         energy = stiffness * smoothed_integral(loaded, g_m)
-        direction = turn(outward, rotation)
+        direction = turn(outward, pose)
         old = load(contact_force, n)
         if impact and dt > 0.0 and not supported[n]:
             before = dot(old, direction)
@@ -429,7 +419,8 @@ def _add_contact_forces(
         )
         store(contact_force, n, f)
         here = load(x, n)
-        arm = (here[0] - translation[0], here[1] - translation[1], here[2] - translation[2])
+        origin = pose.translation
+        arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
         moment = cross(arm, f)
         body = triangle_body[triangle]
         for c in range(3):

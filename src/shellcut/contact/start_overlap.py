@@ -7,23 +7,20 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .missed_penetration import ToolWires
 
 
-def check_tool_outside(
-    mesh: Mesh, tool: Tool, grid: ClosestTriangleGrid, rotation: Floats, translation: Floats
-) -> None:
+def check_tool_outside(mesh: Mesh, tool: Tool, grid: ClosestTriangleGrid, pose: Pose) -> None:
     """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad."""
-    _, inside, _, _ = grid.query((mesh.nodes - translation) @ rotation)
+    _, inside, _, _ = grid.query(pose.to_body(mesh.nodes))
     problems = []
     if inside.any():
         problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")
     nowhere = np.zeros(mesh.n_node, np.bool_)
-    pierced, _ = ToolWires(tool).crossed_quads(
-        mesh.nodes, mesh.quads, nowhere, rotation, translation
-    )
+    pierced, _ = ToolWires(tool).crossed_quads(mesh.nodes, mesh.quads, nowhere, pose)
     if pierced.size:
         centres = mesh.nodes[mesh.quads].mean(axis=1)
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")

@@ -32,9 +32,8 @@ from shellcut.tool.cutting_edge import (
     in_the_blade,
     segment_part,
     strip_coordinates,
-    to_body,
-    turn,
 )
+from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.tool import Tool
 
 # Lateral reach of the blade-cut rule in units of the local edge length sqrt(quad area): a pierced
@@ -78,8 +77,7 @@ class BladeCut:
         state: State,
         tips: list[int],
         rim: Bools,
-        rotation: Floats,
-        translation: Floats,
+        pose: Pose,
     ) -> dict[int, Floats]:
         """Return the unsupported nodes that the edge has cut and the blade's trace at each.
 
@@ -87,7 +85,7 @@ class BladeCut:
         rim : (n,), whether a node lies on the film's own boundary; later ones do not.
         """
         n = state.node
-        self._near.renew(state, rotation, translation)
+        self._near.renew(state, pose)
         near = self._near.ids
         edge_of = np.empty(near.size, np.int64)
         n_cut = self._find(
@@ -101,8 +99,7 @@ class BladeCut:
             state.quads,
             n.quads,
             n.n_quad_at,
-            rotation,
-            translation,
+            pose,
             self._low,
             self._high,
             self._edges.segments,
@@ -115,7 +112,7 @@ class BladeCut:
             return traces
         for i in np.flatnonzero(edge_of >= 0).tolist():
             node = int(near[i])
-            trace = np.cross(n.t[node], rotation @ self._edges.segments[edge_of[i], NORMAL])
+            trace = np.cross(n.t[node], pose.rotation @ self._edges.segments[edge_of[i], NORMAL])
             traces[node] = trace / np.linalg.norm(trace)
         return traces
 
@@ -172,8 +169,7 @@ def _cut_nodes(
     quads: Ints,
     quads_at: Ints,
     n_quad_at: Ints,
-    rotation: Floats,
-    translation: Floats,
+    pose: Pose,
     low: Floats,
     high: Floats,
     segments: Floats,
@@ -193,7 +189,7 @@ def _cut_nodes(
         edge_of[i] = -1
         if supported[n]:
             continue
-        p = to_body(load(x, n), rotation, translation)
+        p = to_body(load(x, n), pose)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
@@ -209,7 +205,7 @@ def _cut_nodes(
                 if not owns or depth >= min(shallowest, deepest) or abs(lateral) > reach:
                     continue
                 if at_an_edge:
-                    normal = turn(segment_part(segments, k, NORMAL), rotation)
+                    normal = turn(segment_part(segments, k, NORMAL), pose)
                     if not _parted(n, x, quads, quads_at, n_quad_at, normal, _PARTED * size):
                         continue
                 if in_the_blade(p, lateral, k, segments, solid):

@@ -39,6 +39,7 @@ from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import bound_once
 from shellcut.state import State
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_cut import BladeCut
@@ -183,9 +184,7 @@ class SplitCriterion:
         self.n_borrowed = 0
         """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
 
-    def due(
-        self, state: State, tips: Iterable[int], rotation: Floats, translation: Floats, dt: float
-    ) -> list[Split]:
+    def due(self, state: State, tips: Iterable[int], pose: Pose, dt: float) -> list[Split]:
         """Return the splits that are due, strongest first, no two of them sharing a quad.
 
         Parameters
@@ -194,8 +193,8 @@ class SplitCriterion:
             Positions at t_{n+1}, strains and cable forces of t_n.
         tips : iterable of int
             Present crack tips.
-        rotation, translation : ndarray
-            Pose of the tool at t_{n+1}.
+        pose : Pose
+            Of the tool at t_{n+1}.
         dt : float
             Length of the step that led here [s].
         """
@@ -205,7 +204,7 @@ class SplitCriterion:
         found: list[Split] = []
         cut: dict[int, Floats] = {}
         if self._blade is not None:
-            cut = self._blade.cut_nodes(state, tips, self._rim, rotation, translation)
+            cut = self._blade.cut_nodes(state, tips, self._rim, pose)
             found += self._along_blade(state, cut, dt)
         if self.fracture.candidates == "tips":
             nodes = tips

@@ -31,9 +31,10 @@ import numpy as np
 
 from shellcut.files.whole_file import write_all, written_whole
 from shellcut.simulation.simulation import Simulation
+from shellcut.tool.pose import Pose
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 5  # to be raised whenever the names or the meaning of what is saved change
+_FORMAT = 6  # to be raised whenever the names or the meaning of what is saved change
 
 _HEADER = 512  # bytes; the least that HDF5 takes for a user block
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())
@@ -317,10 +318,10 @@ def _differing_poses(sim: Simulation, run: dict[str, Any]) -> list[str]:
     if sim.motion is None:
         return []
     time = run["state"]["time"]
-    pose = dict(zip(("rotation", "translation"), sim.motion.pose(time), strict=True))
+    pose = Pose.of(*sim.motion.pose(time))._asdict()
     return [
-        f"motion: the {name} at {time:.6g} s is {run[name].tolist()} in the checkpoint, "
+        f"motion: the {name} at {time:.6g} s is {run['pose'][name].tolist()} in the checkpoint, "
         f"{found.tolist()} in this simulation"
         for name, found in pose.items()
-        if not np.array_equal(found, run[name])
+        if not np.array_equal(found, run["pose"][name])
     ]

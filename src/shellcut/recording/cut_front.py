@@ -31,6 +31,7 @@ from shellcut.arrays import Floats, Ints
 from shellcut.fracture.quad_fans import arriving, fans_of
 from shellcut.simulation.simulation import Simulation
 from shellcut.state import JOINTED, NOT_MET
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 # Of a node beside the way, in local edge lengths: a boundary that crosses the way between two of
@@ -157,7 +158,7 @@ class CutFront:
         assert sim.motion is not None
         spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
         n = sim.state.node
-        whole = velocity + np.cross(spin, n.X[nodes] - sim.translation)
+        whole = velocity + np.cross(spin, n.X[nodes] - sim.pose.translation)
         t = self._normal[n.origin[nodes]]
         along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
@@ -189,11 +190,11 @@ class CutFront:
         n, motion = sim.state.node, sim.motion
         assert motion is not None
         director, here = self._normal[n.origin[tip]], n.X[tip]
-        local = sim.rotation.T @ (here - sim.translation)
+        local = sim.pose.rotation.T @ (here - sim.pose.translation)
         places = []
         for k in (1, 2):
-            rotation, translation = motion.pose(sim.state.time + k * self._look)
-            places.append(np.asarray(rotation) @ local + np.asarray(translation) - here)
+            then = Pose.of(*motion.pose(sim.state.time + k * self._look))
+            places.append(then.rotation @ local + then.translation - here)
         first, second = (p - (p @ director) * director for p in places)
         length = float(np.linalg.norm(first))
         if length <= _ALONG * np.linalg.norm(places[0]) or length == 0.0:

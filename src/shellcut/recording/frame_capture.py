@@ -12,12 +12,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from shellcut.arrays import Floats
 from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, State
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 # What a frame needs of the tables, all that is copied of them; the reference never changes.
@@ -33,7 +33,7 @@ class Exposure:
 
     _shell: MITC4Shell
     _tool: Tool | None
-    _pose: tuple[Floats, Floats]
+    _pose: Pose
     _state: State
     _figures: Mapping[str, Any]
 
@@ -47,8 +47,7 @@ class Exposure:
             cable=_copied(s.cable, _OF_CABLES),
             quads=s.quads.copy(),
         )
-        pose = sim.rotation.copy(), sim.translation.copy()
-        return cls(sim.shell, sim.tool, pose, state, figures)
+        return cls(sim.shell, sim.tool, sim.pose.copied(), state, figures)
 
     def frame(self) -> Frame:
         """Return the frame; raises ValueError as :class:`Frame`."""
@@ -71,7 +70,7 @@ class Exposure:
             quad_thickness=faces.thickness,
             crack_edges=open_edge_copies(s).astype(np.int64),
             **_cables(s),
-            **_placed(self._tool, *self._pose),
+            **_placed(self._tool, self._pose),
             **self._figures,
         )
 
@@ -111,16 +110,16 @@ def _copied(table: _Table, names: tuple[str, ...]) -> _Table:
     return replace(table, **{name: getattr(table, name).copy(order="K") for name in names})
 
 
-def _placed(tool: Tool | None, rotation: Floats, translation: Floats) -> dict[str, Any]:
+def _placed(tool: Tool | None, pose: Pose) -> dict[str, Any]:
     if tool is None:
         return {}
-    points = tool.vertices @ rotation.T + translation
+    points = pose.to_space(tool.vertices)
     return {
         "tool_points": points,
         "tool_triangles": tool.triangles,
         "tool_tooth": tool.triangle_body + 1,
-        "tool_rotation": rotation,
-        "tool_translation": translation,
+        "tool_rotation": pose.rotation,
+        "tool_translation": pose.translation,
         "edge_points": points[tool.edges],
         "edge_tooth": tool.edge_body + 1,
     }

@@ -53,16 +53,16 @@ def history_row(
     yield "time", "s", s.time
     yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
     contact_sum, joints_sum = contact.sum(axis=0), joints.sum(axis=0)
-    of_contact = r.of(contact_sum, sim.translation, s.time)
-    of_joints = r.of(joints_sum, sim.translation, s.time)
+    of_contact = r.of(contact_sum, sim.pose.translation, s.time)
+    of_joints = r.of(joints_sum, sim.pose.translation, s.time)
     for (figure, unit), c, j in zip(r.columns, of_contact, of_joints, strict=True):
         yield figure, unit, c + j
         yield f"{figure}_contact", unit, c
         yield f"{figure}_joints", unit, j
     first, unit = r.columns[0]
     for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
-        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.translation, s.time)[0]
-    whole = r.components(contact_sum + joints_sum, sim.translation)
+        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.pose.translation, s.time)[0]
+    whole = r.components(contact_sum + joints_sum, sim.pose.translation)
     for (component, unit), value in zip(COMPONENTS, whole, strict=True):
         yield component, unit, value
     book = sim.close_ledger()

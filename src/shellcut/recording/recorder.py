@@ -205,9 +205,7 @@ class Recorder:
             self._files.history.append({column: value for column, _, value in self._row()})
             mark.row_time = now
         if mark.look_due(now):
-            _, mark.unfelt = unfelt_penetration(
-                self._wires, sim.state, sim.rotation, sim.translation
-            )
+            _, mark.unfelt = unfelt_penetration(self._wires, sim.state, sim.pose)
             mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
         frame_due = mark.frame_due(now)
         picture_due = mark.picture_due is not None and mark.picture_due(now)
@@ -316,8 +314,8 @@ class Recorder:
 
     def _felt(self) -> list[float]:
         """Return the figures of the resistance, contact and joints of all teeth together."""
-        sim = self._sim
-        return self.resistance.of(sim.tooth_wrenches.sum(axis=0), sim.translation, sim.state.time)
+        sim, origin = self._sim, self._sim.pose.translation
+        return self.resistance.of(sim.tooth_wrenches.sum(axis=0), origin, sim.state.time)
 
     def _show_end(self) -> None:
         """Leave a frame and a picture of the end of the run.

@@ -84,7 +84,7 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "damping": book.damping,
         "ext": book.put_in,
     }
-    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.translation, s.time)[0]
+    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.pose.translation, s.time)[0]
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "

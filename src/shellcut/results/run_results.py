@@ -23,6 +23,7 @@ from shellcut.files.file_list import names_in
 from shellcut.files.run_folder import ENERGY_PICTURE, HISTORY, SPLITS, SUMMARY, resistance_picture
 from shellcut.frame import Frame
 from shellcut.numerics.trapezoid import integral
+from shellcut.tool.pose import Pose
 
 from .cut_quality import UNITS, cut_quality
 from .energy_balance import energy_shares, work_put_in
@@ -179,7 +180,7 @@ class Results:
             "opening": frame.cable_opening,
         }
 
-    def tool_pose(self, k: int) -> tuple[Floats, Floats] | None:
+    def tool_pose(self, k: int) -> Pose | None:
         """Return rotation R (3, 3) and translation r (3,) [mm] of the tool, x = R X + r, exact.
 
         None if the run has no tool.

@@ -17,6 +17,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.frame import Frame
+from shellcut.tool.pose import Pose
 
 from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of
@@ -89,7 +90,7 @@ class VtkHdfReader:
         k = self._index(k)
         return self._settled(lambda file: self._read_frame(file, k))
 
-    def pose(self, k: int) -> tuple[Floats, Floats] | None:
+    def pose(self, k: int) -> Pose | None:
         """Return rotation (3, 3) and translation (3,) [mm] of the tool at frame ``k``, exact.
 
         None if the frame has no tool.
@@ -105,7 +106,7 @@ class VtkHdfReader:
             return Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k]
 
         counts, row = self._settled(read)
-        return (row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
+        return Pose(row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
 
     def _index(self, k: int) -> int:
         if not -self.n_frame <= k < self.n_frame:

@@ -28,6 +28,7 @@ from shellcut.mitc4.shell import MITC4Shell, Precision
 from shellcut.numerics.jit import bound_once
 from shellcut.numerics.threads import Workers
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
@@ -190,7 +191,8 @@ class Simulation:
         self.time_step = StableStep(stepping or Stepping(), self.shell, self.cables, self.contact)
 
         self.ledger = Ledger()
-        self.rotation, self.translation = np.eye(3), np.zeros(3)
+        self.pose = Pose.at_origin()
+        """Of the tool at t_n."""
         n_body = tool.n_body if tool else 1
         self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
         self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
@@ -206,7 +208,7 @@ class Simulation:
         self._place_tool()
         if self.contact is not None:
             grid = self.contact.grid
-            check_tool_outside(mesh, self.contact.tool, grid, self.rotation, self.translation)
+            check_tool_outside(mesh, self.contact.tool, grid, self.pose)
         self._start()
 
     @property
@@ -254,12 +256,12 @@ class Simulation:
         book.strain, damping = self.shell.add_forces(s)
         book.damping_stiffness += damping
         if self.contact is not None:
-            found = self.contact.add_forces(s, self.rotation, self.translation)
+            found = self.contact.add_forces(s, self.pose)
             self.contact_forces = found
             self.deepest_penetration = max(self.deepest_penetration, found.deepest)
             book.contact_absorbed += found.absorbed
         if s.n_cable:
-            self.cable_forces = self.cables.add_forces(s, self.rotation, self.translation)
+            self.cable_forces = self.cables.add_forces(s, self.pose)
             self.n_joint_made += self.cable_forces.n_joint_made
             self.n_cable_broken += self.cable_forces.n_broken
             book.cohesive_work += self.cable_forces.work
@@ -372,7 +374,7 @@ class Simulation:
     def tooth_wrenches(self) -> Floats:
         """Wrench on each body of the tool, contact and joints together, shape (n_body, 6).
 
-        Force [N] and moment [N·mm] about ``translation``.
+        Force [N] and moment [N·mm] about the origin of the body frame.
         """
         return np.asarray(self.contact_forces.wrench + self.cable_forces.wrench)
 
@@ -397,8 +399,7 @@ class Simulation:
             "frequencies": self.shell.frequencies.saved(),
             "time_step": self.time_step.saved(),
             "tips": np.array(self.tips, np.int64),
-            "rotation": self.rotation,
-            "translation": self.translation,
+            "pose": self.pose._asdict(),
             "contact_forces": self.contact_forces._asdict(),
             "cable_forces": self.cable_forces._asdict(),
             "contact_wrench": self._contact_wrench,
@@ -441,10 +442,9 @@ class Simulation:
         self.deepest_penetration = saved["deepest_penetration"]
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
         self._balance.restore(saved["balance"])
-        self.rotation = saved["rotation"].copy()
-        self.translation = saved["translation"].copy()
+        self.pose = Pose(**saved["pose"]).copied()
         if self.contact is not None:
-            self.contact.restore(s, self.rotation, self.translation, saved["contact"])
+            self.contact.restore(s, self.pose, saved["contact"])
         if self.criterion is not None:
             self.criterion.restore(s, saved["criterion"])
 
@@ -462,14 +462,13 @@ class Simulation:
 
     def _place_tool(self) -> None:
         if self.motion is not None:
-            rotation, translation = self.motion.pose(self.state.time)
-            self.rotation, self.translation = _rows(rotation), _rows(translation)
+            self.pose = Pose.of(*self.motion.pose(self.state.time))
 
     def _split_due_nodes(self) -> None:
         s = self.state
         assert self.criterion is not None
         assert self.law is not None
-        due = self.criterion.due(s, self.tips, self.rotation, self.translation, s.dt)
+        due = self.criterion.due(s, self.tips, self.pose, s.dt)
         for split in due:
             touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
             twin = split_node(

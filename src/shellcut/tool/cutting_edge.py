@@ -139,38 +139,3 @@ def edge_point(along: float, k: int, segments: Floats) -> Vec3:
     v = segment_part(segments, k, VECTOR)
     s = min(max(along / norm(v), 0.0), 1.0)
     return combine(1.0, segment_part(segments, k, START), s, v)
-
-
-@inline
-def to_body(p: Vec3, rotation: Floats, translation: Floats) -> Vec3:
-    """Return Rᵀ (p - r)."""
-    return turn_back(
-        (p[0] - translation[0], p[1] - translation[1], p[2] - translation[2]), rotation
-    )
-
-
-@inline
-def turn_back(d: Vec3, rotation: Floats) -> Vec3:
-    """Return Rᵀ d."""
-    return (
-        rotation[0, 0] * d[0] + rotation[1, 0] * d[1] + rotation[2, 0] * d[2],
-        rotation[0, 1] * d[0] + rotation[1, 1] * d[1] + rotation[2, 1] * d[2],
-        rotation[0, 2] * d[0] + rotation[1, 2] * d[1] + rotation[2, 2] * d[2],
-    )
-
-
-@inline
-def turn(p: Vec3, rotation: Floats) -> Vec3:
-    """Return R p."""
-    return (
-        rotation[0, 0] * p[0] + rotation[0, 1] * p[1] + rotation[0, 2] * p[2],
-        rotation[1, 0] * p[0] + rotation[1, 1] * p[1] + rotation[1, 2] * p[2],
-        rotation[2, 0] * p[0] + rotation[2, 1] * p[1] + rotation[2, 2] * p[2],
-    )
-
-
-@inline
-def to_space(p: Vec3, rotation: Floats, translation: Floats) -> Vec3:
-    """Return R p + r."""
-    q = turn(p, rotation)
-    return q[0] + translation[0], q[1] + translation[1], q[2] + translation[2]

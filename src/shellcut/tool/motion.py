@@ -25,6 +25,8 @@ import numpy as np
 
 from shellcut.arrays import Floats, Vec3
 
+from .pose import Pose
+
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
@@ -37,7 +39,7 @@ class Motion(Protocol):
         ...
 
     def pose(self, time: float) -> tuple[Floats, Floats]:
-        """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
+        """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r: a Pose, or a pair."""
         ...
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
@@ -138,7 +140,7 @@ class ScrewMotion:
         """Return the angle turned since t = 0 [rad]."""
         return _ramped_path(time, self.angular_speed, self.ramp)
 
-    def pose(self, time: float) -> tuple[Floats, Floats]:
+    def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         angle = self.coordinate(time)
         rows = _turn(self._axis, angle)
@@ -149,7 +151,7 @@ class ScrewMotion:
             p0, p1, p2 = self._point
             q0, q1, q2 = turned(rows, self._point)
             origin = np.array((p0 - q0 + h0 * angle, p1 - q1 + h1 * angle, p2 - q2 + h2 * angle))
-        return np.array(rows), origin
+        return Pose(np.array(rows), origin)
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
@@ -202,11 +204,11 @@ class StraightMotion:
         """Return the path since t = 0 [mm]."""
         return _ramped_path(time, self.speed, self.ramp)
 
-    def pose(self, time: float) -> tuple[Floats, Floats]:
+    def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         path = self.coordinate(time)
         d0, d1, d2 = self._direction
-        return np.eye(3), np.array((path * d0, path * d1, path * d2))
+        return Pose(np.eye(3), np.array((path * d0, path * d1, path * d2)))
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""

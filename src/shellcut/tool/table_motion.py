@@ -21,6 +21,7 @@ from shellcut.formats.errors import FileError
 from shellcut.formats.motion_csv import read_motion_csv
 
 from .motion import turned
+from .pose import Pose
 
 LARGEST_TABLE_TURN = 0.75 * pi
 """Largest rotation between neighbouring entries of a table [rad]: near half a turn the way round
@@ -130,7 +131,7 @@ class TableMotion:
             + u * (1.0 - u) * piece * ((1.0 - u) * v0 - u * v1)
         )
 
-    def pose(self, time: float) -> tuple[Floats, Floats]:
+    def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
         i, dt = self._locate(time)
         a3, a2, a1, a0, b3, b2, b1, b0, c3, c2, c1, c0 = self._translation[i]
@@ -142,7 +143,7 @@ class TableMotion:
             )
         )
         phi, _ = _cubic(self._rotation[i], dt)
-        return _product(self._start[i], _exponential(phi)), origin
+        return Pose(_product(self._start[i], _exponential(phi)), origin)
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each.
