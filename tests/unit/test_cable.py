@@ -270,10 +270,10 @@ def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
 def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
     state = state_with(([0.0, -0.15, 0.4], [0.0, 0.05, 0.4]))
     cables = CableSet(LAW, BLADE)
-    evaluate(cables, state, (np.eye(3), np.array([-0.004, 0, 0])))
+    evaluate(cables, state, Pose(np.eye(3), np.array([-0.004, 0, 0])))
     assert state.cable.status[0] == STRAIGHT
     straight = state.cable.opening[0]
-    _, result = evaluate(cables, state, (np.eye(3), np.array([0.006, 0, 0])))
+    _, result = evaluate(cables, state, Pose(np.eye(3), np.array([0.006, 0, 0])))
     c = state.cable
     assert result.n_joint_made == 1
     np.testing.assert_allclose(c.joint[0], [0.006, 0, 0.4], atol=1e-15)
@@ -285,7 +285,7 @@ def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
         np.hypot(0.15, 0.006) + np.hypot(0.05, 0.006) - straight, abs=1e-14
     )
     # From now on the joint goes with the tool, and there is never a second one.
-    _, result = evaluate(cables, state, (np.eye(3), np.array([0.5, 0.0, 0.0])))
+    _, result = evaluate(cables, state, Pose(np.eye(3), np.array([0.5, 0.0, 0.0])))
     assert result.n_joint_made == 0
     np.testing.assert_allclose(c.joint[0], [0.5, 0, 0.4], atol=1e-15)
     assert c.opening[0] > straight + 0.8
@@ -330,7 +330,7 @@ def pull(cables, state, velocities, dt, n, tool_velocity=(0, 0, 0), start=(0.0, 
         place += dt * np.array(tool_velocity)
         state.dt = dt
         state.time += dt
-        evaluate(cables, state, (np.eye(3), place.copy()))
+        evaluate(cables, state, Pose(np.eye(3), place.copy()))
     return place
 
 
@@ -359,7 +359,7 @@ def test_jointed_pull_takes_g_a():
     state = state_with(([0, 0, 0], [0, 0, 0]))
     cables = CableSet(LAW, BLADE)
     start = [-0.05, 0.0, 0.0]
-    evaluate(cables, state, (np.eye(3), np.array(start)))
+    evaluate(cables, state, Pose(np.eye(3), np.array(start)))
     total = 0.0
     pull(cables, state, [[0, -500, 0], [0, 500, 0.0]], 1e-6, 200, start=start)
     assert state.cable.status[0] == STRAIGHT
@@ -390,7 +390,7 @@ def test_work_of_an_evaluation_is_the_sum_over_the_cables():
     before = state.cable.work[:3].copy()
     old = state.cable.force[:3].copy()
     joints = state.cable.joint[:3].copy()
-    _, result = evaluate(cables, state, (np.eye(3), np.array([0.001, 0, 0])))
+    _, result = evaluate(cables, state, Pose(np.eye(3), np.array([0.001, 0, 0])))
     assert result.work == pytest.approx((state.cable.work[:3] - before).sum(), rel=1e-12)
     mean = 0.5 * (old + state.cable.force[:3])
     v = state.node.velocity_half[:6].reshape(3, 2, 3)

@@ -241,13 +241,13 @@ def test_what_the_tool_moves_is_loaded_at_once():
     contact = PenaltyContact(BLADE, Contact(), FILM)
     state.dt = 1e-7
     evaluate(contact, state)
-    forces, _ = evaluate(contact, state, (np.eye(3), np.array([0.0, 0.06, 0.0])))
+    forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([0.0, 0.06, 0.0])))
     size = 1e4 * AREA * smoothed(0.05 * np.cos(np.radians(10.0)), G_M)
     assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
     # Turned about its own edge, too: 0.05 rad at 1 mm are 0.05 mm, and the turn is remembered.
     c, s = np.cos(0.05), np.sin(0.05)
     turned = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    evaluate(contact, state, (turned, np.array([0.0, 0.06, 0.0])))
+    evaluate(contact, state, Pose(turned, np.array([0.0, 0.06, 0.0])))
     assert state.node.contact_depth[0] > 0.09
     assert state.node.contact_offset[0] == 0.0
 
