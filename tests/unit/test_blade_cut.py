@@ -45,6 +45,7 @@ def cables_met(tool, points, across):
     """Return which of the cables, ends at these places plus and minus ``across``, are met."""
     n = len(points)
     state = initial_state(rectangle(2.0 * n, 1.0, n_x=2 * n - 1, n_y=1))
+    state.node.contact_area[:] = 0.25 * 0.4**2
     for k in range(n):
         state.cable.append_blank()
         state.cable.ends[k] = 2 * k, 2 * k + 1

@@ -5,7 +5,7 @@ import pytest
 
 from naive import cable as naive
 from shellcut.cables.cohesive_law import CohesiveLaw, area_below
-from shellcut.cables.directional_cable import SHORT_BRANCH, START_OPENING, CableSet
+from shellcut.cables.directional_cable import CableSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
@@ -209,7 +209,7 @@ def test_moments_sum_to_the_named_couple(pose):
     c.opening_max[2] = 0.0
     forces, result = evaluate(cables, state, pose)
     assert c.status[2] == STRAIGHT
-    assert np.linalg.norm(c.joint[0] - x[1]) < SHORT_BRANCH
+    assert np.linalg.norm(c.joint[0] - x[1]) < LAW.short_branch
     force = forces.sum(axis=0) + result.wrench[0, :3]
     moment = np.cross(x[:6], forces).sum(axis=0)
     moment += result.wrench[0, 3:] + np.cross(pose[1], result.wrench[0, :3])
@@ -218,7 +218,7 @@ def test_moments_sum_to_the_named_couple(pose):
     np.testing.assert_allclose(moment, result.couple, rtol=0, atol=1e-14)
     assert np.abs(result.couple).max() > 1e-5
     # sigma_F A delta_0 of a straight cable, and of a branch its length.
-    named = LAW.strength * AREA * (LAW.onset + SHORT_BRANCH) + 0.4 * 0.006
+    named = LAW.strength * AREA * (LAW.onset + LAW.short_branch) + 0.4 * 0.006
     assert np.linalg.norm(result.couple) < named
 
 
@@ -415,7 +415,9 @@ def test_equilibrium_start_force_fades_and_its_work_is_booked_apart():
     pulled = state.cable.traction[0] * AREA
     assert np.linalg.norm(forces[0]) == pytest.approx(pulled, rel=1e-12)
     # Closed form for w along the length: start · w times half of 0.05 mm; delta_0 m turns d a bit.
-    assert state.cable.start_work[0] == pytest.approx(0.5 * START_OPENING * (start @ w), rel=0.02)
+    assert state.cable.start_work[0] == pytest.approx(
+        0.5 * LAW.start_opening * (start @ w), rel=0.02
+    )
     stored, dissipated = cables.energies(state)
     assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-3)
 

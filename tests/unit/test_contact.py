@@ -18,6 +18,7 @@ HERE = Pose.at_origin()
 POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 BLADE = straight_blade()
 FILM = ShellMaterial.homogeneous(thickness=0.074)
+EDGE = 0.4  # length of a quad's edge [mm]
 G_M = 0.074 / 4
 AREA = 0.04
 FOREVER = 1.0  # a step so long that every absorbed jump has decayed
@@ -63,7 +64,7 @@ POSES = pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
 def test_forces_match_brute_force_over_all_triangles(tool, pose):
     points = points_in_and_around(tool, 12, seed=3) @ pose[0].T + pose[1]
     state = nodes_at(points)
-    contact = PenaltyContact(tool, Contact(penalty=2e4), FILM)
+    contact = PenaltyContact(tool, Contact(penalty=2e4), FILM, EDGE)
     g_m = contact.law.smoothing_depth
     forces, result = evaluate(contact, state, pose)
     wrench = np.zeros((tool.n_body, 6))
@@ -94,7 +95,7 @@ def test_node_on_either_flank_is_pushed_out_of_it(sign):
     slope = np.tan(np.radians(10.0))
     y = sign * (slope - 0.02)
     state = nodes_at([[-1.0, y, 0.3]], far=[50.0, y, 0.3])  # its quads lie straight ahead
-    forces, result = evaluate(PenaltyContact(BLADE, Contact(), FILM), state)
+    forces, result = evaluate(PenaltyContact(BLADE, Contact(), FILM, EDGE), state)
     depth = 0.02 * np.cos(np.radians(10.0))
     size = 1e4 * AREA * depth  # above g_M = 0.0185
     outward = np.array([np.sin(np.radians(10.0)), sign * np.cos(np.radians(10.0)), 0.0])
@@ -129,7 +130,7 @@ def film_beside(sign, gap=0.005, behind=0.3):
 def test_fan_decides_the_side_where_the_nearest_face_is_wrong(sign):
     state, node = film_beside(sign)
     assert np.sign(state.node.x[node, 1]) == -sign  # nearest: the other face
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     forces, _ = evaluate(contact, state)
     assert state.node.contact_side[node] == sign
     assert forces[node, 1] * sign > 0
@@ -154,7 +155,7 @@ def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
     place = mesh.nodes.copy() - mesh.nodes[node] + [-0.3, sign * 0.004, 0.0]
     state = initial_state(cases.moved_mesh(mesh, place))
     state.node.contact_area[:], state.dt = AREA, FOREVER
-    evaluate(PenaltyContact(BLADE, Contact(), FILM), state)
+    evaluate(PenaltyContact(BLADE, Contact(), FILM, EDGE), state)
     assert state.node.contact_side[node] == sign
 
 
@@ -179,14 +180,14 @@ def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
         # x of the sheet runs clockwise seen from above, its y outwards: director down.
         state.node.x[: mesh.n_node] = p - local[:, :1] * tangent + local[:, 1:2] * radial
         state.node.contact_area[:], state.dt = AREA, FOREVER
-        forces, _ = evaluate(PenaltyContact(tool, Contact(), FILM), state)
+        forces, _ = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
         assert state.node.contact_side[corner] == out, body
         assert out * (forces[corner] @ radial) > 0
 
 
 def test_a_jump_is_absorbed_and_let_go():
     state = nodes_at([[-1.0, 0.1, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     state.dt = 0.0
     forces, result = evaluate(contact, state)
     depth = state.node.contact_depth[0]
@@ -222,7 +223,7 @@ def test_what_a_node_flies_into_a_face_is_loaded_at_once(travel):
     # Whatever it goes in a step: it is no jump, and to absorb it would let the node through.
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope + 0.5 * travel, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     evaluate(contact, state)
     for step in range(1, 4):
         forces, result = push(state, contact, (0.0, -travel / 1e-7, 0.0), 1e-7)
@@ -238,7 +239,7 @@ def test_what_a_node_flies_into_a_face_is_loaded_at_once(travel):
 def test_what_the_tool_moves_is_loaded_at_once():
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope + 0.01, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     state.dt = 1e-7
     evaluate(contact, state)
     forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([0.0, 0.06, 0.0])))
@@ -256,7 +257,7 @@ def test_growth_without_motion_is_absorbed_from_a_fifth_of_g_m_on():
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope - 0.0035, 0.0]])
     state.dt = 1e-9
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     assert contact.law.noticed == 0.2 * G_M
     for y in (0.0035, 0.007, 0.0105):
         state.node.x[0, 1] = slope - y
@@ -274,7 +275,7 @@ def test_growth_without_motion_is_absorbed_from_a_fifth_of_g_m_on():
 def test_a_node_that_has_come_out_is_felt_again_at_once():
     slope = np.tan(np.radians(10.0))
     state = nodes_at([[-1.0, slope - 0.06, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     state.dt = 0.0
     evaluate(contact, state)
     assert state.node.contact_offset[0] > 0.05
@@ -300,7 +301,7 @@ def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
         state = nodes_at([start], far=[50.0, 1.0, 0.3])
         state.node.mass[:] = mass
         state.dt = 0.0
-        contact = PenaltyContact(BLADE, Contact(), FILM)
+        contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
         evaluate(contact, state)
         first = v @ v
         for step in range(100):
@@ -322,7 +323,7 @@ def test_the_force_follows_the_film():
     for thickness, young in ((0.074, 1678.0), (0.74, 1678.0), (0.0074, 16780.0)):
         film = ShellMaterial.homogeneous(thickness=thickness, young=young)
         state = nodes_at(place)
-        forces, result = evaluate(PenaltyContact(BLADE, Contact(), film), state)
+        forces, result = evaluate(PenaltyContact(BLADE, Contact(), film, EDGE), state)
         sizes.append(np.linalg.norm(forces[0]))
         assert result.deepest == pytest.approx(0.05 * np.cos(np.radians(10.0)), rel=1e-12)
     assert sizes[1:] == pytest.approx([10.0 * sizes[0], sizes[0]], rel=1e-12)
@@ -330,7 +331,7 @@ def test_the_force_follows_the_film():
 
 def test_work_is_the_trapezoid_also_when_a_node_leaves():
     state = nodes_at([[-1.0, 0.15, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     old, _ = evaluate(contact, state)
     v = np.array([3.0, 40.0, -1.0])
     state.node.velocity_half[0] = v
@@ -350,7 +351,7 @@ def test_work_is_the_trapezoid_also_when_a_node_leaves():
 def test_forces_and_moments_on_tool_and_nodes_cancel(tool):
     points = points_in_and_around(tool, 40, seed=5) @ POSE[0].T + POSE[1]
     state = nodes_at(points)
-    forces, result = evaluate(PenaltyContact(tool, Contact(), FILM), state, POSE)
+    forces, result = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state, POSE)
     assert result.n_inside > 10
     on_tool = result.wrench.sum(axis=0)
     moment = np.cross(state.node.x[: state.n_node], forces).sum(axis=0)
@@ -368,7 +369,7 @@ def test_the_list_of_near_nodes_never_misses_one():
     state = initial_state(mesh)
     state.node.contact_area[:] = AREA
     state.node.velocity_half[: mesh.n_node] = [-1e3, 0.0, 2e3]
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     state.dt = 1e-5
     searched, listed = 0, None
     for step in range(130):
@@ -390,7 +391,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
     rng = np.random.default_rng(9)
     state = nodes_at(points_in_and_around(tool, 40, seed=6))
     state.dt = 1e-6
-    contact = PenaltyContact(tool, Contact(), FILM)
+    contact = PenaltyContact(tool, Contact(), FILM, EDGE)
     remembered = 0
     for step in range(200):
         state.step = step
@@ -408,7 +409,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
             )
         ]
         forces, result = evaluate(contact, state)
-        lasts, within = contact._arguments[18:20]
+        lasts, within = contact._lookups.lasts, contact._lookups.within
         remembered += np.count_nonzero(within & (lasts > 0.0))
         after = [
             state.node.contact_side.copy(),
@@ -417,7 +418,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
         ]
         state.node.contact_side[:], state.node.contact_depth[:] = before[:2]
         state.node.contact_offset[:], state.node.contact_force[:] = before[2:]
-        fresh, again = evaluate(PenaltyContact(tool, Contact(), FILM), state)
+        fresh, again = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
         np.testing.assert_array_equal(fresh, forces)
         np.testing.assert_array_equal(again.wrench, result.wrench)
         assert again[1:] == result[1:]
@@ -434,7 +435,7 @@ def naive_inside(p):
 
 def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():
     state = nodes_at([[-1.0, 0.06, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     evaluate(contact, state)
     state.node.x[0, 1] = -0.06
     evaluate(contact, state)
@@ -447,7 +448,7 @@ def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():
 
 def test_a_split_renews_the_list():
     state = nodes_at([[-1.0, 0.1, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM)
+    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     evaluate(contact, state)
     new = state.node.append_copy(0)
     evaluate(contact, state)

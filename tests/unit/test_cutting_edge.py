@@ -12,8 +12,12 @@ from shellcut.tool.cutting_edge import (
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 
+DEEP = CUT_DEPTH * 0.375
+"""How deep a point is owned on edges of 0.375 mm."""
+
+
 def strip(p, k, edges):
-    return strip_coordinates(tuple(p), k, edges.segments)
+    return strip_coordinates(tuple(p), k, edges.segments, DEEP)
 
 
 def test_coordinates_of_a_straight_blade():
@@ -30,8 +34,8 @@ def test_coordinates_of_a_straight_blade():
         ((-1e-9, 0, 0), True),  # just passed
         ((1e-9, 0, 0), False),  # in front
         ((-0.3, 99.0, 0), True),  # ownership says nothing of what lies beside
-        ((-CUT_DEPTH + 1e-6, 0, 0), True),
-        ((-CUT_DEPTH - 1e-6, 0, 0), False),
+        ((-DEEP + 1e-6, 0, 0), True),
+        ((-DEEP - 1e-6, 0, 0), False),
         ((-1e-6, 0, 3.001), False),
         ((-1e-6, 0, -3.001), False),
         ((-0.1, 0, 3.019), True),  # strips widen by a fifth of the depth, for curved edges
@@ -79,7 +83,7 @@ def test_strips_of_a_curved_edge_leave_no_gap():
 def test_strip_boxes_hold_all_that_a_segment_owns(tool):
     edges = CuttingEdges.of(tool)
     beside = 0.3
-    low, high = edges.strip_boxes(beside)
+    low, high = edges.strip_boxes(beside, DEEP)
     assert low.shape == high.shape == (tool.n_body, 3)
     rng = np.random.default_rng(8)
     points = rng.uniform(low.min(axis=0) - 1.0, high.max(axis=0) + 1.0, (4000, 3))

@@ -90,7 +90,7 @@ def test_contact_stiffness_of_near_nodes_counts():
     mesh = cases.skewed_flat()
     shell, state = cases.set_up(mesh)
     tool = straight_blade()
-    contact = PenaltyContact(tool, Contact(penalty=1e6), ShellMaterial.homogeneous())
+    contact = PenaltyContact(tool, Contact(penalty=1e6), ShellMaterial.homogeneous(), 0.4)
     free = stepper(shell, safety=1.0).next(state)
     with_tool = stepper(shell, contact, tool, safety=1.0)
     assert with_tool.next(state) == free  # nothing is near yet

@@ -26,6 +26,16 @@ from shellcut.numerics.jit import inline, kernel
 
 Unloading: TypeAlias = Literal["secant", "elastic"]
 
+# Over onset: a short branch is then stiffer than a cable at its birth, sigma_F A / delta_0, by no
+# more than this, and the step is short for that one anyway.
+_SHORT_BRANCH = 0.2
+# Over opening_u, for the literal form of the paper, which has no onset.
+_SHORT_BRANCH_WITHOUT_ONSET = 1.0 / 4000.0
+
+# Over opening_u: the force of the equilibrium start is gone when the law has hardly begun, after
+# more openings than a cable makes in a step.
+_START_OPENING = 1.0 / 80.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class CohesiveLaw:
@@ -109,6 +119,16 @@ class CohesiveLaw:
             self.opening_p + self.opening_u
         )
 
+    @property
+    def short_branch(self) -> float:
+        """Length below which a branch keeps its last direction [mm]; bounds sigma A / ell^±."""
+        return _SHORT_BRANCH * self.onset or _SHORT_BRANCH_WITHOUT_ONSET * self.opening_u
+
+    @property
+    def start_opening(self) -> float:
+        """ell_b, opening over which the force of the equilibrium start fades [mm]."""
+        return _START_OPENING * self.opening_u
+
     def parameters(self) -> Floats:
         """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""
         cap = self.strength / self.onset if self.onset > 0 else math.inf
@@ -123,6 +143,8 @@ class CohesiveLaw:
                 cap,
                 elastic,
                 self.onset,
+                self.short_branch,
+                self.start_opening,
             ]
         )
 

@@ -35,7 +35,7 @@ the edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then 
 
 where ``slack`` is the length that bending around the edge added at that instant (the overshoot of
 the test and delta_0): with it the law continues where it stood. The tool receives -(F^- + F^+).
-A branch shorter than ``SHORT_BRANCH`` keeps its last direction.
+A branch shorter than ``law.short_branch`` keeps its last direction.
 """
 
 from __future__ import annotations
@@ -49,6 +49,7 @@ from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, State
 from shellcut.tool.cutting_edge import (
+    CUT_DEPTH,
     NORMAL,
     START,
     CuttingEdges,
@@ -61,12 +62,6 @@ from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 from shellcut.tool.tool import Tool
 
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
-
-SHORT_BRANCH = 1e-3
-"""Length below which a branch keeps its last direction [mm]; bounds its stiffness sigma A / ell."""
-
-START_OPENING = 0.05
-"""ell_b, opening over which the equilibrium-start force fades [mm]."""
 
 # A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
 # the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
@@ -108,6 +103,7 @@ class CableSet:
         self.law = law
         self.directional = directional and tool is not None
         self._parameters = law.parameters()
+        self._sharpest = max(law.onset, law.short_branch)
         self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
         self._state: State | None = None
@@ -205,10 +201,10 @@ class CableSet:
         ends = c.ends[live]
         jointed = c.status[live] == JOINTED
         reach = np.empty((live.size, 2))
-        reach[:] = (np.maximum(c.opening[live], 0.0) + max(self.law.onset, SHORT_BRANCH))[:, None]
+        reach[:] = (np.maximum(c.opening[live], 0.0) + self._sharpest)[:, None]
         for side in range(2):
             branch = np.linalg.norm(c.joint[live] - state.node.x[ends[:, side]], axis=1)
-            reach[jointed, side] = np.maximum(branch[jointed], SHORT_BRANCH)
+            reach[jointed, side] = np.maximum(branch[jointed], self.law.short_branch)
         stiffness = np.maximum(pull[:, None] / reach, slope[:, None])
         stiffness[~jointed] *= 2.0
         return ends.ravel(), stiffness.ravel()
@@ -221,7 +217,7 @@ def _find_joint(
     x_plus: Vec3,
     m: Vec3,
     onset: float,
-    reach: float,
+    size: float,
     pose: Pose,
     segments: Floats,
     solid: tuple,  # type: ignore[type-arg]
@@ -233,12 +229,13 @@ def _find_joint(
 ) -> bool:
     """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
-    Works in the body frame of the tool.  reach : how far beside the blade a cable may lie.  solid :
-    as in CuttingEdges.  Writes row c of the last five.
+    Works in the body frame of the tool.  size : local edge length.  solid : as in
+    CuttingEdges.  Writes row c of the last five.
     """
     minus = to_body(x_minus, pose)
     plus = to_body(x_plus, pose)
     across = turn_back(m, pose)
+    reach, deepest = _BESIDE_REACH * size, CUT_DEPTH * size
     shallowest = np.inf
     for k in range(segments.shape[0]):
         a = segment_part(segments, k, START)
@@ -252,7 +249,7 @@ def _find_joint(
         elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
             continue
         crossing = combine(1.0 - share, minus, share, plus)
-        along, lateral, depth, owns = strip_coordinates(crossing, k, segments)
+        along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
         if not owns or depth >= shallowest:
             continue
         if not in_the_blade(crossing, lateral, k, segments, solid):
@@ -312,7 +309,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
     on law and start force, how many joints were made and how many cables broke.
     """
-    onset = law[7]
+    onset, short_branch, start_opening = law[7], law[8], law[9]
     work = 0.0
     start_work = 0.0
     n_made = 0
@@ -323,14 +320,14 @@ def _add_cable_forces(
         i, j = ends[c, 0], ends[c, 1]
         minus, plus = load(x, i), load(x, j)
         if directional and status[c] == STRAIGHT:
-            reach = _BESIDE_REACH * np.sqrt(4.0 * contact_area[i])
+            size = np.sqrt(4.0 * contact_area[i])
             if _find_joint(
                 c,
                 minus,
                 plus,
                 load(m, c),
                 onset,
-                reach,
+                size,
                 pose,
                 segments,
                 solid,
@@ -352,9 +349,9 @@ def _add_cable_forces(
             to_minus, to_plus = sub(p, minus), sub(p, plus)
             length_minus, length_plus = norm(to_minus), norm(to_plus)
             ell = length_minus + length_plus - joint_slack[c]
-            if length_minus >= SHORT_BRANCH:
+            if length_minus >= short_branch:
                 _keep_direction(branch, c, 0, scale(1.0 / length_minus, to_minus))
-            if length_plus >= SHORT_BRANCH:
+            if length_plus >= short_branch:
                 _keep_direction(branch, c, 1, scale(1.0 / length_plus, to_plus))
         else:
             d = combine(1.0, sub(plus, minus), onset, load(m, c))
@@ -368,10 +365,10 @@ def _add_cable_forces(
                 _keep_direction(branch, c, 0, load(m, c))
                 _keep_direction(branch, c, 1, scale(-1.0, load(m, c)))
 
-        fade_old = max(0.0, 1.0 - opening_max[c] / START_OPENING)
+        fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         opening[c] = ell
         opening_max[c] = max(opening_max[c], ell)
-        fade = max(0.0, 1.0 - opening_max[c] / START_OPENING)
+        fade = max(0.0, 1.0 - opening_max[c] / start_opening)
         sigma = traction(ell, opening_max[c], law)
         stress[c] = sigma
         extra = scale(fade, load(start_force, c))

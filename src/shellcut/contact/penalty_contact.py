@@ -41,6 +41,7 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
 from shellcut.state import State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
+    CUT_DEPTH,
     NORMAL,
     CuttingEdges,
     segment_part,
@@ -60,16 +61,17 @@ from .settings import (
     smoothed_integral,
 )
 
-# Of the list of near nodes [mm]: half of it is also how near a node must be for its contact
+# Of the list of near nodes, over the median edge length sqrt(quad area): lasts for hundreds of steps,
+# as their length follows the edges too. Half of it is also how near a node must be for its contact
 # stiffness to count in the time step until that is looked at again.
-_MARGIN = 0.75
+_MARGIN = 2.2
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
 _CLEARLY_BESIDE = 0.15
 
-# Taken off a distance from the surface, far above its round-off [mm].
-_ROUND_OFF = 1e-9
+# Taken off a distance from the surface, far above its round-off: of the tool's farthest coordinate.
+_ROUND_OFF = 1e-10
 
 # How far off the mid-plane a node may lie, in local edge lengths, for its quads to decide its side.
 _UNDECIDED = 0.1
@@ -121,22 +123,27 @@ class PenaltyContact:
         Parameters.
     film : ShellMaterial
         Which they follow.
+    edge_length : float
+        Of a typical quad [mm].
     """
 
-    def __init__(self, tool: Tool, contact: Contact, film: ShellMaterial) -> None:
+    def __init__(
+        self, tool: Tool, contact: Contact, film: ShellMaterial, edge_length: float
+    ) -> None:
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self._n_body = tool.n_body
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
+        self._round_off = _ROUND_OFF * float(np.abs(tool.vertices).max())
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
         ]
         self.near = NearNodes(
             np.array([c.min(axis=(0, 1)) for c in corners]),
             np.array([c.max(axis=(0, 1)) for c in corners]),
-            _MARGIN,
+            _MARGIN * edge_length,
         )
         """The nodes of the last global search."""
         self._listed: Ints = self.near.ids
@@ -205,6 +212,7 @@ class PenaltyContact:
             n.velocity_half,
             self.grid.arrays,
             self.grid.reach,
+            self._round_off,
             self.tool.triangle_body,
             self._edges.segments,
             state.quads,
@@ -246,7 +254,7 @@ def _side_of_quads(
     k_best = -1
     shallowest = np.inf
     for k in range(segments.shape[0]):
-        _, lateral, depth, owns = strip_coordinates(here, k, segments)
+        _, lateral, depth, owns = strip_coordinates(here, k, segments, CUT_DEPTH * size)
         # Near the mid-plane only; the strip of the tooth across the ring reaches here too.
         if owns and depth < shallowest and abs(lateral) < _UNDECIDED * size:
             shallowest = depth
@@ -279,6 +287,7 @@ def _add_contact_forces(
     velocity: Floats,
     grid: tuple,  # type: ignore[type-arg]
     reach: float,
+    round_off: float,
     triangle_body: Ints,
     segments: Floats,
     quads: Ints,
@@ -335,9 +344,9 @@ def _add_contact_forces(
             # closest point of that side only: both look again next time.
             lasts[i] = 0.0
             if within[i] and side[n] != 0:
-                lasts[i] = steady - _ROUND_OFF
+                lasts[i] = steady - round_off
             elif not within[i] and side[n] == 0:
-                lasts[i] = (norm(sub(p, q)) if found else reach) - _ROUND_OFF
+                lasts[i] = (norm(sub(p, q)) if found else reach) - round_off
         if not within[i]:
             if side[n] != 0:
                 lasts[i] = 0.0

@@ -51,8 +51,9 @@ _PASSED_REACH = 0.5
 # cut that crosses another at 35 degrees the smaller quad stands 0.38 to its side.
 _PARTED = 0.15
 
-# Of the list of near nodes [mm]: it is looked through once in ten steps or so, hence short.
-_MARGIN = 0.25
+# Of the list of near nodes, over the largest edge length: it is looked through once in ten steps or
+# so, in which the edge moves by less than a third of an edge, hence short.
+_MARGIN = 0.6
 
 
 class BladeCut:
@@ -68,8 +69,9 @@ class BladeCut:
 
     def __init__(self, tool: Tool, largest_area: float) -> None:
         self._edges = CuttingEdges.of(tool)
-        self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * math.sqrt(largest_area))
-        self._near = NearNodes(self._low, self._high, _MARGIN)
+        size = math.sqrt(largest_area)
+        self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * size, CUT_DEPTH * size)
+        self._near = NearNodes(self._low, self._high, _MARGIN * size)
         self._find = bound_once(_cut_nodes)
 
     def cut_nodes(
@@ -197,12 +199,12 @@ def _cut_nodes(
             size = np.sqrt(4.0 * contact_area[n])
             at_an_edge = halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
             reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
-            deepest = CUT_DEPTH if at_an_edge else reach
+            deepest = CUT_DEPTH * size if at_an_edge else reach
             for k in range(segments.shape[0]):
                 if body[k] != b:
                     continue
-                _, lateral, depth, owns = strip_coordinates(p, k, segments)
-                if not owns or depth >= min(shallowest, deepest) or abs(lateral) > reach:
+                _, lateral, depth, owns = strip_coordinates(p, k, segments, deepest)
+                if not owns or depth >= shallowest or abs(lateral) > reach:
                     continue
                 if at_an_edge:
                     normal = turn(segment_part(segments, k, NORMAL), pose)

@@ -69,7 +69,8 @@ class Fracture:
     check_every : int
         Steps between two checks.
     equilibrium_start : bool
-        Start a cable with the very force that the node carried, fading over 0.05 mm.
+        Start a cable with the very force that the node carried, fading over an
+        eightieth of the opening at which the cable breaks.
 
     Examples
     --------

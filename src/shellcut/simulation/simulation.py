@@ -152,12 +152,16 @@ class Simulation:
         areas = mesh.quad_areas()
         self._most_strain = most_strain_energy(stretching, float(areas.sum()))
         tearing = law.fracture_energy * material.thickness if law else 0.0
-        self._balance = BalanceGuard(stretching, float(np.median(areas)), tearing)
+        typical = float(np.median(areas))
+        self._balance = BalanceGuard(stretching, typical, tearing)
         self.supports = SupportSet(mesh, supports)
         self.loads = LoadSet(mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
-        self.contact = PenaltyContact(tool, contact or Contact(), material) if tool else None
+        self.contact = None
+        if tool is not None:
+            edge_length = float(np.sqrt(typical))
+            self.contact = PenaltyContact(tool, contact or Contact(), material, edge_length)
 
         self.state = initial_state(mesh)
         self.shell.initialise(self.state)

@@ -6,9 +6,9 @@ blade, in that plane and normal to e. A point p has
 
     along = (p - a) · e,    lateral = (p - a) · b,    depth = (p - a) · k,
 
-and the segment *owns* it when 0 <= along <= L and 0 <= depth < CUT_DEPTH: the point then lies in
-the strip of the mid-plane behind the segment, ``lateral`` to one side of it. All in the body frame
-of the tool.
+and the segment *owns* it when 0 <= along <= L and 0 <= depth < ``CUT_DEPTH`` edge lengths of the
+film: the point then lies in the strip of the mid-plane behind the segment, ``lateral`` to one side
+of it. All in the body frame of the tool.
 
 The strip alone does not say that the edge has passed the point. At the end of an edge the body ends
 too, on a face of its own: below the tip of a tooth its relief rises backwards, and under a steep
@@ -34,8 +34,10 @@ from .closest_triangles import ClosestTriangleGrid
 from .signed_distance import GridArrays, signed_distance
 from .tool import Tool
 
-CUT_DEPTH = 1.5
-"""Points farther behind the edge were passed by some other part of the tool [mm]."""
+CUT_DEPTH = 4.0
+"""Points farther behind the edge, in edge lengths of the film there, were passed by some other part
+of the tool. Nodes and cables are looked at before the edge has moved on by a third of an edge
+(:mod:`shellcut.checks.steps`), so that this leaves room for film that is drawn along."""
 
 # Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
 # widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
@@ -71,18 +73,17 @@ class CuttingEdges:
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
         return cls(np.stack(rows, axis=1), tool.edge_body, solid)
 
-    def strip_boxes(self, beside: float) -> tuple[Floats, Floats]:
+    def strip_boxes(self, beside: float, deep: float) -> tuple[Floats, Floats]:
         """Return boxes around the strips of each tooth, low and high corners : (n_body, 3) [mm].
 
-        Every point that a segment of the tooth owns, within ``beside`` [mm] of its mid-plane, lies
-        in the box of that tooth.
+        Every point that a segment of the tooth owns, no deeper than ``deep`` [mm] and within
+        ``beside`` [mm] of its mid-plane, lies in the box of that tooth.
         """
         start, vector, normal, back = (self.segments[:, part] for part in range(4))
         unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
-        widened = _STRIP_SLOPE * CUT_DEPTH * unit
-        deep = CUT_DEPTH * back
+        widened, deepest = _STRIP_SLOPE * deep * unit, deep * back
         end = start + vector
-        corners = np.stack([start, end, start - widened + deep, end + widened + deep], axis=1)
+        corners = np.stack([start, end, start - widened + deepest, end + widened + deepest], axis=1)
         aside = beside * np.abs(normal)[:, None]
         mine = [self.body == b for b in range(int(self.body.max()) + 1)]
         low = [(corners - aside)[m].min(axis=(0, 1)) for m in mine]
@@ -97,8 +98,13 @@ def segment_part(segments: Floats, k: int, part: int) -> Vec3:
 
 
 @inline
-def strip_coordinates(p: Vec3, k: int, segments: Floats) -> tuple[float, float, float, bool]:
-    """Return along, lateral, depth [mm] of a point, and whether segment k owns it."""
+def strip_coordinates(
+    p: Vec3, k: int, segments: Floats, deepest: float
+) -> tuple[float, float, float, bool]:
+    """Return along, lateral, depth [mm] of a point, and whether segment k owns it.
+
+    deepest : depth that is no longer owned [mm].
+    """
     d = sub(p, segment_part(segments, k, START))
     v = segment_part(segments, k, VECTOR)
     length = norm(v)
@@ -106,7 +112,7 @@ def strip_coordinates(p: Vec3, k: int, segments: Floats) -> tuple[float, float, 
     lateral = dot(d, segment_part(segments, k, NORMAL))
     depth = dot(d, segment_part(segments, k, BACK))
     slack = _STRIP_SLOPE * depth
-    owns = 0.0 <= depth < CUT_DEPTH and -slack <= along <= length + slack
+    owns = 0.0 <= depth < deepest and -slack <= along <= length + slack
     return along, lateral, depth, owns
 
 
