@@ -24,6 +24,7 @@ def state_with(*pairs, m=(0.0, 1.0, 0.0)):
     """A state with one cable for each pair of end positions; spare rows poisoned."""
     n = len(pairs)
     state = initial_state(rectangle(2.0 * n, 1.0, n_x=2 * n - 1, n_y=1))
+    state.node.contact_area[:] = 0.25 * 0.4**2
     state.node.x[:] = np.nan
     for k, (minus, plus) in enumerate(pairs):
         assert state.cable.append_blank() == k

@@ -61,8 +61,8 @@ from .settings import (
     smoothed_integral,
 )
 
-# Of the list of near nodes, over the median edge length sqrt(quad area): lasts for hundreds of steps,
-# as their length follows the edges too. Half of it is also how near a node must be for its contact
+# Of the list of near nodes, over the median edge length sqrt(quad area): it lasts for hundreds of
+# steps, as these follow the edges too. Half of it is also how near a node must be for its contact
 # stiffness to count in the time step until that is looked at again.
 _MARGIN = 2.2
 
