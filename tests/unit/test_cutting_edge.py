@@ -11,7 +11,6 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
-
 DEEP = CUT_DEPTH * 0.375
 """How deep a point is owned on edges of 0.375 mm."""
 
