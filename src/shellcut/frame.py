@@ -193,6 +193,10 @@ class Frame:
     )
     """Tooth of each of these segments, as ``tool_tooth``, shape (n_edge,)."""
 
+    quad_history: Mapping[str, Floats] = field(default_factory=dict)
+    """Means of the material's history numbers by name and unit, shape (n_quad,) each, e.g.
+    ``{"damage [-]": ...}``."""
+
     scalars: Mapping[str, float] = field(default_factory=dict)
     """Figures of the whole model by name, e.g. ``{"torque": 143.6}``."""
 
@@ -204,7 +208,13 @@ class Frame:
         for name, rows in ROWS.items():
             self._fill_in(name, rows, n)
             count = (n[rows.of],) if rows.of else ()
-            self._cast(name, rows.dtype, count + rows.shape)
+            array = _checked(name, getattr(self, name), rows.dtype, count + rows.shape)
+            object.__setattr__(self, name, array)
+        history = {
+            name: _checked(f"quad_history {name!r}", numbers, np.float64, (n["quad"],))
+            for name, numbers in self.quad_history.items()
+        }
+        object.__setattr__(self, "quad_history", MappingProxyType(history))
         for name, rows in ROWS.items():
             if rows.ids:
                 self._check_ids(name, n[rows.ids])
@@ -226,22 +236,6 @@ class Frame:
             value = np.full((n[rows.of], *rows.shape), rows.left_out, rows.dtype)
         object.__setattr__(self, name, value)
 
-    def _cast(self, name: str, dtype: Any, shape: tuple[int, ...]) -> None:
-        given = np.asarray(getattr(self, name))
-        if given.shape != shape:
-            raise ValueError(f"{name} must have shape {shape}, got {given.shape}")
-        if np.issubdtype(dtype, np.integer) and not np.issubdtype(given.dtype, np.integer):
-            raise ValueError(f"{name} must hold integers, got {given.dtype}")
-        if dtype == np.bool_ and given.dtype != np.bool_:
-            raise ValueError(f"{name} must hold bools, got {given.dtype}")
-        array = np.array(given, dtype=dtype, order="C")
-        # A nan anywhere would reach the file and the eyes as a hole without a word.
-        if dtype == np.float64 and not np.isfinite(array).all():
-            row = int(np.argwhere(~np.isfinite(array))[0, 0])
-            raise ValueError(f"{name} must be finite, row {row} is {array[row]}")
-        array.flags.writeable = False
-        object.__setattr__(self, name, array)
-
     def _check_ids(self, name: str, n: int) -> None:
         ids = getattr(self, name)
         if ids.size and (ids.min() < 0 or ids.max() >= n):
@@ -262,6 +256,24 @@ class Frame:
     def displacement(self) -> Floats:
         """Displacement, shape (n_node, 3), [mm]."""
         return self.points - self.reference
+
+
+def _checked(name: str, value: Any, dtype: Any, shape: tuple[int, ...]) -> Any:
+    """Return a read-only copy of an array, cast to its type; refuse what does not fit."""
+    given = np.asarray(value)
+    if given.shape != shape:
+        raise ValueError(f"{name} must have shape {shape}, got {given.shape}")
+    if np.issubdtype(dtype, np.integer) and not np.issubdtype(given.dtype, np.integer):
+        raise ValueError(f"{name} must hold integers, got {given.dtype}")
+    if dtype == np.bool_ and given.dtype != np.bool_:
+        raise ValueError(f"{name} must hold bools, got {given.dtype}")
+    array = np.array(given, dtype=dtype, order="C")
+    # A nan anywhere would reach the file and the eyes as a hole without a word.
+    if dtype == np.float64 and not np.isfinite(array).all():
+        row = int(np.argwhere(~np.isfinite(array))[0, 0])
+        raise ValueError(f"{name} must be finite, row {row} is {array[row]}")
+    array.flags.writeable = False
+    return array
 
 
 ROWS: dict[str, Rows] = {

@@ -125,6 +125,6 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         check_every=sim.fracture.check_every,
         duration=until,
         speed=sweep.top_speed,
-        wave=max(np.sqrt(m.young / m.density) for m in layers),
+        wave=max(material.wave_speed for material in layers),
         edge_length=edge,
     )

@@ -89,7 +89,9 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
 
 
 def _layers(material: ShellMaterial) -> Iterator[Finding]:
-    seen = {(layer.material.young, layer.material.density) for layer in material.layers}
+    seen = {
+        (layer.material.stretching_modulus, layer.material.density) for layer in material.layers
+    }
     for young, density in sorted(seen):
         if not SOFTEST <= young <= STIFFEST:
             yield Finding(
@@ -122,8 +124,7 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
 
 def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Finding]:
     # the strain at which the film as a whole carries the strength
-    young = sum(layer.material.young * layer.thickness for layer in material.layers)
-    young /= material.thickness
+    young = material.stretching_stiffness / material.thickness
     strain = law.strength / young
     came = (
         f"strength {law.strength:.4g} MPa at a modulus of {young:.4g} MPa, a strain of {strain:.3g}"

@@ -132,7 +132,7 @@ class PenaltyLaw:
         >>> law.penalty, law.smoothing_depth
         (5000.0, 0.00925)
         """
-        stretching = sum(layer.material.young * layer.thickness for layer in film.layers)
+        stretching = film.stretching_stiffness
         density = sum(layer.material.density * layer.thickness for layer in film.layers)
         if contact.penalty is None:
             penalty = _PENALTY * (stretching / _STRETCHING)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.material.shell_material import Elastic
+from shellcut.material.elastic import Elastic
+from shellcut.material.material import Material
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.view import draw_path
@@ -134,7 +135,7 @@ class ImprintResult:
 
 
 def imprint(
-    mesh: Mesh, curve: PathCurve | Sequence[PathCurve], *, material: Elastic | None = None
+    mesh: Mesh, curve: PathCurve | Sequence[PathCurve], *, material: Material | None = None
 ) -> ImprintResult:
     """Put a path into a flat mesh as a line of edges, exactly.
 
@@ -151,7 +152,7 @@ def imprint(
     curve : PathCurve or sequence of PathCurve
         The path, in the film's plane; curves in two coordinates lie in z = 0. It may leave the film
         and come back. See :func:`shellcut.imprinting.blade_path` for the path of a tool.
-    material : Elastic, optional
+    material : Material, optional
         For the stable steps reported; the film of the paper by default.
 
     Returns

@@ -12,12 +12,12 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
-from shellcut.material.shell_material import Elastic
+from shellcut.material.material import Material
 
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
-def membrane_steps(x: Floats, quads: Ints, material: Elastic) -> Floats:
+def membrane_steps(x: Floats, quads: Ints, material: Material) -> Floats:
     """Return 2 / omega of every quad [s], shape (n_quad,).
 
     Parameters
@@ -26,8 +26,8 @@ def membrane_steps(x: Floats, quads: Ints, material: Elastic) -> Floats:
         Positions in the plane [mm].
     quads : ndarray, shape (n_quad, 4)
         Counter-clockwise, every corner angle below 180 degrees.
-    material : Elastic
-        Its modulus, Poisson's ratio and density; the thickness drops out.
+    material : Material
+        Its plane-stress matrix and density; the thickness drops out.
     """
     X = x[quads]
     C = material.plane_stress()

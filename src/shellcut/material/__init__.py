@@ -1,8 +1,11 @@
-"""What the film is made of: layers, their elastic laws, and the stress at a point.
+"""What the film is made of: layers, their material laws, and the stress at a point.
 
 May import ``numerics`` and rows below.
 """
 
-from .shell_material import Elastic, Layer, ShellMaterial
+from .elastic import Elastic
+from .material import Material
+from .point_law import LAWS, PointLaw, register
+from .shell_material import Layer, ShellMaterial
 
-__all__ = ["Elastic", "Layer", "ShellMaterial"]
+__all__ = ["LAWS", "Elastic", "Layer", "Material", "PointLaw", "ShellMaterial", "register"]

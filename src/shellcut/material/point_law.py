@@ -1,46 +1,108 @@
 """Plane stress at one thickness point: what a material does to a strain, with its history.
 
-A law is a branch of :func:`point_stress`, chosen by the material's ``kind``. It takes the Cartesian
-strain (E_11, E_22, 2E_12) at t_n and the history of the point at t_{n-1}, writes the history at
-t_n, and returns the second Piola-Kirchhoff stress with the stored energy density. It is a function
-of numbers, so it serves one quad or many (:mod:`shellcut.numerics.lanes`); history is read by
-``pick`` and written by ``put``. A new material adds a kind, its parameters and how many history
-numbers a point keeps.
+A :class:`PointLaw` is two functions of numbers and the names of its history numbers. The functions
+serve one quad or all lanes of a block (:mod:`shellcut.numerics.lanes`), so they are made of + - * /
+and of :mod:`shellcut.numerics.lane_functions`, and do not branch on strains. Whoever writes a law
+passes it through :func:`register`, which adds its row to :data:`LAWS`; the material class that
+names it in ``law`` is then good for forces, energies, output stresses, criteria, checkpoints and
+frames alike.
+
+How a law gets into the kernels stands in :mod:`shellcut.material.law_dispatch`.
 """
 
 from __future__ import annotations
 
-from shellcut.arrays import Floats, Number, Vector
-from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_instructions import Lane
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
 
-ELASTIC = 0
-"""St.Venant-Kirchhoff: parameters are the six moduli of the upper triangle of C; no history."""
+from shellcut.arrays import Number, Vector
 
-N_PARAMETER = 6
+History: TypeAlias = tuple[Number, ...]
 
 
-@always_inline
-def point_stress(
-    kind: int,
-    parameters: Floats,
-    k: int,
-    strain: Vector,
-    old: Floats,
-    new: Floats,
-    b: int,
-    b_new: int,
-    first: int,
-    lane: Lane,
-) -> tuple[Vector, Number]:
-    """Return stress [MPa] and stored energy density [N/mm²] at thickness point ``k``.
+@dataclass(frozen=True, eq=False)
+class PointLaw:
+    """A material law at a thickness point.
 
-    parameters : (n_point, N_PARAMETER), row k is read.  old, new : (n_block, n, width), the numbers
-    from ``first`` on of block ``b`` are read, those of block ``b_new`` written.
+    Parameters
+    ----------
+    name : str
+        Of the law, its key in :data:`LAWS`.
+    stress : callable
+        ``stress(p, strain, history, dt)`` returns four things: the second Piola-Kirchhoff stress
+        (S_11, S_22, S_12) [MPa] at t_n; the stored energy density at t_n [N/mm²]; the energy
+        density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n. ``p`` holds the
+        material's parameters, shape (n_parameter,); ``strain`` is (E_11, E_22, 2 E_12) at t_n in
+        the point's Cartesian frame; ``history`` holds the numbers at t_{n-1}, zero at the start;
+        ``dt`` is the length of the step [s]. Asked again with the same strain, the history it
+        returned and dt = 0, a law returns the same stress and dissipates nothing: output does so.
+    thickness_stretch : callable
+        ``thickness_stretch(p, strain, history)`` returns the present over the reference thickness
+        at the point.
+    history : tuple of str
+        What the history numbers are, with their units, such as ``"damage [-]"``. These names stand
+        in the frames. A law without any neither remembers nor dissipates.
+    linear : bool
+        Whether the stress is the ``plane_stress`` matrix of the material times the strain, at any
+        strain: such a film may be integrated through the thickness once, before the run.
     """
-    e1, e2, e12 = strain
-    # kind == ELASTIC is the only law so far; others branch here.
-    s1 = parameters[k, 0] * e1 + parameters[k, 1] * e2 + parameters[k, 2] * e12
-    s2 = parameters[k, 1] * e1 + parameters[k, 3] * e2 + parameters[k, 4] * e12
-    s12 = parameters[k, 2] * e1 + parameters[k, 4] * e2 + parameters[k, 5] * e12
-    return (s1, s2, s12), 0.5 * (s1 * e1 + s2 * e2 + s12 * e12)
+
+    name: str
+    stress: Callable[..., tuple[Vector, Number, Number, History]]
+    thickness_stretch: Callable[..., Number]
+    history: tuple[str, ...] = ()
+    linear: bool = False
+    digest: str = field(init=False, default="")
+    """Of the source file of ``stress``."""
+
+    def __post_init__(self) -> None:
+        problems = []
+        if not self.name.strip():
+            problems.append(f"a law needs a name, got {self.name!r}")
+        if self.linear and self.history:
+            problems.append(f"a linear law has no history, {self.name!r} names {self.history}")
+        if len(set(self.history)) < len(self.history):
+            problems.append(f"history names must differ, {self.name!r} has {self.history}")
+        if any("/" in one or not one.strip() for one in self.history):
+            problems.append(
+                f"history names must be words without a slash, {self.name!r} has {self.history}"
+            )
+        if problems:
+            raise ValueError("; ".join(problems))
+        object.__setattr__(self, "digest", _digest_of(self.stress))
+
+
+LAWS: dict[str, PointLaw] = {}
+"""All laws there are, by name."""
+
+
+def register(law: PointLaw) -> PointLaw:
+    """Add a law to :data:`LAWS` and return it.
+
+    Raises
+    ------
+    ValueError
+        If another law has this name.
+    """
+    known = LAWS.get(law.name)
+    if known is not None and known.digest != law.digest:
+        raise ValueError(
+            f"there is a law {law.name!r} already; give yours another name, known are "
+            f"{', '.join(sorted(LAWS))}"
+        )
+    LAWS[law.name] = law
+    return law
+
+
+def _digest_of(function: Callable[..., Any]) -> str:
+    """Return a digest of the file that a function stands in, or of its code if there is none."""
+    plain: Any = getattr(function, "py_func", function)
+    code = plain.__code__
+    try:
+        content = Path(code.co_filename).read_bytes()
+    except OSError:
+        content = code.co_code + repr(code.co_consts).encode()
+    return hashlib.sha256(content + plain.__qualname__.encode()).hexdigest()[:16]

@@ -22,6 +22,9 @@ middle of each:
     h = sum_k h_k sqrt(1 - 2 nu_k/(1 - nu_k) (E_11 + E_22)(xi³_k)).
 
 It is what the law says of the film and is used nowhere in the solution.
+
+All this is for layers whose law is S = C E; the output of any other law is in
+:mod:`shellcut.mitc4.point_output`.
 """
 
 from __future__ import annotations
@@ -40,6 +43,16 @@ from .section import frame_components
 
 # Derivatives of the shape functions by xi and eta at the centre.
 _AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
+
+
+PLACES = ("mid", "top", "bottom", "nominal")
+"""Where a stress is to be had."""
+
+
+def check_place(place: str) -> None:
+    """Refuse a place that is none of :data:`PLACES`."""
+    if place not in PLACES:
+        raise ValueError(f"place must be one of {sorted(PLACES)}, got {place!r}")
 
 
 class FaceStresses(NamedTuple):
@@ -73,13 +86,13 @@ class CentreStress:
         ply = np.array([layer.thickness for layer in layers])
         middle = bottom[:-1] + 0.5 * ply - 0.5 * h
         plane = np.array([layer.material.plane_stress() for layer in layers])
-        nu = np.array([layer.material.poisson for layer in layers])
+        slope = np.array([layer.material.thickness_slope() for layer in layers])
         mean = np.einsum("k,kij->ij", ply / h, plane)
         coupling = np.einsum("k,kij->ij", ply * middle / h, plane)
         if material.is_symmetric:  # by round-off it is not quite zero
             coupling[:] = 0.0
         self._laws = np.stack([mean, coupling, self._law["top"], self._law["bottom"]])
-        self._plies = np.stack([ply, middle, 2.0 * nu / (1.0 - nu)], axis=1)
+        self._plies = np.stack([ply, middle, *2.0 * slope.T], axis=1)
 
     def cauchy(self, x: Floats, t: Floats, quads: Ints, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads [MPa], shape (n, 3, 3), in space.
@@ -95,9 +108,8 @@ class CentreStress:
         place : {"mid", "top", "bottom", "nominal"}
             As :meth:`MITC4Shell.stress`.
         """
-        if place not in self._law:
-            raise ValueError(f"place must be one of {sorted(self._law)}, got {place!r}")
-        which = _checked(which, len(quads))
+        check_place(place)
+        which = check_quads(which, len(quads))
         sigma = np.empty((len(which), 3, 3))
         _cauchy(
             which=which,
@@ -134,7 +146,7 @@ class CentreStress:
         places = ("mid", "top", "bottom")
         if place not in places:
             raise ValueError(f"place must be one of {list(places)}, got {place!r}")
-        which = _checked(which, len(quads))
+        which = check_quads(which, len(quads))
         corners = self._mesh.quads[which]
 
         def tangents(x: Floats, t: Floats, corners: Ints) -> Floats:
@@ -194,7 +206,7 @@ class CentreStress:
         return stresses
 
 
-def _checked(which: Ints, n_quad: int) -> Ints:
+def check_quads(which: Ints, n_quad: int) -> Ints:
     """Return ids of quads; the kernels would read beyond their arrays."""
     ids = np.asarray(which)
     wanted = f"quads must be a list of quad ids from 0 to {n_quad - 1}, got "
@@ -311,8 +323,8 @@ def _faces(
     """Write the arrays of FaceStresses.
 
     X, T, reference_quads : of the reference; x, t, quads : of the present.  height : of the top.
-    laws : (4, 3, 3), A/h, B/h, C of the top and of the bottom layer.  plies : (n_layer, 3),
-    thickness, height of the middle, 2 nu/(1 - nu).
+    laws : (4, 3, 3), A/h, B/h, C of the top and of the bottom layer.  plies : (n_layer, 5),
+    thickness, height of the middle, and a with 2 E_33 = - a · (E_11, E_22, 2 E_12).
     """
     for e in range(quads.shape[0]):
         _, A1, A2 = _centre(X, reference_quads, e)
@@ -332,9 +344,10 @@ def _faces(
         _store_lamina(S, f1, f2, J, e1, e2, e, 0, stress, principal)
         h = 0.0
         for k in range(plies.shape[0]):
-            trace = mid[0] + mid[1] + plies[k, 1] * (slope[0] + slope[1])
+            at = combine(1.0, mid, plies[k, 1], slope)
+            thinning = plies[k, 2] * at[0] + plies[k, 3] * at[1] + plies[k, 4] * at[2]
             # Compressed beyond measure by the law at an area strain of 117 % (nu 0.3).
-            h += plies[k, 0] * np.sqrt(max(0.0, 1.0 - plies[k, 2] * trace))
+            h += plies[k, 0] * np.sqrt(max(0.0, 1.0 - thinning))
         thickness[e] = h
 
 

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Number, Numbers, SmallIds
+from shellcut.material.law_dispatch import dissipates
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import (
@@ -365,13 +366,14 @@ def point_resultants(
     b: int,
     b_new: int,
     lane: Lane,
-) -> tuple[Sixteen, Number]:
-    """Return the resultants of the general path, and the stored energy."""
+    dt: float,
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of the general path, the stored and the just dissipated energy."""
+    rule = points.rule
     if flat:
-        return flat_point_resultants(s, points.flat_frame, points.rule, old, new, b, b_new, lane)
-    return full_point_resultants(
-        s, points.full_frame, points.rule, old, new, b, b_new, b - tables.n_flat, lane
-    )
+        return flat_point_resultants(s, points.flat_frame, rule, old, new, b, b_new, lane, dt)
+    block = b - tables.n_flat
+    return full_point_resultants(s, points.full_frame, rule, old, new, b, b_new, block, lane, dt)
 
 
 @always_inline
@@ -390,24 +392,28 @@ def _point_block(
     last: Floats,
     before: Floats,
     history: Floats,
+    dt: float,
     rows: Floats,
     work: Numbers,
-) -> tuple[Number, Number]:
-    """Add the forces of block ``b``; return its stored energy and (a_n + a_{n-1})·H a_n."""
+) -> tuple[Number, Number, Number]:
+    """Add the forces of block ``b``; return its stored energy, (a_n + a_{n-1})·H a_n, dissipated.
+
+    The last is what the material has dissipated since t_{n-1}.
+    """
     if chain[b]:
         xm, tm = chain_modes(x, t, corner, b, lane)
     else:
         xm, tm = quad_modes(x, t, corner, b, lane)
     s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
-    r, stored = point_resultants(flat, s, tables, points, history, history, b, b, lane)
+    r, stored, lost = point_resultants(flat, s, tables, points, history, history, b, b, lane, dt)
     if not damped:
         _scatter(rows, corner, b, lane, xm, tm, r)
-        return stored, zero(lane)
+        return stored, zero(lane), lost
     s_last, s_before = pick16(last, b, lane), pick16(before, b, lane)
     viscous = stiffness_product(tables, flat, b, lane, _minus(s, s_last), work)
     store_strain(before, b, lane, s)
     _scatter(rows, corner, b, lane, xm, tm, plus_scaled(r, rho, viscous))
-    return stored, _dot(_minus(s, s_before), viscous)
+    return stored, _dot(_minus(s, s_before), viscous), lost
 
 
 def _make_point_kernel(flat: bool) -> Any:
@@ -427,24 +433,26 @@ def _make_point_kernel(flat: bool) -> Any:
         last: Floats,
         before: Floats,
         history: Floats,
+        dt: float,
         rows: Floats,
         sums: Floats,
         lane: Lane,
     ) -> None:
         """Add the forces of quads with thickness points; arguments as of the linear kernel.
 
-        history : (n_block, 4 n_point n_history, width), taken from t_{n-1} to t_n.  sums :
-        (n_strip, 3), to whose first two columns the stored energy and (a_n + a_{n-1})·H a_n go.
+        history : (n_block, 4 n_point n_history, width), taken from t_{n-1} to t_n.  dt :
+        length of the step between [s].  sums : (n_strip, 3), to which the stored energy,
+        (a_n + a_{n-1})·H a_n and what the material dissipated in the step are added.
         """
         align_stack()
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         rounding = flush_subnormals()
         for k in range(first, start.shape[0] - 1, stride):
             none = widen(zero(lane), lane)
-            p0, p1 = none, none
+            p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 for turn in range(turns(corner, lane)):
-                    q0, q1 = _point_block(
+                    q0, q1, q2 = _point_block(
                         b,
                         nth(lane, turn),
                         flat,
@@ -459,12 +467,16 @@ def _make_point_kernel(flat: bool) -> Any:
                         last,
                         before,
                         history,
+                        dt,
                         rows,
                         work,
                     )
                     p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
+                    if dissipates(points.rule.laws):
+                        p2 = p2 + widen(q2, lane)
             sums[k, 0] += total(p0)
             sums[k, 1] += total(p1)
+            sums[k, 2] += total(p2)
         set_rounding(rounding)
 
     return add_point_quads
@@ -493,6 +505,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         rho: float,
         last: Floats,
         history: Floats,
+        dt: float,
         force: Floats,
     ) -> None:
         """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
@@ -508,7 +521,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
             else:
                 s = full_strain(tables, b, lane, xm, tm)
             if by_points:
-                r, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane)
+                r, _, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane, dt)
             else:
                 r = stiffness_product(tables, flat, b, lane, s, work)
             if damped:

@@ -7,7 +7,6 @@ from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Numbers
-from shellcut.material.point_law import N_PARAMETER
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import bound_once
@@ -31,12 +30,12 @@ from .forces import (
     write_products,
 )
 from .frequency import QuadFrequencies
+from .point_output import PointOutput
 from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
-from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
 from .thickness_points import (
     N_FLAT_FRAME,
     N_FULL_FRAME,
-    PointRule,
     build_rule,
     flat_frames,
     full_frames,
@@ -59,6 +58,8 @@ class Work(NamedTuple):
     """At t_n [N·mm]."""
     damping: float
     """Work that the damping stress has taken since t_{n-1} [N·mm]."""
+    dissipated: float
+    """By the material, since t_{n-1} [N·mm]."""
 
 
 class MITC4Shell:
@@ -130,7 +131,13 @@ class MITC4Shell:
         )
         self._state: State | None = None
         self._revision = -1
-        self._centre_stress = CentreStress(mesh, material)
+        self._centre_stress = CentreStress(mesh, material) if material.is_linear else None
+        self._point_output = (
+            None
+            if material.is_linear
+            else PointOutput(material, self.blocks, self.tables, self.points)
+        )
+        self._history = self._history_at_rest()
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
 
@@ -169,12 +176,11 @@ class MITC4Shell:
     def initialise(self, state: State) -> None:
         """Write mass, rotary inertia and contact area of all nodes; lay out strains and history."""
         n, node = state.n_node, state.node
-        n_block, rule = self.blocks.quad.shape[0], self.points.rule
+        n_block = self.blocks.quad.shape[0]
         width, dtype = self.blocks.width, block_dtype(self._whole)
-        n_history = 4 * rule.place.size * rule.n_history
         state.strain = aligned_zeros((n_block, N_STRAIN, width), dtype)
         state.strain_before = aligned_zeros((n_block, N_STRAIN, width), dtype)
-        state.history = aligned_zeros((n_block, n_history, width), dtype)
+        state.history = self._history = self._history_at_rest()
         for a in range(4):
             ids = state.quads[:, a]
             node.mass[:n] += np.bincount(ids, self.mass[:, a], n)
@@ -182,6 +188,12 @@ class MITC4Shell:
             node.contact_area[:n] += np.bincount(ids, self.area, n)
         node.contact_area[:n] *= 0.25 / np.maximum(node.n_quad_at[:n], 1)
         node.push[:n, 0], node.push[:n, 1] = 1.0 / node.mass[:n], 1.0 / node.inertia[:n]
+
+    def _history_at_rest(self) -> Numbers:
+        rule, n_block = self.points.rule, self.blocks.quad.shape[0]
+        n_history = 4 * rule.place.size * rule.n_history
+        shape = n_block, n_history, self.blocks.width
+        return np.asarray(aligned_zeros(shape, block_dtype(self._whole)))
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
@@ -191,7 +203,7 @@ class MITC4Shell:
         # In the order of the kernels, after what _collect collects.
         changing: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
         if self.has_points:
-            changing += (state.history,)
+            changing += (state.history, state.dt)
         changing += (node.force_rows, sums, self._lane)
         if self._state is not state or self._revision != state.revision:
             self._collect(state)
@@ -208,8 +220,8 @@ class MITC4Shell:
             state.strain, state.strain_before = state.strain_before, state.strain
         p0, p1, p2 = in_order(sums)
         if self.has_points:
-            return Work(p0, 0.5 * rho * p1)
-        return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0)
+            return Work(p0, 0.5 * rho * p1, p2)
+        return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
 
     def _collect(self, state: State) -> None:
         """Collect what the kernels are given until the next split."""
@@ -248,6 +260,7 @@ class MITC4Shell:
             self.damping_beta / dt if dt > 0 else 0.0,
             state.strain,
             state.history,
+            dt,
             force,
         )
         return force
@@ -278,6 +291,9 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
+        if self._point_output is not None:
+            return self._point_output.cauchy(state, quads, place)
+        assert self._centre_stress is not None
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
     def linear_stress(
@@ -310,17 +326,29 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
+        assert self._centre_stress is not None, "statics takes linear materials only"
         turn = np.cross(rotation, t)
         return self._centre_stress.linear(x, t, displacement, turn, quads, which, place)
 
     def face_stresses(self, state: State) -> FaceStresses:
         """Return stresses of the membrane and at both faces, and the thickness, of all quads."""
+        if self._point_output is not None:
+            return self._point_output.faces(state)
+        assert self._centre_stress is not None
         return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
+
+    def history_means(self, state: State) -> dict[str, Floats]:
+        """Return the history numbers of the quads by name, shape (n_quad,) each.
+
+        Means over the thickness and the Gauss points; none of a film whose laws keep no history.
+        """
+        return self._point_output.history_means(state) if self._point_output is not None else {}
 
     def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
-        Freedoms as in :mod:`shellcut.mitc4.tangent`; of the linear material.
+        Freedoms as in :mod:`shellcut.mitc4.tangent`. Of a law that is not linear it is that of the
+        elastic moduli with the stresses of the law: an upper bound, for the time step.
 
         Parameters
         ----------
@@ -359,7 +387,11 @@ class MITC4Shell:
 
     def _tangents(self, x: Floats, t: Floats, quads: Ints, bent: Floats | None = None) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
-        quad_tangents(
+        make = quad_tangents
+        if self._point_output is not None:
+            make = stressed_tangents
+            bent = self._point_output.resultants(x, t, quads, self._history)
+        make(
             slot=self.blocks.slot[quads],
             x=x,
             t=t,
@@ -380,7 +412,7 @@ def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> W
     b = step - rho * c
     a = p0 - rho * b
     state.strain_forms = a, b
-    return Work(0.5 * a, 0.5 * rho * (c + d))
+    return Work(0.5 * a, 0.5 * rho * (c + d), 0.0)
 
 
 def _build_tables(
@@ -389,7 +421,7 @@ def _build_tables(
     """Lay out what does not change of the quads in blocks."""
     n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
     n_full = n_block - n_flat
-    rule = build_rule(material) if material.points_per_layer else _NO_POINTS
+    rule = build_rule(material)
     n_point = rule.place.size
 
     def table(n_block: int, n: int) -> Numbers:
@@ -440,13 +472,3 @@ def _build_tables(
                 frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
                 fill(points.flat_frame if flat else points.full_frame, filled * frames)
     return linear, points
-
-
-_NO_POINTS = PointRule(
-    np.zeros(0),
-    np.zeros(0),
-    np.zeros(0, np.int64),
-    np.zeros((0, N_PARAMETER)),
-    np.zeros((0, 3)),
-    0,
-)

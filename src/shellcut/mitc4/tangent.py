@@ -20,6 +20,8 @@ the second term, the *director's curvature*, keeps the tangent symmetric away fr
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallIds, Vec3
@@ -60,74 +62,93 @@ def reference_products(X: Floats, T: Floats) -> Floats:
     return m
 
 
-@kernel
-def quad_tangents(
-    slot: Ints,
-    x: Floats,
-    t: Floats,
-    corner: SmallIds,
-    tables: LinearTables,
-    bent: Floats,
-    tangent: Floats,
-) -> None:
-    """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
+def _make_tangent_kernel(given: bool) -> Any:
+    @kernel
+    def quad_tangents(
+        slot: Ints,
+        x: Floats,
+        t: Floats,
+        corner: SmallIds,
+        tables: LinearTables,
+        bent: Floats,
+        tangent: Floats,
+    ) -> None:
+        """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
 
-    Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four nodes.
-    bent : (n, 16), taken off the strains.  The other arguments as the force kernel's.
-    """
-    basis = np.empty((4, 2, 3))
-    along = np.empty((4, 6))
-    width = corner.shape[2]
-    row = np.empty((1, N_STRAIN, width))
-    work = np.empty((2, N_STRAIN, width))
-    for i in range(slot.shape[0]):
-        b, lane = slot[i] // width, slot[i] % width
-        flat = b < tables.n_flat
-        for a in range(4):
-            tangent_basis(t, corner[b, a, lane], basis[a])
-        xm, tm = quad_modes(x, t, corner, b, lane)
-        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
-        store_strain(row, 0, 0, s)
-        for k in range(N_STRAIN):
-            row[0, k, 0] -= bent[i, k]
-        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
-        forces = nodal_forces(xm, tm, r)
-        for a in range(4):
-            pull = 0.0
-            for c in range(3):
-                pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
-            for d in range(2):
-                for column in range(N_FREEDOM):
-                    tangent[i, 12 + 2 * a + d, column] = 0.0
-                tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
-        # A step of the quad's own size: round-off is that of the strains.
-        size = norm(sub(xm[0], xm[1]))
-        for column in range(N_FREEDOM):
-            step = size if column < 12 else 1.0
+        Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four
+        nodes. bent : (n, 16), taken off the strains, or the resultants themselves.  The other
+        arguments as the force kernel's.
+        """
+        basis = np.empty((4, 2, 3))
+        along = np.empty((4, 6))
+        width = corner.shape[2]
+        row = np.empty((1, N_STRAIN, width))
+        work = np.empty((2, N_STRAIN, width))
+        for i in range(slot.shape[0]):
+            b, lane = slot[i] // width, slot[i] % width
+            flat = b < tables.n_flat
             for a in range(4):
-                for c in range(6):
-                    along[a, c] = 0.0
-            if column < 12:
-                along[column // 3, column % 3] = step
+                tangent_basis(t, corner[b, a, lane], basis[a])
+            xm, tm = quad_modes(x, t, corner, b, lane)
+            s = (
+                flat_strain(tables, b, lane, xm, tm)
+                if flat
+                else full_strain(tables, b, lane, xm, tm)
+            )
+            if given:
+                for k in range(N_STRAIN):
+                    row[0, k, 0] = bent[i, k]
+                r = pick16(row, 0, 0)
             else:
-                a, d = (column - 12) // 2, (column - 12) % 2
-                for c in range(3):
-                    along[a, 3 + c] = basis[a, d, c]
-            xd, td = _modes_along(along, 0), _modes_along(along, 3)
-            ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
-            behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
-            store_strain(row, 0, 0, ahead)
-            for k in range(N_STRAIN):
-                row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
-            dr = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
-            moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+                store_strain(row, 0, 0, s)
+                for k in range(N_STRAIN):
+                    row[0, k, 0] -= bent[i, k]
+                r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+            forces = nodal_forces(xm, tm, r)
             for a in range(4):
+                pull = 0.0
                 for c in range(3):
-                    tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
+                    pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
                 for d in range(2):
+                    for column in range(N_FREEDOM):
+                        tangent[i, 12 + 2 * a + d, column] = 0.0
+                    tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
+            # A step of the quad's own size: round-off is that of the strains.
+            size = norm(sub(xm[0], xm[1]))
+            for column in range(N_FREEDOM):
+                step = size if column < 12 else 1.0
+                for a in range(4):
+                    for c in range(6):
+                        along[a, c] = 0.0
+                if column < 12:
+                    along[column // 3, column % 3] = step
+                else:
+                    a, d = (column - 12) // 2, (column - 12) % 2
                     for c in range(3):
-                        force = moved[a][3 + c] + turned[a][3 + c]
-                        tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
+                        along[a, 3 + c] = basis[a, d, c]
+                xd, td = _modes_along(along, 0), _modes_along(along, 3)
+                ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
+                behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
+                store_strain(row, 0, 0, ahead)
+                for k in range(N_STRAIN):
+                    row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
+                dr = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+                moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+                for a in range(4):
+                    for c in range(3):
+                        tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
+                    for d in range(2):
+                        for c in range(3):
+                            force = moved[a][3 + c] + turned[a][3 + c]
+                            tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step
+
+    return quad_tangents
+
+
+quad_tangents = _make_tangent_kernel(given=False)
+"""With the stresses of the linear material."""
+stressed_tangents = _make_tangent_kernel(given=True)
+"""With given resultants in the place of ``bent``, and the linear material's stiffness."""
 
 
 @kernel

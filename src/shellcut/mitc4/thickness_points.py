@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Number, Vector
-from shellcut.material.point_law import point_stress
+from shellcut.material.law_dispatch import dissipates, point_stress
+from shellcut.material.point_law import PointLaw
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
@@ -41,28 +42,38 @@ class PointRule(NamedTuple):
     """xi³ [mm], shape (n_point,)."""
     weight: Floats
     """Of the quadrature [mm], shape (n_point,)."""
+    laws: tuple[PointLaw, ...]
+    """Laws of the layers, each once."""
     kind: Ints
-    """Law of each point, shape (n_point,)."""
+    """Which of them each point has, shape (n_point,)."""
     parameters: Floats
-    """Of each point's law, shape (n_point, N_PARAMETER)."""
+    """Of each point's law, in rows filled up with zeros, shape (n_point, n_parameter)."""
     shear: Floats
     """Transverse shear moduli 11, 12, 22 with the shear factor [MPa], shape (n_point, 3)."""
     n_history: int
-    """Numbers kept at a point."""
+    """Numbers kept at a point, those of the law that keeps most."""
 
 
 def build_rule(material: ShellMaterial) -> PointRule:
-    """Return the points of a material that has ``points_per_layer``."""
-    assert material.points_per_layer is not None
-    place, weight, layers = material.thickness_points(material.points_per_layer)
+    """Return the points of a material that has ``integration_points``; else there are none."""
+    if material.integration_points is None:
+        none = np.zeros(0)
+        return PointRule(none, none, (), np.zeros(0, np.int64), np.zeros((0, 1)), none[:, None], 0)
+    place, weight, layers = material.thickness_points(material.integration_points)
+    laws = list(dict.fromkeys(layer.law for layer in layers))
+    rows = [np.asarray(layer.parameters(), float) for layer in layers]
+    parameters = np.zeros((len(rows), max(1, *(row.size for row in rows))))
+    for row, given in zip(parameters, rows, strict=True):
+        row[: given.size] = given
     shear = [material.shear_factor * layer.transverse_shear() for layer in layers]
     return PointRule(
         place,
         weight,
-        np.array([layer.kind for layer in layers]),
-        np.array([layer.parameters() for layer in layers]),
+        tuple(laws),
+        np.array([laws.index(layer.law) for layer in layers]),
+        parameters,
         np.array([[s[0, 0], s[0, 1], s[1, 1]] for s in shear]),
-        max(layer.n_history for layer in layers),
+        max(len(law.history) for law in laws),
     )
 
 
@@ -89,7 +100,7 @@ def full_frames(X: Floats, T: Floats, rule: PointRule) -> Floats:
 
 
 @always_inline
-def _strain_at(s: Sixteen, i: int, xi: float, eta: float) -> Vector:
+def strain_at(s: Sixteen, i: int, xi: float, eta: float) -> Vector:
     """Return 16 (E_11, E_22, 2E_12) for i = 0, 16 (K_11, K_22, 2K_12) for i = 6."""
     return (
         s[i] + eta * s[i + 4] + (eta * eta) * s[i + 2],
@@ -99,7 +110,7 @@ def _strain_at(s: Sixteen, i: int, xi: float, eta: float) -> Vector:
 
 
 @always_inline
-def _turn(a: Number, b: Number, f: Number, v: Vector) -> Vector:
+def turn_strain(a: Number, b: Number, f: Number, v: Vector) -> Vector:
     """Return (e_11, e_22, 2e_12) of the in-plane covariant strain v."""
     return (
         a * (a * v[0] + b * v[2]) + b * b * v[1],
@@ -161,8 +172,9 @@ def _flat_gauss_point(
     b: int,
     b_new: int,
     lane: Lane,
-) -> tuple[Sixteen, Number]:
-    """Return r with the part of one Gauss point, and its stored energy."""
+    dt: float,
+) -> tuple[Sixteen, Number, Number]:
+    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
     n_point = rule.place.shape[0]
     none = zero(lane)
     # A quarter on the frame makes the sixteenth that the strains of the modes carry.
@@ -170,21 +182,34 @@ def _flat_gauss_point(
     c = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 1, lane)
     f = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 2, lane)
     volume = pick(frame, b, N_FLAT_FRAME * q + 3, lane)
-    e = _turn(a, c, f, _strain_at(s, 0, xi, eta))
-    k = _turn(a, c, f, _strain_at(s, 6, xi, eta))
+    e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
+    k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
     n, m = (none, none, none), (none, none, none)
-    density, g11, g12, g22 = none, 0.0, 0.0, 0.0
+    density, lost, g11, g12, g22 = none, none, 0.0, 0.0, 0.0
     for j in range(n_point):
         z, w = rule.place[j], rule.weight[j]
         first = (q * n_point + j) * rule.n_history
         strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
-        stress, energy = point_stress(
-            rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
+        stress, energy, dissipated = point_stress(
+            rule.laws,
+            rule.kind[j],
+            rule.parameters,
+            j,
+            strain,
+            old,
+            new,
+            b,
+            b_new,
+            first,
+            lane,
+            dt,
         )
         n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
         zw = z * w
         m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
         density = density + w * energy
+        if dissipates(rule.laws):
+            lost = lost + w * dissipated
         g11 += w * rule.shear[j, 0]
         g12 += w * rule.shear[j, 1]
         g22 += w * rule.shear[j, 2]
@@ -204,7 +229,7 @@ def _flat_gauss_point(
         xi,
         eta,
     )
-    return r, stored
+    return r, stored, volume * lost if dissipates(rule.laws) else none
 
 
 @always_inline
@@ -217,19 +242,21 @@ def flat_point_resultants(
     b: int,
     b_new: int,
     lane: Lane,
-) -> tuple[Sixteen, Number]:
-    """Return the resultants of flat quads, and their stored energy [N·mm].
+    dt: float,
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of flat quads, their stored and just dissipated energy [N·mm].
 
     frame : (n_block, 16, width).  old, new : (n_block, 4 n_point n_history, width), histories at
-    t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.
+    t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.  dt :
+    length of the step between [s].
     """
     # One call a point, not a loop: with xi and eta known most of their products vanish.
     r = _sixteen(zero(lane))
-    r, w0 = _flat_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, lane)
-    r, w1 = _flat_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, lane)
-    r, w2 = _flat_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, lane)
-    r, w3 = _flat_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, lane)
-    return r, (w0 + w1) + (w2 + w3)
+    r, w0, d0 = _flat_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, lane, dt)
+    r, w1, d1 = _flat_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, lane, dt)
+    r, w2, d2 = _flat_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, lane, dt)
+    r, w3, d3 = _flat_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, lane, dt)
+    return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)
 
 
 @always_inline
@@ -247,12 +274,13 @@ def _full_gauss_point(
     b_new: int,
     block: int,
     lane: Lane,
-) -> tuple[Sixteen, Number]:
-    """Return r with the part of one Gauss point, and its stored energy."""
+    dt: float,
+) -> tuple[Sixteen, Number, Number]:
+    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
     n_point = rule.place.shape[0]
     none = zero(lane)
-    stored = none
-    e, k = _strain_at(s, 0, xi, eta), _strain_at(s, 6, xi, eta)
+    stored, lost = none, none
+    e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
     g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
     n, m = (none, none, none), (none, none, none)
     q1, q2 = none, none
@@ -265,17 +293,30 @@ def _full_gauss_point(
         t = pick(frame, block, at + 4, lane)
         d = pick(frame, block, at + 5, lane)
         w = pick(frame, block, at + 6, lane)
-        e1, e2, e12 = _turn(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
+        e1, e2, e12 = turn_strain(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
         e13, e23 = d * ag, d * fg
         first = (q * n_point + j) * rule.n_history
-        (s1, s2, s12), density = point_stress(
-            rule.kind[j], rule.parameters, j, strain, old, new, b, b_new, first, lane
+        (s1, s2, s12), density, dissipated = point_stress(
+            rule.laws,
+            rule.kind[j],
+            rule.parameters,
+            j,
+            strain,
+            old,
+            new,
+            b,
+            b_new,
+            first,
+            lane,
+            dt,
         )
         s13 = rule.shear[j, 0] * e13 + rule.shear[j, 1] * e23
         s23 = rule.shear[j, 1] * e13 + rule.shear[j, 2] * e23
         stored = stored + w * (density + 0.5 * (s13 * e13 + s23 * e23))
+        if dissipates(rule.laws):
+            lost = lost + w * dissipated
         back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
         n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
         m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])
@@ -284,7 +325,7 @@ def _full_gauss_point(
         to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
         q1 = q1 + a * to_ag
         q2 = q2 + c * to_ag + f * to_fg
-    return _add_resultants(r, n, m, q1, q2, xi, eta), stored
+    return _add_resultants(r, n, m, q1, q2, xi, eta), stored, lost
 
 
 @always_inline
@@ -298,14 +339,15 @@ def full_point_resultants(
     b_new: int,
     block: int,
     lane: Lane,
-) -> tuple[Sixteen, Number]:
-    """Return the resultants of any quads, and their stored energy [N·mm].
+    dt: float,
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of any quads, their stored and just dissipated energy [N·mm].
 
     frame : (n_block, 4 n_point 7, width), of which ``block`` is read; the others as for flat quads.
     """
     r = _sixteen(zero(lane))
-    r, w0 = _full_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, block, lane)
-    r, w1 = _full_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, block, lane)
-    r, w2 = _full_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, block, lane)
-    r, w3 = _full_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, block, lane)
-    return r, (w0 + w1) + (w2 + w3)
+    r, w0, d0 = _full_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
+    r, w1, d1 = _full_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
+    r, w2, d2 = _full_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
+    r, w3, d3 = _full_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
+    return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)

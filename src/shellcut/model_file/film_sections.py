@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.material.elastic import Elastic
+from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.mesh.film_file import Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import OpeningName, disc, opening_disc, rectangle

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shellcut.imprinting import ImprintError, ImprintResult, blade_path, imprint
-from shellcut.material.shell_material import Elastic, ShellMaterial
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
@@ -13,10 +13,9 @@ def with_path(
     mesh: Mesh, tool: Tool, motion: Motion, duration: float, material: ShellMaterial
 ) -> ImprintResult:
     """Imprint the path of the tool's edges during a run; a refusal says how to do without."""
-    first = material.layers[0].material
-    elastic = first if isinstance(first, Elastic) else None
     try:
-        return imprint(mesh, blade_path(tool, motion, mesh, duration), material=elastic)
+        path = blade_path(tool, motion, mesh, duration)
+        return imprint(mesh, path, material=material.layers[0].material)
     except ImprintError as error:
         raise ImprintError(
             f"{error}; imprint=False takes the mesh as it is, and then the cut is only right if a "

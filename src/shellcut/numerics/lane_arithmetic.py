@@ -21,7 +21,7 @@ from .lane_instructions import I32, SINGLES, WIDE, LanesType, vector_constant
 _CONTRACT = ("contract",)
 
 
-def _broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
+def broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
     """Return lanes that are all one double."""
     if kind.bits == 32:
         value = builder.fptrunc(value, kind.one)
@@ -42,7 +42,7 @@ def _add_binary_operator(op: Callable[..., Any], instruction: str) -> None:
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         operands = [
-            a if t == sig.return_type else _broadcast(builder, a, sig.return_type)
+            a if t == sig.return_type else broadcast(builder, a, sig.return_type)
             for a, t in zip(args, sig.args, strict=True)
         ]
         return getattr(builder, instruction)(*operands, flags=_CONTRACT)

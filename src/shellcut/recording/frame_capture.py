@@ -46,6 +46,7 @@ class Exposure:
             node=_copied(s.node, _OF_NODES),
             cable=_copied(s.cable, _OF_CABLES),
             quads=s.quads.copy(),
+            history=s.history.copy(),
         )
         return cls(sim.shell, sim.tool, sim.pose.copied(), state, figures)
 
@@ -68,6 +69,7 @@ class Exposure:
             quad_principal_top=faces.principal[:, 1],
             quad_principal_bottom=faces.principal[:, 2],
             quad_thickness=faces.thickness,
+            quad_history=self._shell.history_means(s),
             crack_edges=open_edge_copies(s).astype(np.int64),
             **_cables(s),
             **_placed(self._tool, self._pose),

@@ -17,6 +17,7 @@ _ENERGIES = (
     "kinetic_translation",
     "kinetic_rotation",
     "strain",
+    "material_dissipated",
     "cohesive_work",
     "cohesive_start_work",
     "cohesive_stored",

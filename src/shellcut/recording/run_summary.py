@@ -54,6 +54,7 @@ def run_summary(
         "tool_work_Nmm": book.tool_work,
         "kinetic_Nmm": book.kinetic,
         "strain_Nmm": book.strain,
+        "material_dissipated_Nmm": book.material_dissipated,
         "cohesive_work_Nmm": book.cohesive_work,
         "cohesive_dissipated_Nmm": book.cohesive_dissipated,
         "cohesive_stored_Nmm": book.cohesive_stored,

@@ -79,6 +79,7 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
     energies = {
         "kin": book.kinetic,
         "int": book.strain,
+        **({"material": book.material_dissipated} if book.material_dissipated else {}),
         "cohesive": book.cohesive_work + book.cohesive_start_work,
         "contact": book.contact_work,
         "damping": book.damping,

@@ -24,8 +24,8 @@ def work_put_in(history: Mapping[str, Floats]) -> Floats:
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return where the work is by name, each of shape (n_row,), [N·mm].
 
-    What absorbed jumps took from the contact's share or gave the film is a share of its own
-    unless it is negligible.
+    What the film's material dissipated is a share of its own if it did; likewise what absorbed
+    jumps took from the contact's share or gave the film, unless it is negligible.
     """
     shares = {
         "cables": history["cohesive_work"] + history["cohesive_start_work"],
@@ -34,6 +34,9 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
         "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
         "contact": history["contact_work"],
     }
+    dissipated = history.get("material_dissipated", np.zeros(0))  # older runs have none
+    if dissipated.any():
+        shares["material"] = dissipated
     absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions have none
     largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
     if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:

@@ -34,6 +34,8 @@ array                                    on      holds
 ``opening [mm]``                         cells   of the cables, both branches together
 ``cable state``                          cells   0 straight, 1 jointed
 ``tooth``                                cells   of the tool and its edges, counted from 1
+``history, damage [-]`` and the like     cells   of the membrane: means of the history numbers
+                                                 of the material, by the names its law gives
 =======================================  ======  ==============================================
 
 Where an array has nothing to say it is zero. A "/" in a unit becomes "per", because HDF5 reads it
@@ -80,7 +82,15 @@ POINT_ARRAYS = {_DISPLACEMENT: (np.float32, (3,))} | _tables(of_points=True)
 """Type and shape of a row of each array on the points; they speak of the nodes."""
 
 CELL_ARRAYS = {"part": (np.uint8, ())} | _tables(of_points=False)
-"""Type and shape of a row of each array on the cells."""
+"""Type and shape of a row of each array on the cells that every frame has."""
+
+# Begins the names of the arrays that materials with history bring, single numbers.
+_HISTORY = "history, "
+
+
+def is_history(name: str) -> bool:
+    """Whether an array on the cells holds a history number of the material."""
+    return name.startswith(_HISTORY)
 
 
 class Counts(NamedTuple):
@@ -193,6 +203,11 @@ def frame_of(
         for name, rows in ROWS.items()
         if rows.arrays and all(array in arrays for array in rows.arrays)
     }
+    fields["quad_history"] = {
+        name.removeprefix(_HISTORY): numbers[n.rows("quad")]
+        for name, numbers in arrays.items()
+        if is_history(name)
+    }
     return Frame(
         points=nodes,
         reference=nodes - arrays[_DISPLACEMENT][: n.node],
@@ -245,6 +260,9 @@ def _cell_arrays(frame: Frame, n: Counts) -> dict[str, Any]:
     arrays = _zeros(CELL_ARRAYS, n.cells[-1])
     for part, (first, last) in enumerate(zip((0, *n.cells), n.cells, strict=False)):
         arrays["part"][first:last] = part
+    for name, numbers in frame.quad_history.items():
+        arrays[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
+        arrays[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
     _fill(arrays, frame, n)
     return arrays
 

@@ -27,6 +27,7 @@ LABELS = {
     "cohesive_dissipated_Nmm": "dissipated by the cables",
     "cohesive_stored_Nmm": "stored in the cables",
     "strain_Nmm": "strain energy at the end",
+    "material_dissipated_Nmm": "dissipated in the film",
     "kinetic_Nmm": "kinetic energy at the end",
     "damping_Nmm": "damping",
     "contact_Nmm": "contact",

@@ -32,7 +32,7 @@ from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 
 from .frame_digest import DIGESTS, PLACES, damaged_row, described, digest_of_arrays, digest_of_row
-from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, series_of
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
 from .hdf_columns import Columns
 
 _VERSION = (2, 3)
@@ -133,8 +133,9 @@ class VtkHdfWriter(GrowingFile):
                 f"frames must be appended in order of time, got {frame.time} s after "
                 f"{self._last_time} s"
             )
-        series = series_of(frame)
+        series, grid = series_of(frame), grid_of(frame)
         if not self._series_names:
+            self._create_history({*filter(is_history, grid.cell_arrays)})
             self._create_series(tuple(series))
             self._describe(frame)
         elif set(series) != set(self._series_names):
@@ -143,7 +144,11 @@ class VtkHdfWriter(GrowingFile):
                 f"got {sorted(series)}"
             )
 
-        grid = grid_of(frame)
+        if {*filter(is_history, grid.cell_arrays)} != set(self._history_names()):
+            raise ValueError(
+                "every frame must have the history numbers of the first, "
+                f"{', '.join(self._history_names()) or 'none'}"
+            )
         entry = self._append_cells(grid)
         written = dict(self._cells_written)
         point = self._columns.end("Points")
@@ -282,6 +287,14 @@ class VtkHdfWriter(GrowingFile):
             link(f"Steps/FieldDataOffsets/{name}", f"Steps/{_SERIES_OFFSETS}")
             link(f"Steps/FieldDataSizes/{name}", f"Steps/{_SERIES_SIZES}")
         self._series_names = names
+
+    def _create_history(self, names: set[str]) -> None:
+        for name in sorted(names - set(self._history_names())):  # a killed run may have begun
+            self._columns.create(f"CellData/{name}", np.float32, packed=True)
+            self._columns.link(f"Steps/CellDataOffsets/{name}", f"Steps/{_CELL_DATA_OFFSETS}")
+
+    def _history_names(self) -> list[str]:
+        return [*filter(is_history, self._root["CellData"])]
 
     def _describe(self, frame: Frame) -> None:
         self._file[BESIDE].attrs.update(

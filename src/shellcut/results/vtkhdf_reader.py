@@ -20,7 +20,7 @@ from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 
 from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
-from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of, is_history
 from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
 
 # A file is read while its run goes on writing: it must not have changed meanwhile, as told by its
@@ -191,8 +191,11 @@ class VtkHdfReader:
         on_points = {
             name: root["PointData"][name] for name in POINT_ARRAYS if name in root["PointData"]
         }
+        of_material = filter(is_history, root["CellData"])
         on_cells = {
-            name: root["CellData"][name] for name in CELL_ARRAYS if name in root["CellData"]
+            name: root["CellData"][name]
+            for name in (*CELL_ARRAYS, *of_material)
+            if name in root["CellData"]
         }
         arrays = {name: rows(column, point, n_point) for name, column in on_points.items()}
         arrays |= {name: rows(column, data, n_cell) for name, column in on_cells.items()}

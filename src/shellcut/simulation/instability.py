@@ -141,7 +141,7 @@ def _worst_quad(sim: Simulation) -> str:
 def _likely_causes(sim: Simulation) -> list[str]:
     """Return what to look at, what is plainly wrong first."""
     causes = []
-    young = max(layer.material.young for layer in sim.material.layers)
+    young = max(layer.material.stretching_modulus for layer in sim.material.layers)
     if sim.law is not None and sim.law.strength > young:
         causes.append(
             f"The strength of the cables, {sim.law.strength:.4g} MPa, is above Young's modulus of "

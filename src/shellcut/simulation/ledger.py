@@ -1,6 +1,6 @@
 """The ledger: where the work has gone.
 
-    tool + loads + supports  =  kinetic + strain + cohesive + contact + damping
+    tool + loads + supports  =  kinetic + strain + material + cohesive + contact + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
@@ -32,6 +32,9 @@ class Ledger:
     initial: float = 0.0
     """Kinetic and strain energy at t = 0: of an initial velocity, of a pretension."""
     strain: float = 0.0
+    """Stored in the film, by its law."""
+    material_dissipated: float = 0.0
+    """Dissipated in the film, by its law: by yielding, by damage."""
     cohesive_work: float = 0.0
     """Work done on all cables."""
     cohesive_start_work: float = 0.0
@@ -70,6 +73,7 @@ class Ledger:
         return (
             self.kinetic
             + self.strain
+            + self.material_dissipated
             + self.cohesive_work
             + self.cohesive_start_work
             + self.contact_work
@@ -85,6 +89,7 @@ class Ledger:
             "initial": self.initial,
             "kinetic": self.kinetic,
             "strain": self.strain,
+            "material": self.material_dissipated,
             "cables": self.cohesive_work + self.cohesive_start_work,
             "contact": self.contact_work,
             "damping": self.damping,

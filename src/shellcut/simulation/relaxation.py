@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Numbers
 from shellcut.central_difference import CentralDifference
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -45,7 +45,7 @@ def find_rest(
     tolerance: float,
     most_steps: int,
     most_strain: float,
-    before: tuple[Floats, Floats],
+    before: tuple[Floats, Floats, Numbers],
 ) -> int:
     """Bring the state to rest and return the number of steps it took.
 
@@ -56,7 +56,8 @@ def find_rest(
     ------
     NotAtRest
         After ``most_steps``, where they have led; or when the strain energy exceeds
-        ``most_strain`` [N·mm], the nodes being put back to ``before``: positions and directors.
+        ``most_strain`` [N·mm], the film being put back to ``before``: positions, directors and
+        history.
     """
     n = state.node
     edge = float(np.sqrt(shell.area.mean()))
@@ -66,7 +67,7 @@ def find_rest(
         strain = shell.add_forces(state).strain_energy
         if not strain <= most_strain:
             message = _flown_apart(state, shell, step, strain)
-            n.x[: n.count], n.t[: n.count] = before
+            n.x[: n.count], n.t[: n.count], state.history[:] = before
             film.stop()
             raise NotAtRest(message)
         film.kick(step)

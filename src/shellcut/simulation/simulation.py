@@ -148,7 +148,7 @@ class Simulation:
         self.shell = MITC4Shell(
             mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
         )
-        stretching = sum(layer.material.young * layer.thickness for layer in material.layers)
+        stretching = material.stretching_stiffness
         areas = mesh.quad_areas()
         self._most_strain = most_strain_energy(stretching, float(areas.sum()))
         tearing = law.fracture_energy * material.thickness if law else 0.0
@@ -257,8 +257,9 @@ class Simulation:
     def _forces(self) -> None:
         s, book = self.state, self.ledger
         book.load_work += self.loads.begin_forces(s)
-        book.strain, damping = self.shell.add_forces(s)
+        book.strain, damping, dissipated = self.shell.add_forces(s)
         book.damping_stiffness += damping
+        book.material_dissipated += dissipated
         if self.contact is not None:
             found = self.contact.add_forces(s, self.pose)
             self.contact_forces = found
@@ -319,7 +320,8 @@ class Simulation:
         Returns
         -------
         int
-            Steps taken; time and ledger start afresh, with the strain energy as initial energy.
+            Steps taken; time and ledger start afresh, with the strain energy as initial energy. A
+            material with history remembers the strains it has met on the way.
 
         Raises
         ------
@@ -333,7 +335,8 @@ class Simulation:
         n.velocity_half[: n.count] = 0.0
         n.spin_half[: n.count] = 0.0
         n.support_rate[: n.count] = 0.0
-        before = n.x[: n.count].copy(), n.t[: n.count].copy()
+        history = self.state.history
+        before = n.x[: n.count].copy(), n.t[: n.count].copy(), history.copy()
         if displacement is not None:
             moved = np.asarray(displacement, float)
             if moved.shape != (n.count, 3) or not np.isfinite(moved).all():

@@ -71,7 +71,8 @@ class Statics:
     Raises
     ------
     ValueError
-        If a set is unknown, or a support moves: here they hold at rest.
+        If a set is unknown, a support moves (here they hold at rest), or a layer's law is not
+        linear: the tangent is that of S = C E.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class Statics:
         loads: Sequence[Load] = (),
     ) -> None:
         _refuse_motion(supports)
+        _refuse_history(material)
         self.mesh = mesh = put_directors_into_planes(mesh, supports)
         self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
         self.state = initial_state(mesh)
@@ -310,6 +312,15 @@ def _is_finite(value: float) -> bool:
 
 def _is_count(value: int) -> bool:
     return isinstance(value, Integral) and value >= 1
+
+
+def _refuse_history(material: ShellMaterial) -> None:
+    laws = {layer.material.law.name for layer in material.layers if not layer.material.law.linear}
+    if laws:
+        raise ValueError(
+            "statics must have layers of linear laws, whose tangent it knows, got "
+            f"{', '.join(sorted(laws))}; load a Simulation slowly, or bring it to rest by relax()"
+        )
 
 
 def _refuse_motion(supports: Sequence[Support]) -> None:

@@ -1,0 +1,253 @@
+"""The laws of a film as kernels call them: one function for all, compiled for those there are.
+
+The laws of a film are a tuple among the arguments of the kernels that need them, and the *type* of
+a law, as Numba sees it, holds the law's name and a digest of its source file. A kernel is compiled
+once for each combination of laws, with the laws' functions inlined, and Numba keeps it in its cache
+under these types, whoever wrote the law. An edited law has another type, so no kernel runs with an
+older one. Kernels that meet no laws are compiled once and for all.
+"""
+
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="arg-type, no-untyped-call"
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+from numba import types
+from numba.core.datamodel import models
+from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
+
+from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.numerics.jit import always_inline
+from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lanes import pick, put, zero
+
+from .point_law import LAWS, PointLaw
+
+_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    return function if hasattr(function, "py_func") else always_inline(function)
+
+
+def point_stress(
+    laws: tuple[PointLaw, ...],
+    kind: int,
+    parameters: Floats,
+    k: int,
+    strain: Vector,
+    old: Numbers,
+    new: Numbers,
+    b: int,
+    b_new: int,
+    first: int,
+    lane: Lane,
+    dt: float,
+) -> tuple[Vector, Number, Number]:
+    """Return stress [MPa], stored and just dissipated energy density [N/mm²] of law ``kind``.
+
+    parameters : (n_point, n_parameter), row k is read.  old, new : (n_block, n, width), the
+    history from ``first`` on of block ``b`` is read, that of block ``b_new`` written.
+    """
+    law = laws[kind]
+    n = len(law.history)
+    before = tuple(pick(old, b, first + i, lane) for i in range(n))
+    function = getattr(law.stress, "py_func", law.stress)
+    stress, stored, dissipated, after = function(parameters[k], strain, before, dt)
+    for i in range(n):
+        put(new, b_new, first + i, lane, after[i])
+    return stress, stored, zero(lane) + dissipated
+
+
+def point_thickness(
+    laws: tuple[PointLaw, ...],
+    kind: int,
+    parameters: Floats,
+    k: int,
+    strain: Vector,
+    old: Numbers,
+    b: int,
+    first: int,
+    lane: Lane,
+) -> Number:
+    """Return the thickness stretch of law ``kind``; arguments as of :func:`point_stress`."""
+    law = laws[kind]
+    before = tuple(pick(old, b, first + i, lane) for i in range(len(law.history)))
+    function = getattr(law.thickness_stretch, "py_func", law.thickness_stretch)
+    return function(parameters[k], strain, before)
+
+
+def dissipates(laws: tuple[PointLaw, ...]) -> bool:
+    """Whether any of the laws has a history; of laws that have none nothing is summed."""
+    return any(law.history for law in laws)
+
+
+# ---------------------------------------------------------------- how Numba sees a law
+
+
+class LawType(types.Opaque):
+    """The type of a law: there is one for each law and each version of its source."""
+
+    def __init__(self, law: str, digest: str) -> None:
+        self.law = law
+        super().__init__(name=f"PointLaw({law} {digest})")
+
+
+register_model(LawType)(models.OpaqueModel)
+
+
+@typeof_impl.register(PointLaw)
+def _type_of_law(value: PointLaw, context: Any) -> Any:
+    return LawType(value.name, value.digest)
+
+
+@unbox(LawType)
+def _unbox_law(kind: Any, value: Any, context: Any) -> Any:
+    return NativeValue(context.context.get_dummy_value())
+
+
+def _laws_of(laws: Any) -> list[PointLaw]:
+    return [LAWS[one.law] for one in laws.types]
+
+
+@overload(dissipates, jit_options=_OPTIONS)
+def _dissipates(laws):
+    if any(law.history for law in _laws_of(laws)):
+        return lambda laws: True
+    return lambda laws: False
+
+
+@overload(point_stress, jit_options=_OPTIONS)
+def _point_stress(laws, kind, parameters, k, strain, old, new, b, b_new, first, lane, dt):
+    function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
+
+    def stress(laws, kind, parameters, k, strain, old, new, b, b_new, first, lane, dt):
+        return function(kind, parameters[k], strain, old, new, b, b_new, first, lane, dt)
+
+    return stress
+
+
+@overload(point_thickness, jit_options=_OPTIONS)
+def _point_thickness(laws, kind, parameters, k, strain, old, b, first, lane):
+    function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
+
+    def thickness(laws, kind, parameters, k, strain, old, b, first, lane):
+        return function(kind, parameters[k], strain, old, old, b, b, first, lane, 0.0)
+
+    return thickness
+
+
+@functools.cache
+def _one_of(functions: tuple[Any, ...]) -> Any:
+    """Return a function that calls the ``kind``-th of some functions of the same arguments."""
+    if not functions:
+        return _no_law
+    function, others = functions[0], functions[1:]
+    if not others:
+
+        @always_inline
+        def only(kind, p, strain, old, new, b, b_new, first, lane, dt):
+            return function(p, strain, old, new, b, b_new, first, lane, dt)
+
+        return only
+    further = _one_of(others)
+
+    @always_inline
+    def one(kind, p, strain, old, new, b, b_new, first, lane, dt):
+        if kind == 0:
+            return function(p, strain, old, new, b, b_new, first, lane, dt)
+        return further(kind - 1, p, strain, old, new, b, b_new, first, lane, dt)
+
+    return one
+
+
+@always_inline
+def _no_law(kind, p, strain, old, new, b, b_new, first, lane, dt):
+    none = zero(lane)
+    return (none, none, none), none, none
+
+
+@functools.cache
+def _stress_function(law: PointLaw) -> Any:
+    """Return a law's stress as a function that reads and writes the history of a block."""
+    function, n = _compiled(law.stress), len(law.history)
+    if n == 0:
+
+        @always_inline
+        def without(p, strain, old, new, b, b_new, first, lane, dt):
+            stress, stored, _, _ = function(p, strain, (), dt)
+            return stress, stored, zero(lane)
+
+        return without
+    read, write = _reader(n), _writer(n)
+
+    @always_inline
+    def with_history(p, strain, old, new, b, b_new, first, lane, dt):
+        before = read(old, b, first, lane)
+        stress, stored, dissipated, after = function(p, strain, before, dt)
+        write(new, b_new, first, lane, after)
+        return stress, stored, zero(lane) + dissipated
+
+    return with_history
+
+
+@functools.cache
+def _thickness_function(law: PointLaw) -> Any:
+    function, n = _compiled(law.thickness_stretch), len(law.history)
+    if n == 0:
+
+        @always_inline
+        def without(p, strain, old, new, b, b_new, first, lane, dt):
+            return function(p, strain, ())
+
+        return without
+    read = _reader(n)
+
+    @always_inline
+    def with_history(p, strain, old, new, b, b_new, first, lane, dt):
+        return function(p, strain, read(old, b, first, lane))
+
+    return with_history
+
+
+@functools.cache
+def _reader(n: int) -> Any:
+    """Return a function that reads n numbers of a block as a tuple."""
+    if n == 1:
+
+        @always_inline
+        def read_one(table, b, first, lane):
+            return (pick(table, b, first, lane),)
+
+        return read_one
+    before = _reader(n - 1)
+
+    @always_inline
+    def read(table, b, first, lane):
+        return before(table, b, first, lane) + (pick(table, b, first + n - 1, lane),)  # noqa: RUF005
+
+    return read
+
+
+@functools.cache
+def _writer(n: int) -> Any:
+    """Return a function that writes a tuple of n numbers to a block."""
+    if n == 1:
+
+        @always_inline
+        def write_one(table, b, first, lane, values):
+            put(table, b, first, lane, values[0])
+
+        return write_one
+    before = _writer(n - 1)
+
+    @always_inline
+    def write(table, b, first, lane, values):
+        before(table, b, first, lane, values)
+        put(table, b, first + n - 1, lane, values[n - 1])
+
+    return write

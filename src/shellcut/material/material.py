@@ -1,0 +1,84 @@
+"""Material: what a layer is made of, as everything but the point law asks it."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+from .point_law import PointLaw
+
+
+class Material(ABC):
+    """A material of one layer: its point law with the law's parameters, density and stiffness.
+
+    A subclass is a frozen dataclass whose fields are numbers, or tuples of numbers: a checkpoint
+    compares them. It sets ``law`` and says what is abstract here.
+
+    Examples
+    --------
+    :class:`shellcut.material.elastic.Elastic` is the shortest.
+    """
+
+    law: ClassVar[PointLaw]
+    """What stands between strain and stress at a thickness point."""
+    density: float
+    """Reference density [t/mm³]."""
+
+    @abstractmethod
+    def parameters(self) -> Floats:
+        """Return what the law's functions are given as ``p``, shape (n_parameter,)."""
+
+    @abstractmethod
+    def plane_stress(self) -> Floats:
+        """Return C, shape (3, 3) [MPa], by (E_11, E_22, 2 E_12) in the layer's frame.
+
+        It bounds the law's tangent dS/dE in every state, as the elastic moduli of a material that
+        softens or yields do: time step and stiffness-proportional damping are taken from it.
+        """
+
+    @abstractmethod
+    def transverse_shear(self) -> Floats:
+        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
+
+    @property
+    def stretching_modulus(self) -> float:
+        """Nominal modulus in tension [MPa], for contact penalty, guards and checks.
+
+        Young's modulus; of a C without one the larger of the two directions'.
+        """
+        compliance = np.linalg.inv(self.plane_stress())
+        return float(1.0 / min(compliance[0, 0], compliance[1, 1]))
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of tension waves in a strip [mm/s]."""
+        return math.sqrt(self.stretching_modulus / self.density)
+
+    def thickness_slope(self) -> Floats:
+        """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12); of linear laws only."""
+        raise NotImplementedError(f"{type(self).__name__} has a linear law but no thickness_slope")
+
+
+def density_problems(density: float) -> list[str]:
+    """Return what is wrong with a density [t/mm³], in sentences."""
+    if not (math.isfinite(density) and density > 0):
+        return [
+            f"density must be positive in t/mm³, got {density!r}; a polymer film has about 1e-9"
+        ]
+    if density > 1e-7:
+        return [
+            f"density must be in t/mm³, got {density!r}, heavier than any matter; "
+            "1 g/cm³ is 1e-9 t/mm³"
+        ]
+    return []
+
+
+def refuse(problems: list[str]) -> None:
+    """Raise a ValueError that names all problems, if there are any."""
+    if problems:
+        raise ValueError("; ".join(problems))

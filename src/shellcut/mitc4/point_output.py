@@ -1,0 +1,290 @@
+"""Stress, thickness and history of quads whose thickness is integrated by points, from the law.
+
+A law with history has no stress at the centre of a quad, where none of its history is kept. So the
+law is asked where the forces ask it, at the four Gauss points and the points through the
+thickness, with the present strain and the history of t_n. With S its stress in the Cartesian frame
+there, sigma = S_ij f_i f_j / J as in :mod:`shellcut.mitc4.centre_stress`, with f_i = F ê_i and
+J = |f_1 x f_2|. Output is the mean over the four Gauss points, of
+
+=========  =====================================================================================
+membrane   the mean over the thickness, by the weights of the quadrature
+top        the uppermost point; of five Gauss points in a single layer it lies at 0.91 of h/2
+bottom     the lowest point
+mid        the point nearest to the mid-surface, or the mean of two that are equally near
+nominal    as mid, S turned with the surface instead of sigma
+=========  =====================================================================================
+
+The present thickness is the law's thickness stretch, integrated over the thickness.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallIds, Vec3
+from shellcut.material.law_dispatch import point_stress, point_thickness
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.lanes import pick
+from shellcut.numerics.vec3 import combine, cross, norm, scale
+from shellcut.state import State
+
+from .blocks import QuadBlocks
+from .centre_stress import FaceStresses, check_place, check_quads
+from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
+from .forces import LinearTables, PointTables, flat_strain, full_strain, point_resultants
+from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, strain_at, turn_strain
+
+
+class PointOutput:
+    """Output of a film that has thickness points."""
+
+    def __init__(
+        self,
+        material: ShellMaterial,
+        blocks: QuadBlocks,
+        tables: LinearTables,
+        points: PointTables,
+    ) -> None:
+        self._blocks, self._tables, self._points = blocks, tables, points
+        place, weight = points.rule.place, points.rule.weight
+        off = np.abs(place)
+        middle = off <= off.min() + 1e-9 * material.thickness
+        share = np.stack([weight / weight.sum(), middle / middle.sum()])
+        ends = np.eye(place.size)[[-1, 0]]
+        self._share = {
+            "membrane": share[0],
+            "mid": share[1],
+            "nominal": share[1],
+            "top": ends[0],
+            "bottom": ends[1],
+        }
+        n_point = points.rule.kind.size // len(material.layers)
+        laws = [layer.material.law for layer in material.layers for _ in range(n_point)]
+        self._history_share: dict[str, tuple[Floats, Ints]] = {}
+        for name in dict.fromkeys(name for law in laws for name in law.history):
+            has = np.array([name in law.history for law in laws])
+            column = np.array(
+                [law.history.index(name) if name in law.history else 0 for law in laws]
+            )
+            self._history_share[name] = has * weight / (has @ weight), column
+
+    def cauchy(self, state: State, which: Ints, place: str) -> Floats:
+        """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
+
+        Parameters
+        ----------
+        state : State
+            Present positions, history of t_n.
+        which : ndarray of int, shape (n,)
+            The quads asked for.
+        place : {"mid", "top", "bottom", "nominal"}
+            As in the table of this module.
+        """
+        check_place(place)
+        which = check_quads(which, len(state.quads))
+        return self._stress(state, which, [place])[0][:, 0]
+
+    def faces(self, state: State) -> FaceStresses:
+        """Return the stresses of membrane, top and bottom, and the thickness, of all quads."""
+        n = len(state.quads)
+        sigma, thickness = self._stress(state, np.arange(n), ["membrane", "top", "bottom"])
+        axes = _lamina(state.node.x, state.quads)
+        plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
+        s11, s22, s12 = plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]
+        mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)
+        return FaceStresses(
+            np.stack([s11, s22, s12], axis=-1),
+            np.stack([mean + radius, mean - radius], axis=-1),
+            thickness,
+        )
+
+    def history_means(self, state: State) -> dict[str, Floats]:
+        """Return the means of the history numbers by name, shape (n_quad,) each.
+
+        Over the Gauss points and the thickness points of those layers whose law has the number.
+        """
+        rule, (n_block, _, width) = self._points.rule, state.history.shape
+        shape = n_block, 4, rule.place.size, rule.n_history, width
+        history = state.history.reshape(shape).mean(axis=1, dtype=float)
+        means = {}
+        for name, (share, column) in self._history_share.items():
+            chosen = history[:, np.arange(column.size), column]
+            rows = np.einsum("j,bjl->bl", share, chosen).ravel()
+            means[name] = rows[self._blocks.slot]
+        return means
+
+    def resultants(self, x: Floats, t: Floats, which: Ints, history: Floats) -> Floats:
+        """Return the resultants r of some quads by the law, shape (n, 16)."""
+        resultants = np.empty((which.size, N_STRAIN))
+        _resultants(
+            slot=self._blocks.slot[which],
+            x=x,
+            t=t,
+            corner=self._blocks.corner,
+            tables=self._tables,
+            points=self._points,
+            history=history,
+            resultants=resultants,
+        )
+        return resultants
+
+    def _stress(self, state: State, which: Ints, places: list[str]) -> tuple[Floats, Floats]:
+        sigma, thickness = np.zeros((len(which), len(places), 3, 3)), np.zeros(len(which))
+        _stresses(
+            slot=self._blocks.slot[which],
+            x=state.node.x,
+            t=state.node.t,
+            corner=self._blocks.corner,
+            tables=self._tables,
+            points=self._points,
+            history=state.history,
+            share=np.stack([self._share[place] for place in places]),
+            nominal=places == ["nominal"],
+            sigma=sigma,
+            thickness=thickness,
+        )
+        return sigma, thickness
+
+
+def _lamina(x: Floats, quads: Ints) -> Floats:
+    """Return the two axes of the frame in which a frame's stresses are given, (n_quad, 2, 3)."""
+    corners = x[quads]
+    e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
+    a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
+    e2 = np.cross(np.cross(e1, a2), e1)
+    axes = np.stack([e1, e2], axis=1)
+    return np.asarray(axes / np.linalg.norm(axes, axis=2, keepdims=True))
+
+
+@kernel
+def _resultants(
+    slot: SmallIds,
+    x: Floats,
+    t: Floats,
+    corner: SmallIds,
+    tables: LinearTables,
+    points: PointTables,
+    history: Floats,
+    resultants: Floats,
+) -> None:
+    """Write the resultants of the quads at the places ``slot`` to resultants : (n, 16)."""
+    width = corner.shape[2]
+    trial = np.empty((1, history.shape[1], width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        flat = b < tables.n_flat
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        r, _, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane, 0.0)
+        for k in range(N_STRAIN):
+            resultants[i, k] = r[k]
+
+
+@inline
+def _frame_at(
+    points: PointTables, flat: bool, b: int, block: int, q: int, j: int, lane: int
+) -> tuple[float, float, float, float, float]:
+    """Return a, b, p of ê_1 and f, r of ê_2 at a point, of :mod:`.thickness_points`."""
+    if flat:
+        at = N_FLAT_FRAME * q
+        frame = points.flat_frame
+        a, c, f = (
+            pick(frame, b, at, lane),
+            pick(frame, b, at + 1, lane),
+            pick(frame, b, at + 2, lane),
+        )
+        return np.float64(a), np.float64(c), 0.0, np.float64(f), 0.0
+    at = N_FULL_FRAME * (q * points.rule.place.shape[0] + j)
+    frame = points.full_frame
+    a, c, p = (
+        pick(frame, block, at, lane),
+        pick(frame, block, at + 1, lane),
+        pick(frame, block, at + 2, lane),
+    )
+    f, r = pick(frame, block, at + 3, lane), pick(frame, block, at + 4, lane)
+    return np.float64(a), np.float64(c), np.float64(p), np.float64(f), np.float64(r)
+
+
+@inline
+def _strain_and_stretch(
+    s: Sixteen,
+    xm: Modes,
+    tm: Modes,
+    frame: tuple[float, float, float, float, float],
+    z: float,
+    xi: float,
+    eta: float,
+) -> tuple[Vec3, Vec3, Vec3]:
+    """Return (E_11, E_22, 2 E_12) as the forces take it, f_1 and f_2 at a point."""
+    a, c, p, f, r = frame
+    e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
+    lifted = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
+    e1, e2, e12 = turn_strain(0.25 * a, 0.25 * c, 0.25 * f, lifted)
+    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    ag, fg = 0.25 * (a * g1 + c * g2), 0.25 * f * g2
+    strain = (e1 + p * ag, e2 + r * fg, e12 + r * ag + p * fg)
+    d1 = combine(0.25, combine(1.0, xm[0], eta, xm[2]), 0.25 * z, combine(1.0, tm[0], eta, tm[2]))
+    d2 = combine(0.25, combine(1.0, xm[1], xi, xm[2]), 0.25 * z, combine(1.0, tm[1], xi, tm[2]))
+    along = combine(1.0, tm[3], xi, tm[0])
+    across = combine(eta, tm[1], xi * eta, tm[2])
+    director = combine(0.25, along, 0.25, across)
+    f1 = combine(1.0, combine(a, d1, c, d2), p, director)
+    f2 = combine(f, d2, r, director)
+    return strain, f1, f2
+
+
+@kernel
+def _stresses(
+    slot: SmallIds,
+    x: Floats,
+    t: Floats,
+    corner: SmallIds,
+    tables: LinearTables,
+    points: PointTables,
+    history: Floats,
+    share: Floats,
+    nominal: bool,
+    sigma: Floats,
+    thickness: Floats,
+) -> None:
+    """Add the stresses and the thickness of quads to sigma : (n, n_place, 3, 3), thickness : (n,).
+
+    share : (n_place, n_point), of the thickness points in each place.  nominal : S turned with the
+    surface instead of sigma.  The other arguments as those of the force kernels.
+    """
+    rule, width = points.rule, corner.shape[2]
+    n_point = rule.place.shape[0]
+    trial = np.empty((1, history.shape[1], width))
+    for i in range(slot.shape[0]):
+        b, lane = slot[i] // width, slot[i] % width
+        flat = b < tables.n_flat
+        xm, tm = quad_modes(x, t, corner, b, lane)
+        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        for q in range(4):
+            xi, eta = GAUSS[q]
+            for j in range(n_point):
+                frame = _frame_at(points, flat, b, b - tables.n_flat, q, j, lane)
+                strain, f1, f2 = _strain_and_stretch(s, xm, tm, frame, rule.place[j], xi, eta)
+                first = (q * n_point + j) * rule.n_history
+                kind, p = rule.kind[j], rule.parameters
+                S, _, _ = point_stress(
+                    rule.laws, kind, p, j, strain, history, trial, b, 0, first, lane, 0.0
+                )
+                stretch = point_thickness(rule.laws, kind, p, j, strain, trial, 0, first, lane)
+                thickness[i] += 0.25 * rule.weight[j] * stretch
+                normal = cross(f1, f2)
+                J = norm(normal)
+                if nominal:
+                    f1 = scale(1.0 / norm(f1), f1)
+                    f2 = cross(scale(1.0 / J, normal), f1)
+                    J = 1.0
+                for k in range(3):
+                    for m in range(3):
+                        one = (
+                            S[0] * f1[k] * f1[m]
+                            + S[1] * f2[k] * f2[m]
+                            + S[2] * (f1[k] * f2[m] + f2[k] * f1[m])
+                        ) / J
+                        for place in range(share.shape[0]):
+                            sigma[i, place, k, m] += 0.25 * share[place, j] * one

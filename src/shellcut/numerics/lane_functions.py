@@ -1,0 +1,85 @@
+"""Choices and square roots of numbers: what a material law needs beside + - * /.
+
+As in :mod:`shellcut.numerics.lanes` the same call serves one float or all lanes of a block. Lanes
+cannot branch; :func:`where_above` takes, lane by lane, one of two numbers that are both computed.
+"""
+
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from shellcut.arrays import Number
+
+from .jit import always_inline
+from .lane_arithmetic import broadcast
+from .lane_instructions import LanesType
+
+_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+
+
+@intrinsic
+def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any:
+    (kind,) = {v for v in (a, b, yes, no) if isinstance(v, LanesType)}
+    taken = [v if v == kind else types.float64 for v in (a, b, yes, no)]
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        given = [
+            value if v == kind else broadcast(builder, value, kind)
+            for value, v in zip(args, sig.args, strict=True)
+        ]
+        above = builder.fcmp_ordered(">", given[0], given[1])
+        return builder.select(above, given[2], given[3])
+
+    return kind(*taken), generate
+
+
+@intrinsic
+def _root_of_lanes(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(a.all, [a.all]), f"llvm.sqrt.{a.suffix}"
+        )
+        return builder.call(function, args)
+
+    return a(a), generate
+
+
+def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
+    """Return ``yes`` where a > b, else ``no``; nan is above nothing."""
+    chosen: Any = np.where(np.asarray(a) > b, yes, no)
+    return chosen if chosen.ndim else float(chosen)
+
+
+@overload(where_above, jit_options=_OPTIONS)
+def _where_above(a, b, yes, no):
+    if any(isinstance(v, LanesType) for v in (a, b, yes, no)):
+        return lambda a, b, yes, no: _choose_lanes(a, b, yes, no)
+    return lambda a, b, yes, no: np.float64(yes) if a > b else np.float64(no)
+
+
+def square_root(a: Number) -> Number:
+    """Return the square root."""
+    root = np.sqrt(a)
+    return root if np.ndim(root) else float(root)
+
+
+@overload(square_root, jit_options=_OPTIONS)
+def _square_root(a):
+    if isinstance(a, LanesType):
+        return lambda a: _root_of_lanes(a)
+    return lambda a: np.sqrt(a)
+
+
+@always_inline
+def larger(a: Number, b: Number) -> Number:
+    """Return the larger of two numbers, the first where they are equal or ``b`` is nan."""
+    return where_above(b, a, b, a)
