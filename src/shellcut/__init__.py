@@ -17,7 +17,7 @@ from .fracture.criterion import Fracture
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
-from .material.shell_material import Elastic, Layer, ShellMaterial
+from .material import Elastic, Layer, ShellMaterial
 from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline

@@ -77,7 +77,7 @@ def forces_of(shell, state):
     n = state.n_node
     state.node.force[:n] = 0.0
     state.node.director_force[:n] = 0.0
-    energy, _ = shell.add_forces(state)
+    energy = shell.add_forces(state).strain_energy
     return energy, -state.node.force[:n].copy(), -state.node.director_force[:n].copy()
 
 

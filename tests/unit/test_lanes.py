@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from shellcut.numerics.jit import kernel
+from shellcut.numerics.lane_functions import larger, square_root, where_above
 from shellcut.numerics.lane_instructions import SIXTEEN
 from shellcut.numerics.lanes import (
     add_row_columns,
@@ -52,6 +53,40 @@ def _arithmetic(table, out, lane):
         a, b = pick(table, 1, 0, one), pick(table, 1, 1, one)
         c = zero(one) - (2.0 * a + b * 0.5) / (b - 3.0) + -(1.0 / a) * (b + 1.0) - (4.0 - a) / 8.0
         put(out, 0, 0, one, multiply_add(a, b, c))
+
+
+@kernel
+def _choices(table, out, lane):
+    for turn in range(turns(table, lane)):
+        one = nth(lane, turn)
+        a, b = pick(table, 0, 0, one), pick(table, 0, 1, one)
+        put(out, 0, 0, one, where_above(a, b, a - 1.0, 2.0))
+        put(out, 0, 1, one, larger(a, b))
+        put(out, 0, 2, one, larger(a, 0.25) + larger(-0.25, b) + where_above(0.5, a, 1.0, b))
+        put(out, 0, 3, one, square_root(a * a + b * b))
+
+
+@pytest.mark.parametrize(("lane", "width", "dtype"), KINDS)
+def test_choices_and_roots_are_those_of_floats(lane, width, dtype):
+    table = aligned_zeros((1, 2, width), dtype)
+    table[:] = RNG.normal(size=(1, 2, width))
+    table[0, 1, 0] = table[0, 0, 0]
+    table[0, 0, 1], table[0, 1, 2] = np.nan, np.nan
+    out = aligned_zeros((1, 4, width), dtype)
+    _choices(table, out, lane)
+    a, b = table[0]
+    wanted = [
+        np.where(a > b, a - 1, dtype(2.0)),
+        np.where(b > a, b, a),
+        np.where(a < 0.25, dtype(0.25), a)
+        + np.where(b > -0.25, b, dtype(-0.25))
+        + np.where(a < 0.5, dtype(1.0), b),
+        np.sqrt(a * a + b * b),
+    ]
+    # Exact but for the fused sum under the root and the sum of three.
+    eps = 4 * np.finfo(dtype).eps
+    np.testing.assert_array_equal(out[0, :2], wanted[:2])
+    np.testing.assert_allclose(out[0, 2:], wanted[2:], rtol=eps, atol=eps)
 
 
 @kernel

@@ -56,7 +56,7 @@ class PointLaw:
     history: tuple[str, ...] = ()
     linear: bool = False
     digest: str = field(init=False, default="")
-    """Of the source file of ``stress``."""
+    """Of all of it, and of the source files of both functions."""
 
     def __post_init__(self) -> None:
         problems = []
@@ -72,7 +72,10 @@ class PointLaw:
             )
         if problems:
             raise ValueError("; ".join(problems))
-        object.__setattr__(self, "digest", _digest_of(self.stress))
+        words = f"{self.history} {self.linear}".encode()
+        sources = _source_of(self.stress) + _source_of(self.thickness_stretch)
+        digest = hashlib.sha256(sources + words).hexdigest()[:16]
+        object.__setattr__(self, "digest", digest)
 
 
 LAWS: dict[str, PointLaw] = {}
@@ -97,12 +100,12 @@ def register(law: PointLaw) -> PointLaw:
     return law
 
 
-def _digest_of(function: Callable[..., Any]) -> str:
-    """Return a digest of the file that a function stands in, or of its code if there is none."""
+def _source_of(function: Callable[..., Any]) -> bytes:
+    """Return the name of a function and the file it stands in, or its code if there is none."""
     plain: Any = getattr(function, "py_func", function)
     code = plain.__code__
     try:
         content = Path(code.co_filename).read_bytes()
     except OSError:
         content = code.co_code + repr(code.co_consts).encode()
-    return hashlib.sha256(content + plain.__qualname__.encode()).hexdigest()[:16]
+    return content + str(plain.__qualname__).encode()

@@ -1,0 +1,389 @@
+"""A law with history in a file of its own, tests/unit/damaging_film.py, and nothing else.
+
+Forces, output, criterion, ledger, checkpoint and frames ask it; a plain twin and closed forms say
+what must come out.
+"""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from damaging_film import Damaging
+from naive import cases
+from naive import shell as naive
+from notched_strip import cutting
+from shellcut.loads.supports import Support
+from shellcut.material import LAWS, Elastic, Layer, Material, PointLaw, ShellMaterial, register
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.nodal_stress import recover
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.models import Case
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from shellcut.recording.frame_capture import capture
+from shellcut.results.run_results import read
+from shellcut.results.vtkhdf import VtkHdfWriter
+from shellcut.results.vtkhdf_reader import VtkHdfReader
+from shellcut.simulation.simulation import Simulation
+from shellcut.statics import Statics
+
+TOY = Damaging()
+FILM = ShellMaterial([Layer(TOY, 0.074)])
+TURNED = Rotation.from_rotvec([1.1, -1.5, 1.3]).as_matrix()  # of cases.deform
+LAMINATE = ShellMaterial([Layer(Elastic(800.0, 0.4, 1e-9), 0.05), Layer(TOY, 0.03)])
+FILMS = {"film": FILM, "laminate": LAMINATE}
+
+
+# ---------------------------------------------------------------- twin
+
+
+def damaged(psi, kappa):
+    """Return kappa, damage and dissipated density of the toy law, from its formulae."""
+    before = max(kappa, TOY.onset)
+    kappa = max(before, np.sqrt(2 * psi / TOY.young))
+    lost = 0.5 * TOY.young * TOY.largest * TOY.onset * (kappa - before)
+    return kappa, TOY.largest * (1 - TOY.onset / kappa), lost
+
+
+def green(X, T, x, t, z, xi, eta):
+    """Green-Lagrange strain at a point as a tensor, its normal and volume; x, t may be complex."""
+    value, *by = naive.shape(xi, eta)
+    A, dT, T0 = [d @ X for d in by], [d @ T for d in by], value @ T
+    a, dt = [d @ x for d in by], [d @ t for d in by]
+    now, then = naive.tied_shear(x, t, xi, eta), naive.tied_shear(X, T, xi, eta)
+    covariant = [A[0] + z * dT[0], A[1] + z * dT[1], T0]
+    contra = np.linalg.inv(np.array(covariant).T)
+    E = np.zeros((3, 3), np.result_type(x, t))
+    for i, j in itertools.product(range(2), repeat=2):
+        stretch = 0.5 * (a[i] @ a[j] - A[i] @ A[j])
+        bend = a[i] @ dt[j] + a[j] @ dt[i] - A[i] @ dT[j] - A[j] @ dT[i]
+        E += (stretch + 0.5 * z * bend) * np.outer(contra[i], contra[j])
+    for i in range(2):
+        half = 0.5 * (now[i] - then[i])
+        E += half * (np.outer(contra[i], contra[2]) + np.outer(contra[2], contra[i]))
+    volume = np.cross(covariant[0], covariant[1]) @ covariant[2]
+    return E, T0 / np.linalg.norm(T0), volume
+
+
+def naive_step(mesh, x, t, film, history):
+    """Return dW/dx, dW/dt, stored and dissipated energy, and take the history on."""
+    by = np.zeros((2, *x.shape))
+    stored = dissipated = 0.0
+    points = list(enumerate(naive.thickness_rule(film, film.integration_points)))
+    for (e, q), (g, gauss), (j, (z, w, one)) in itertools.product(
+        enumerate(mesh.quads), enumerate(naive.GAUSS), points
+    ):
+        X, T, now = mesh.nodes[q], mesh.directors[q], np.stack([x[q], t[q]])
+        E, normal, volume = green(X, T, *now, z, *gauss)
+        plane = np.eye(3) - np.outer(normal, normal)
+        whole = naive.stress_of(E, normal, one, film.shear_factor)
+        inside = plane @ whole @ plane
+        psi = 0.5 * np.sum(inside * E)
+        loss = lost = 0.0
+        if one is TOY:
+            history[e, g, j], loss, lost = damaged(psi, history.get((e, g, j), 0.0))
+        stored += w * volume * (0.5 * np.sum(whole * E) - loss * psi)
+        dissipated += w * volume * lost
+        for which, a, c in itertools.product(range(2), range(4), range(3)):
+            moved = now.astype(complex)
+            moved[which, a, c] += 1e-30j
+            dE = green(X, T, *moved, z, *gauss)[0].imag / 1e-30
+            by[which, q[a], c] += w * volume * np.sum((whole - loss * inside) * dE)
+    return by[0], by[1], stored, dissipated
+
+
+@pytest.mark.parametrize(
+    ("case", "film"), [*((case, "film") for case in cases.ALL), ("curved", "laminate")]
+)
+def test_forces_and_energies_are_those_of_the_twin_there_and_back(case, film):
+    mesh = cases.ALL[case](2, 2)
+    shell, state = cases.set_up(mesh, FILMS[film])
+    n, history, turn = mesh.n_node, {}, TURNED
+    far = cases.deform(initial_state(mesh), stretch=0.01, tilt=0.03).node
+    for part in (1.0, 0.4):  # loads, then unloads
+        state.node.x[:n] = (1 - part) * mesh.nodes @ turn.T + part * far.x[:n]
+        state.node.t[:n] = far.t[:n]
+        x, t = state.node.x[:n].copy(), state.node.t[:n].copy()
+        wanted = naive_step(mesh, x, t, FILMS[film], history)
+        state.node.force_rows[:] = 0.0
+        work = shell.add_forces(state)
+        # Round-off of a metric of order one, in forces of E h.
+        for got, force in zip((state.node.force, state.node.director_force), wanted, strict=False):
+            np.testing.assert_allclose(-got[:n], force, rtol=0, atol=1e-11 * abs(force).max())
+        assert work.strain_energy == pytest.approx(wanted[2], rel=1e-11)
+        assert work.dissipated == pytest.approx(wanted[3], rel=1e-9, abs=1e-15)
+        if part == 1.0:
+            assert work.dissipated > 1e-3 * work.strain_energy
+            damage = shell.history_means(state)["damage [-]"]
+            assert damage.max() > 0.1
+
+
+# ---------------------------------------------------------------- closed forms of tension
+
+
+def pulled(strains, film=FILM):
+    """One quad pulled along x to Green strains in turn with free sides: S_22 = 0."""
+    mesh = Mesh.from_arrays([[0, 0], [2, 0], [2, 1], [0, 1]], [[0, 1, 2, 3]])
+    shell, state = cases.set_up(mesh, film)
+    dissipated = 0.0
+    for e in strains:
+        state.node.x[:4, 0] = mesh.nodes[:, 0] * np.sqrt(1 + 2 * e)
+        state.node.x[:4, 1] = mesh.nodes[:, 1] * np.sqrt(1 - 2 * TOY.poisson * e)
+        work = shell.add_forces(state)
+        dissipated += work.dissipated
+    return shell, state, work.strain_energy, dissipated
+
+
+def test_stresses_energies_and_thickness_are_the_closed_form_of_the_law():
+    peak, e = 0.01, 0.004
+    shell, state, stored, dissipated = pulled([0.5 * peak, peak, e])
+    damage = TOY.largest * (1 - TOY.onset / peak)
+    S = (1 - damage) * TOY.young * e
+    longer, narrower = np.sqrt(1 + 2 * e), np.sqrt(1 - 2 * TOY.poisson * e)
+    sigma = S * longer / narrower
+    h, volume = FILM.thickness, 2.0 * FILM.thickness
+    which = np.array([0])
+    for place in ("mid", "top", "bottom"):
+        tensor = shell.stress(state, which, place=place)[0]
+        np.testing.assert_allclose(tensor, np.diag([sigma, 0, 0]), atol=1e-12 * TOY.young)
+    tensor = shell.stress(state, which, place="nominal")[0]
+    np.testing.assert_allclose(tensor, np.diag([S, 0, 0]), atol=1e-12 * TOY.young)
+    faces = shell.face_stresses(state)
+    np.testing.assert_allclose(faces.stress[0, :, 0], sigma, rtol=1e-11)
+    np.testing.assert_allclose(faces.principal[0, :, 0], sigma, rtol=1e-11)
+    # E_33 = - nu/(1 - nu) (1 - nu) E_11
+    assert faces.thickness[0] == pytest.approx(h * narrower, rel=1e-12)
+    assert stored == pytest.approx(0.5 * S * e * volume, rel=1e-11)
+    lost = 0.5 * TOY.young * TOY.largest * TOY.onset * (peak - TOY.onset)
+    assert dissipated == pytest.approx(lost * volume, rel=1e-11)
+    means = shell.history_means(state)
+    assert means["largest strain [-]"][0] == pytest.approx(peak, rel=1e-11)
+    assert means["damage [-]"][0] == pytest.approx(damage, rel=1e-11)
+    with pytest.raises(ValueError, match="place must be one of"):
+        shell.stress(state, which, place="side")
+    with pytest.raises(ValueError, match="quads must be a list of quad ids from 0 to 0"):
+        shell.stress(state, np.array([1]))
+
+
+def test_output_and_trial_forces_leave_the_history_alone():
+    shell, state, _, _ = pulled([0.006])
+    before = state.history.copy()
+    state.node.x[:4] *= 1.01
+    force = sum(shell.corner_forces(state, np.zeros(1, int), np.array([a]), 1e-8) for a in (1, 2))
+    shell.stress(state, np.array([0]))
+    shell.face_stresses(state)
+    shell.tangents(state, np.array([0]))
+    np.testing.assert_array_equal(state.history, before)
+    state.node.force_rows[:] = 0.0
+    shell.add_forces(state)
+    np.testing.assert_allclose(force[0], state.node.force[[1, 2]].sum(axis=0), rtol=1e-12)
+    assert (state.history != before).any()
+
+
+def test_bending_shows_at_the_outermost_points_and_only_they_are_damaged():
+    curvature, h = 0.3, FILM.thickness
+    mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
+    shell, state = cases.set_up(mesh, FILM)
+    lean = np.array([-1, 1, 1, -1]) * np.sin(0.5 * curvature)
+    state.node.t[:4] = np.stack([lean, 0 * lean, np.sqrt(1 - lean**2)], axis=1)
+    shell.add_forces(state)
+    z = 0.5 * h * np.polynomial.legendre.leggauss(5)[0][-1]
+    e = z * 2 * np.sin(0.5 * curvature)
+    stiff = TOY.young / (1 - TOY.poisson**2)
+    _, damage, _ = damaged(0.5 * stiff * e * e, 0.0)
+    assert damage > 0.3
+    faces = shell.face_stresses(state)
+    # The dropped square of the height in the surface that carries the stress: (h curvature)².
+    np.testing.assert_allclose(
+        faces.stress[0, 1:, 0], (1 - damage) * stiff * e * np.array([1, -1]), rtol=0.05
+    )
+    assert abs(faces.stress[0, 0, 0]) < 0.02 * faces.stress[0, 1, 0]
+    places, weights = np.polynomial.legendre.leggauss(5)
+    strains = 0.5 * h * places * 2 * np.sin(0.5 * curvature)
+    wanted = 0.5 * weights @ [damaged(0.5 * stiff * e * e, 0.0)[1] for e in strains]
+    assert shell.history_means(state)["damage [-]"][0] == pytest.approx(wanted, rel=0.05)
+
+
+def test_the_criterion_sees_the_stress_of_the_law():
+    mesh = rectangle(4.0, 3.0, n_x=4, n_y=3)
+    shell, state = cases.set_up(mesh, FILM)
+    e = 0.01
+    state.node.x[: mesh.n_node, 0] *= np.sqrt(1 + 2 * e)
+    state.node.x[: mesh.n_node, 1] *= np.sqrt(1 - 2 * TOY.poisson * e)
+    shell.add_forces(state)
+    inner = np.array([6, 7])
+    found = recover(state, shell, inner, place="largest")
+    left = 1 - TOY.largest * (1 - TOY.onset / e)
+    wanted = left * TOY.young * e * np.sqrt((1 + 2 * e) / (1 - 2 * TOY.poisson * e))
+    np.testing.assert_allclose(found.principal, wanted, rtol=1e-10)
+    assert left < 0.5  # C E would be twice that and more
+
+
+# ---------------------------------------------------------------- runs
+
+
+END = 8e-5
+
+
+def pulled_strip(film=FILM, **options):
+    """A strip pulled beyond the onset of damage and let go again."""
+    mesh = rectangle(4.0, 2.0, n_x=10, n_y=5)
+    return Simulation(
+        mesh,
+        film,
+        supports=[
+            Support.clamped("left"),
+            Support("right", velocity={"x": lambda t: 1600.0 * np.sin(2 * np.pi * t / END)}),
+        ],
+        **options,
+    )
+
+
+@pytest.mark.parametrize(
+    ("film", "precision"), [("film", "double"), ("laminate", "double"), ("film", "single")]
+)
+def test_the_ledger_closes_with_what_the_law_has_dissipated(film, precision):
+    sim = pulled_strip(FILMS[film], precision=precision, damping_beta=0.0)
+    sim.run(END)
+    book = sim.close_ledger()
+    assert book.material_dissipated > 0.2 * book.support_work > 0.0
+    # The step, measured 2e-4; without the new entry it would be what was dissipated.
+    assert abs(book.imbalance) < 1e-3 * book.support_work
+    # By increments, and by the state alone.
+    rule = sim.shell.points.rule
+    n_block, _, width = sim.state.history.shape
+    kappa = sim.state.history.reshape(n_block, 4, rule.place.size, 2, width)[:, :, :, 0]
+    lost = 0.5 * TOY.young * TOY.largest * TOY.onset * np.maximum(kappa - TOY.onset, 0.0)
+    if film == "film":  # flat quads, whose frames hold the volume
+        frame = sim.shell.points.flat_frame.reshape(n_block, 4, 4, width)[:, :, 3]
+        total = np.einsum("j,bqjl,bql->", rule.weight, lost, frame)
+        assert book.material_dissipated == pytest.approx(total, rel=1e-9 * 1e5 ** (width == 16))
+
+
+def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path):
+    whole, first, second = (pulled_strip(threads=n) for n in (1, 2, 1))
+    whole.run(END)
+    first.run(0.4 * END)
+    assert first.ledger.material_dissipated > 0.0
+    save_checkpoint(first, tmp_path / "c.h5")
+    load_checkpoint(second, tmp_path / "c.h5")
+    second.run(END)
+    n = whole.mesh.n_node
+    np.testing.assert_array_equal(second.state.history, whole.state.history)
+    np.testing.assert_array_equal(second.state.node.x[:n], whole.state.node.x[:n])
+    assert second.ledger == whole.ledger
+    other = pulled_strip(ShellMaterial([Layer(Damaging(onset=0.003), 0.074)]))
+    with pytest.raises(ValueError, match=r"onset: 0.002 in the checkpoint, 0.003"):
+        load_checkpoint(other, tmp_path / "c.h5")
+
+
+def test_a_cut_writes_dissipation_and_damage_and_goes_on_from_its_checkpoint(tmp_path):
+    weak = ShellMaterial([Layer(Damaging(onset=5e-4), 0.074)])
+    case = Case("cut", cutting(material=weak), 4e-5)
+    case.run(tmp_path, n_row=20, n_frame=4, n_snapshot=0, progress=False)
+    results, sim = read(tmp_path), case.simulation
+    column = results.history["material_dissipated"]
+    assert (np.diff(column) >= 0.0).all()
+    assert sim.ledger.material_dissipated >= column[-1] > 0.0
+    assert results.units["material_dissipated"] == "N*mm"
+    assert results.summary["material_dissipated_Nmm"] == sim.ledger.material_dissipated
+    last = results.frame(-1)
+    assert set(last.quad_history) == {"largest strain [-]", "damage [-]"}
+    assert last.quad_history["damage [-]"].max() > 0.05
+    assert set(results.frame(0).quad_history) == set(last.quad_history)
+    names = {"coordinate_name": "path", "coordinate_unit": "mm"}
+    frame = capture(sim, coordinate=0.0, **names)
+    with VtkHdfWriter(tmp_path / "own.vtkhdf") as writer:
+        writer.append(frame)
+        with pytest.raises(ValueError, match="must have the history numbers of the first, history"):
+            writer.append(replace(frame, time=1.0, quad_history={}))
+    again = VtkHdfReader(tmp_path / "own.vtkhdf").frame(0)
+    for name, wanted in sim.shell.history_means(sim.state).items():
+        np.testing.assert_array_equal(frame.quad_history[name], wanted)
+        np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
+    with pytest.raises(ValueError, match="quad_history 'damage' must have shape"):
+        replace(frame, quad_history={"damage": np.zeros(1)})
+
+
+# ---------------------------------------------------------------- time step
+
+
+def test_the_tangent_carries_the_stress_of_the_law_and_the_elastic_moduli():
+    shell, state, _, _ = pulled([0.01])
+    elastic = ShellMaterial([Layer(Elastic(TOY.young, TOY.poisson, TOY.density), 0.074)])
+    linear, _, _, _ = pulled([0.01], elastic)
+    which = np.array([0])
+    strained = linear.tangents(state, which)
+    row = np.array([linear_strains(state)])
+    free = linear.tangents(state, which, row)  # without stress
+    damage = TOY.largest * (1 - TOY.onset / 0.01)
+    wanted = (1 - damage) * strained + damage * free
+    got = shell.tangents(state, which)
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * abs(wanted).max())
+
+
+def linear_strains(state):
+    """The sixteen strains of the only quad."""
+    X, x, t = state.node.X[:4], state.node.x[:4], state.node.t[:4]
+    T = np.tile([0.0, 0.0, 1.0], (4, 1))
+    return naive.products(x, t) - naive.products(X, T)
+
+
+# ---------------------------------------------------------------- the interface
+
+
+def test_a_law_with_history_is_never_run_as_linear():
+    assert FILM.points_per_layer is None
+    assert FILM.integration_points == 5
+    assert not FILM.is_linear
+    shell = MITC4Shell(rectangle(1.0, 1.0, n_x=1, n_y=1), FILM, damping_beta=0.0)
+    assert shell.points.rule.place.size == 5
+    assert shell.has_points
+    one = ShellMaterial([Layer(TOY, 0.074)], points_per_layer=1)
+    assert one.integration_points == 1
+    assert ShellMaterial.homogeneous().integration_points is None
+    with pytest.raises(ValueError, match=r"statics must have layers of linear laws.*damaging"):
+        Statics(rectangle(1.0, 1.0, n_x=1, n_y=1), FILM)
+
+
+def test_laws_are_known_by_name_and_refused_with_a_sentence():
+    assert {"St.Venant-Kirchhoff", "damaging"} <= set(LAWS)
+    assert register(TOY.law) is TOY.law is LAWS["damaging"]
+
+    def other(p, strain, history, dt):
+        return strain, 0.0, 0.0, history
+
+    for function in (other, TOY.law.stress):  # the latter without its history
+        with pytest.raises(ValueError, match="there is a law 'damaging' already"):
+            register(PointLaw("damaging", function, TOY.law.thickness_stretch))
+    assert LAWS["damaging"] is TOY.law
+    for name, history, linear, wrong in (
+        (" ", (), False, "a law needs a name"),
+        ("mine", ("damage [-]",), True, "a linear law has no history"),
+        ("mine", ("a", "a"), False, "history names must differ"),
+        ("mine", ("N/mm",), False, "without a slash"),
+    ):
+        with pytest.raises(ValueError, match=wrong):
+            PointLaw(name, other, other, history, linear=linear)
+    with pytest.raises(ValueError, match="material must be a Material, such as Elastic, got 3"):
+        Layer(3, 0.1)
+
+
+def test_what_else_asks_for_stiffness_gets_it_from_the_material():
+    class Twofold(Damaging):
+        def plane_stress(self):
+            return np.array([[400.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0, 0.0, 50.0]])
+
+    two = Twofold(density=1e-9)
+    assert isinstance(two, Material)
+    assert two.stretching_modulus == pytest.approx(400.0)
+    assert two.wave_speed == pytest.approx(np.sqrt(4e11))
+    film = ShellMaterial([Layer(two, 0.02), Layer(Elastic(1000.0, 0.3, 1e-9), 0.01)])
+    assert film.stretching_stiffness == pytest.approx(18.0)
+    # One number says the ratio, but the shortened form of flat quads wants isotropy besides.
+    assert ShellMaterial([Layer(two, 0.02)]).bending_ratio is None
+    assert ShellMaterial([Layer(TOY, 0.02)]).bending_ratio == pytest.approx(0.02**2 / 12)
