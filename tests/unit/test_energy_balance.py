@@ -28,6 +28,12 @@ def test_the_work_and_where_it_went():
         "kinetic": total("kinetic_translation", "kinetic_rotation"),
         "contact": total("contact_work"),
     }
+    dissipated = {"material_dissipated": np.array([0.0, 3.0])}
+    assert shares_of(HISTORY | dissipated) == shares_of(HISTORY) | {"material": [0.0, 3.0]}
+
+
+def shares_of(history):
+    return {name: share.tolist() for name, share in energy_shares(history).items()}
 
 
 @pytest.mark.parametrize("work", [200.0, 2e-6, -3.0])
