@@ -1,15 +1,16 @@
 """A run beside a measured curve
 =============================
 
-The quick opening test beside a table as a test machine writes one: semicolons, decimal commas,
-degrees and N·cm. **The table is made up for this example; no machine measured it.** ::
+Compare the quick opening test with a table in the format of a test machine: semicolons, decimal
+commas, degrees and N·cm. **The table is made up for this example; no machine measured it.** ::
 
     python examples/compare_with_measured.py --out DIR
 
-leaves comparison.png and comparison.json in DIR, as does, from the second line on, ::
+writes the run, the table, comparison.png and comparison.json into DIR. On the command line, with
+the same table::
 
-    shellcut run opening --set mesh=quick --set angle_deg=40 --set duration=2.5e-3 -o DIR
-    shellcut compare DIR DIR/made_up.csv --x angle=Winkel --y torque=Drehmoment --window 10
+    shellcut run opening --set mesh=quick --set angle_deg=40 --set duration=2.5e-3 -o out
+    shellcut compare out DIR/made_up.csv --x angle=Winkel --y torque=Drehmoment --window 10
 """
 
 import argparse
@@ -42,7 +43,7 @@ def main() -> None:
     case.run(options.out, n_snapshot=0, progress=False)
     table = options.out / "made_up.csv"
     table.write_text(MADE_UP, encoding="utf-8")
-    # Nodes are 5° apart along the cut; twice that takes their sawtooth out of the curve.
+    # Nodes are 5° apart along the cut; a window of twice that removes their sawtooth.
     found = compare(options.out, table, columns=("Winkel", "Drehmoment"), window=10.0)
     print(found)
     found.plot(options.out / "comparison.png")

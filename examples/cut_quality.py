@@ -1,11 +1,11 @@
 """How much is cut
 ===============
 
-Crack length, uncut bridges and flaps of the quick opening test against the angle. ::
+Plot crack length, uncut bridges and flaps of the quick opening test over the angle. ::
 
     python examples/cut_quality.py --out DIR
 
-leaves the run and quality.png in DIR; the figures are those of ``shellcut.read(DIR)``, of any run.
+writes the run and quality.png into DIR. ``shellcut.read(DIR)`` gives these figures for any run.
 """
 
 import argparse

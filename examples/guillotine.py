@@ -1,12 +1,12 @@
 """The guillotine
 ==============
 
-A straight blade cuts a clamped strip; the force is G h = 3.219 N. ::
+A straight blade cuts a clamped strip. In theory the force is G h = 3.219 N. ::
 
     python examples/guillotine.py --size 0.4 --out DIR
 
-leaves history.csv, summary.json, force.png, energy.png, snapshots and guillotine.vtkhdf in DIR, as
-does ``shellcut run guillotine -o DIR``.
+writes history.csv, summary.json, force.png, energy.png, snapshots and guillotine.vtkhdf into DIR.
+``shellcut run guillotine -o DIR`` does the same.
 """
 
 import argparse

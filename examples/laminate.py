@@ -1,8 +1,8 @@
 """A laminate
 ==========
 
-A strip of aluminium on polyethylene, clamped at one end, carries a line load at the other: the
-deflection by the theory of composite beams, and the stress at both faces. ::
+Load a strip of aluminium on polyethylene, clamped at one end, by a line load at the other end.
+Compare its deflection and the stress at both faces with the theory of composite beams. ::
 
     python examples/laminate.py --out DIR
 """

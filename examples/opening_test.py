@@ -5,9 +5,10 @@ A ring of four teeth cuts a circle out of a clamped film. ::
 
     python examples/opening_test.py --mesh {quick,M1,M2} --out DIR
 
-leaves history.csv, summary.json, splits.csv, torque.png, energy.png, snapshots and opening.vtkhdf
-in DIR, as does ``shellcut run opening --set mesh=quick -o DIR``. With ``--compare`` the same cut by
-classical cables, which never meet the blade, is in DIR/classical, and both in torque_compared.png.
+writes history.csv, summary.json, splits.csv, torque.png, energy.png, snapshots and opening.vtkhdf
+into DIR. ``shellcut run opening --set mesh=quick -o DIR`` does the same. ``--compare`` also runs
+classical cables, which never meet the blade, in DIR/classical, and draws both curves in
+torque_compared.png.
 """
 
 import argparse

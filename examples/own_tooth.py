@@ -1,11 +1,11 @@
 """Another tooth
 =============
 
-The torque of four teeth whose edges stand at 60° to the film, and of six at 40°. ::
+Compare the torque of four teeth whose edges stand at 60° to the film with that of six at 40°. ::
 
     python examples/own_tooth.py --out DIR
 
-leaves both runs and torque.png in DIR. The six teeth from the command line::
+writes both runs and torque.png into DIR. The six teeth from the command line::
 
     shellcut run opening --set mesh=quick --set teeth=6 --set edge_inclination_deg=40 -o DIR
 """

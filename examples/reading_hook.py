@@ -1,8 +1,8 @@
 """A hook that reads the force
 ===========================
 
-A strip, a blade and a law are put together by hand, and an object of one's own is called after
-every step: it reads the force on the blade, and ends the run when the blade has gone its way. ::
+Build a strip, a blade and a cohesive law by hand, and read the force on the blade with a hook of
+your own. The simulation calls the hook after every step; the hook ends the run after 7 mm. ::
 
     python examples/reading_hook.py --out DIR
 """
@@ -25,7 +25,7 @@ WAY = 7.0  # mm
 
 
 class ForceOnBlade:
-    """Keeps place of the blade [mm] and force on it [N], every ten steps."""
+    """Record the place of the blade [mm] and the force on it [N], every ten steps."""
 
     def __init__(self) -> None:
         self.place: list[float] = []
@@ -42,7 +42,7 @@ class ForceOnBlade:
             raise sc.StopRun
 
     def close(self) -> None:
-        """Nothing is held that must be given back."""
+        """Do nothing: there is nothing to release."""
 
 
 def main() -> None:

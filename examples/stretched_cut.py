@@ -1,8 +1,8 @@
-"""A stretched film is cut
-=======================
+"""Cutting a stretched film
+========================
 
-A strip is stretched across the path of the blade, brought to rest, then cut. The stretched film
-gives part of the work of the cut, so the blade has less to do. ::
+Stretch a strip across the path of the blade, bring it to rest, then cut it. The stretched film
+gives part of the energy of the cut, so the tool does less work. ::
 
     python examples/stretched_cut.py --out DIR
 """
@@ -52,7 +52,7 @@ def cut(folder: Path, stretch: float) -> sc.Results:
         law=sc.CohesiveLaw(),
     )
     if stretch:
-        # The clamped sides are moved, the nodes between them by as much as they lie apart.
+        # Move the clamped sides apart, and the nodes between them in proportion.
         displacement = np.zeros((sim.mesh.n_node, 3))
         displacement[:, 1] = stretch * sim.mesh.nodes[:, 1]
         steps = sim.relax(displacement)

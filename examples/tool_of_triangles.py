@@ -1,8 +1,8 @@
-"""A tool of one's own
-===================
+"""A tool of your own
+==================
 
-A knife with a curved edge is made of vertices and triangles: a wedge whose edge, a circular arc,
-leads at the bottom. Which edge cuts is named. It cuts a strip. ::
+Make a knife with a curved edge from vertices and triangles, name its cutting edge, and cut a strip
+with it. The knife is a wedge; its edge is a circular arc. ::
 
     python examples/tool_of_triangles.py --out DIR
 """

@@ -1,8 +1,8 @@
 """Vibration modes
 ===============
 
-The four lowest frequencies of a clamped square film, beside those of a thin plate
-(Leissa, NASA SP-160, 1969, table 4.22), and their shapes. ::
+Compute the four lowest frequencies of a clamped square film and draw their mode shapes. Compare
+them with a thin plate (Leissa, NASA SP-160, 1969, table 4.22). ::
 
     python examples/vibration_modes.py --out DIR
 """

@@ -79,7 +79,7 @@ def test_hand_built(tmp_path, monkeypatch, capsys):
     names = {}
     for code in blocks("hand-built.md", "python"):
         exec(compile(code, "hand-built.md", "exec"), names)
-    assert 0.5 < names["sim"].translation[0] < 0.6  # the hook ended the run
+    assert 0.5 < names["sim"].pose.translation[0] < 0.6  # the hook ended the run
     assert max(names["hook"].force) > 0.0
     told = capsys.readouterr().out.splitlines()
     assert told[0].startswith("Results of 'cut' in out")
