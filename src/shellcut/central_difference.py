@@ -19,7 +19,7 @@ of the order alpha dt.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -49,6 +49,42 @@ class KickResult(NamedTuple):
     """Work of the reactions since t_{n-1} [N·mm]."""
 
 
+class _KickStep(NamedTuple):
+    """Numbers of one kick."""
+
+    dt_last: float
+    """Length of the step before t_n, 0 for the first kick [s]."""
+    dt: float
+    """Time between the velocities before and after [s]."""
+    alpha: float
+    """Mass damping [1/s]."""
+
+
+class _KickNodes(NamedTuple):
+    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+
+    t: Annotated[Floats, "(n_node, 3)"]
+    force_rows: Annotated[Floats, "(n_node, 8)"]
+    mass: Annotated[Floats, "(n_node,)"]
+    inertia: Annotated[Floats, "(n_node,)"]
+    push: Annotated[Floats, "(n_node, 2)"]
+    support: Annotated[Bools, "(n_node, 6)"]
+    support_rate: Annotated[Floats, "(n_node, 6)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    """Written from here on."""
+    spin_half: Annotated[Floats, "(n_node, 3)"]
+    reaction: Annotated[Floats, "(n_node, 6)"]
+
+
+class _Supported(NamedTuple):
+    """Which nodes are supported."""
+
+    node: Annotated[Ints, "(n_supported,)"]
+    """Ascending."""
+    first: Annotated[Ints, "(n_chunk + 1,)"]
+    """The first of them in every chunk of nodes, and the end."""
+
+
 class CentralDifference:
     """Advance velocities and positions of all nodes.
 
@@ -63,41 +99,23 @@ class CentralDifference:
     def __init__(self, *, damping_alpha: float, workers: Workers | None = None) -> None:
         self.damping_alpha = float(damping_alpha)
         self._workers = workers or Workers(0)
+        self._state: State | None = None
         self._revision = -1
-        # Supported nodes, and the first of them in every chunk of nodes.
-        self._supported, self._first_supported = np.zeros(0, np.int64), np.zeros(1, np.int64)
+        self._supported = _Supported(node=np.zeros(0, np.int64), first=np.zeros(1, np.int64))
+        self._nodes: _KickNodes | None = None
         self._kick, self._drift = bound_once(_kick), bound_once(_drift)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
         """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
-        n, stride = state.node, self._workers.count
-        if state.revision != self._revision:
-            self._find_supported(state)
-        dt_last, dt = float(dt_last), 0.5 * (dt_last + dt_next)
-        sums = np.zeros((self._first_supported.size - 1, 4))
+        count, stride = state.n_node, self._workers.count
+        if self._state is not state or self._revision != state.revision:
+            self._collect(state)
+        dt = 0.5 * (dt_last + dt_next)
+        step = _KickStep(dt_last=float(dt_last), dt=dt, alpha=self.damping_alpha)
+        sums = np.zeros((self._supported.first.size - 1, 4))
 
         def part(thread: int) -> None:
-            self._kick(
-                thread,
-                stride,
-                n.count,
-                dt_last,
-                dt,
-                self.damping_alpha,
-                n.t,
-                n.force_rows,
-                n.mass,
-                n.inertia,
-                n.push,
-                self._supported,
-                self._first_supported,
-                n.support,
-                n.support_rate,
-                n.velocity_half,
-                n.spin_half,
-                n.reaction,
-                sums,
-            )
+            self._kick(thread, stride, count, step, self._nodes, self._supported, sums)
 
         self._workers.run(part)
         translation, rotation, mean, support_work = in_order(sums)
@@ -113,12 +131,14 @@ class CentralDifference:
 
         self._workers.run(part)
 
-    def _find_supported(self, state: State) -> None:
+    def _collect(self, state: State) -> None:
+        """Lay out what the kernel takes, good until the next split."""
         n = state.node
-        self._supported = np.flatnonzero(n.supported[: n.count])
+        ids = np.flatnonzero(n.supported[: n.count])
         chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
-        self._first_supported = np.searchsorted(self._supported, chunks)
-        self._revision = state.revision
+        self._supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
+        self._nodes = _KickNodes(**{name: getattr(n, name) for name in _KickNodes._fields})
+        self._state, self._revision = state, state.revision
 
 
 @always_inline
@@ -135,32 +155,23 @@ def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> Non
 
 @always_inline
 def _kick_nodes(
-    n: int,
-    lane: int | None,
-    dt: float,
-    alpha: float,
-    mirror: bool,
-    t: Floats,
-    rows: Floats,
-    mass: Floats,
-    inertia: Floats,
-    push: Floats,
-    velocity: Floats,
-    spin: Floats,
+    n: int, lane: int | None, step: _KickStep, nodes: _KickNodes
 ) -> tuple[Number, Number, Number]:
     """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
+    dt, alpha, mirror = step.dt, step.alpha, step.dt_last == 0.0
+    velocity, spin = nodes.velocity_half, nodes.spin_half
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     each = dt / (1.0 + 0.5 * alpha * dt)
-    r = row_columns(rows, n, lane)
-    by_mass, by_inertia = at(push, n, 0, lane), at(push, n, 1, lane)
+    r = row_columns(nodes.force_rows, n, lane)
+    by_mass, by_inertia = at(nodes.push, n, 0, lane), at(nodes.push, n, 1, lane)
     v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
-    moment = cross(_node_vector(t, n, lane), r[3:6])
+    moment = cross(_node_vector(nodes.t, n, lane), r[3:6])
     v_after = combine(keep, v, each * by_mass, r[0:3])
     w_after = combine(keep, w, each * by_inertia, moment)
     _put_node_vector(velocity, n, lane, v_after)
     _put_node_vector(spin, n, lane, w_after)
     # Supported nodes have no push and count nothing here.
-    m, j = along(mass, n, lane), along(inertia, n, lane)
+    m, j = along(nodes.mass, n, lane), along(nodes.inertia, n, lane)
     m, j = m * m * by_mass, j * j * by_inertia
     v_mean, w_mean = add(v, v_after), add(w, w_after)
     if mirror:
@@ -196,22 +207,18 @@ def _one_spin_held(n: int, support: Bools, rate: Floats, t: Vec3, free: Vec3) ->
 def _kick_supported(
     n: int,
     first: int,
-    dt_last: float,
-    dt: float,
-    alpha: float,
+    step: _KickStep,
     m: float,
-    t: Vec3,
     force: Vec3,
-    support: Bools,
-    support_rate: Floats,
     before: Vec3,
-    reaction: Floats,
+    nodes: _KickNodes,
 ) -> tuple[Vec3, float, float, float]:
     """Return a supported node's velocity after the kick, m v·v', the damping's sum and the work.
 
-    ``first`` is 0 for translation and 3 for rotation, t the director; reaction : (n_node, 6) is
-    written.
+    ``first`` is 0 for translation and 3 for rotation; the reaction is written.
     """
+    dt_last, dt, alpha = step
+    support, support_rate, reaction = nodes.support, nodes.support_rate, nodes.reaction
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     push = dt / (1.0 + 0.5 * alpha * dt) / m
     rate = 1.0 / dt
@@ -224,7 +231,7 @@ def _kick_supported(
     )
     in_plane = False
     if first == 3:
-        spin, in_plane = _one_spin_held(n, support, support_rate, t, free)
+        spin, in_plane = _one_spin_held(n, support, support_rate, load(nodes.t, n), free)
         if in_plane:
             after = spin
     for c in range(3):
@@ -244,65 +251,30 @@ def _kick(
     first: int,
     stride: int,
     n_node: int,
-    dt_last: float,
-    dt: float,
-    alpha: float,
-    t: Floats,
-    rows: Floats,
-    mass: Floats,
-    inertia: Floats,
-    push: Floats,
-    supported: Ints,
-    first_supported: Ints,
-    support: Bools,
-    support_rate: Floats,
-    velocity: Floats,
-    spin: Floats,
-    reaction: Floats,
+    step: _KickStep,
+    nodes: _KickNodes,
+    supported: _Supported,
     sums: Floats,
 ) -> None:
-    """Advance velocity and spin : (n_node, 3) by dt, of the chunks first, first + stride, ...
+    """Advance velocity and spin of the chunks first, first + stride, ... of nodes.
 
-    rows : (n_node, 8).  reaction : (n_node, 6), written.  sums : (n_chunk, 4), written: m v·v',
-    j w·w', the damping's sum and the work of the reactions.
+    sums : (n_chunk, 4), written: m v·v', j w·w', the damping's sum and the work of the reactions.
     """
     align_stack()
-    mirror = dt_last == 0.0
-    moved = np.empty((supported.shape[0], 6))
+    velocity, spin, rows = nodes.velocity_half, nodes.spin_half, nodes.force_rows
+    moved = np.empty((supported.node.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
-        for i in range(first_supported[chunk], first_supported[chunk + 1]):
-            n = supported[i]
-            director = load(t, n)
+        for i in range(supported.first[chunk], supported.first[chunk + 1]):
+            n = supported.node[i]
+            director = load(nodes.t, n)
             force = rows[n, 0], rows[n, 1], rows[n, 2]
             moment = cross(director, (rows[n, 3], rows[n, 4], rows[n, 5]))
             v, kinetic, damping, work = _kick_supported(
-                n,
-                0,
-                dt_last,
-                dt,
-                alpha,
-                mass[n],
-                director,
-                force,
-                support,
-                support_rate,
-                load(velocity, n),
-                reaction,
+                n, 0, step, nodes.mass[n], force, load(velocity, n), nodes
             )
             w, kinetic_spin, damping_spin, work_spin = _kick_supported(
-                n,
-                3,
-                dt_last,
-                dt,
-                alpha,
-                inertia[n],
-                director,
-                moment,
-                support,
-                support_rate,
-                load(spin, n),
-                reaction,
+                n, 3, step, nodes.inertia[n], moment, load(spin, n), nodes
             )
             for c in range(3):
                 moved[i, c] = v[c]
@@ -313,24 +285,20 @@ def _kick(
             sums[chunk, 3] += work + work_spin
         p0, p1, p2 = zero(None), zero(None), zero(None)
         for n in range(start, stop - WIDTH + 1, WIDTH):
-            q0, q1, q2 = _kick_nodes(
-                n, None, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
-            )
+            q0, q1, q2 = _kick_nodes(n, None, step, nodes)
             p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
         s0, s1, s2 = total(p0), total(p1), total(p2)
         for n in range(stop - (stop - start) % WIDTH, stop):
-            q0, q1, q2 = _kick_nodes(
-                n, 0, dt, alpha, mirror, t, rows, mass, inertia, push, velocity, spin
-            )
+            q0, q1, q2 = _kick_nodes(n, 0, step, nodes)
             s0, s1, s2 = s0 + q0, s1 + q1, s2 + q2
         sums[chunk, 0] += s0
         sums[chunk, 1] += s1
         sums[chunk, 2] += s2
         # Only now, for the loop over eight nodes writes them all.
-        for i in range(first_supported[chunk], first_supported[chunk + 1]):
+        for i in range(supported.first[chunk], supported.first[chunk + 1]):
             for c in range(3):
-                velocity[supported[i], c] = moved[i, c]
-                spin[supported[i], c] = moved[i, 3 + c]
+                velocity[supported.node[i], c] = moved[i, c]
+                spin[supported.node[i], c] = moved[i, 3 + c]
 
 
 @always_inline

@@ -9,7 +9,7 @@ stores the ``revision`` it was built for.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -92,6 +92,17 @@ class _Table:
         self.count = count
         for name, rows in saved.items():
             getattr(self, name)[:count] = rows
+
+
+class QuadsAtNodes(NamedTuple):
+    """Which quads are at which node, as kernels take it; good for one topology."""
+
+    quads: Annotated[Ints, "(n_quad, 4)"]
+    """Node ids of every quad."""
+    at: Annotated[Ints, "(n_node, max_valence)"]
+    """Quads at the node, ascending, the first ``n_at`` in use."""
+    n_at: Annotated[Ints, "(n_node,)"]
+    """Number of quads at the node."""
 
 
 @dataclass
@@ -269,6 +280,10 @@ class State:
     def n_cable(self) -> int:
         """Number of cables ever made."""
         return self.cable.count
+
+    def quads_at_nodes(self) -> QuadsAtNodes:
+        """Return which quads are at which node now."""
+        return QuadsAtNodes(quads=self.quads, at=self.node.quads, n_at=self.node.n_quad_at)
 
     def saved(self) -> dict[str, Any]:
         """Return all of it as arrays and numbers by name, in nested dictionaries."""

@@ -95,7 +95,7 @@ def differing(a, b):
 
 
 # Follows from the state whenever it is asked for, at the latest at the next step.
-_CACHES = {"_arguments", "_partings", "_table", "_nodes", "_pool"}
+_CACHES = {"_tables", "_partings", "_table", "_nodes", "_pool"}
 
 
 def numbers_of(thing, path="sim", seen=None):

@@ -409,7 +409,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
             )
         ]
         forces, result = evaluate(contact, state)
-        lasts, within = contact._lookups.lasts, contact._lookups.within
+        lasts, within = contact._tables.near.lasts, contact._tables.near.within
         remembered += np.count_nonzero(within & (lasts > 0.0))
         after = [
             state.node.contact_side.copy(),

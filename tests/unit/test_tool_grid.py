@@ -132,7 +132,7 @@ def test_side_decides_which_flank_is_closest():
     grid = ClosestTriangleGrid.build(tool)
     p = (-2.5, 0.1, 0.3)  # between the parallel flanks, nearer to plus
     for side, y in ((1, 0.3), (-1, -0.3), (0, 0.3)):
-        found, triangle, feature, q, _ = closest_of_side(p, side, *grid.arrays[:-1])
+        found, triangle, feature, q, _ = closest_of_side(p, side, grid.arrays)
         assert found
         assert q == pytest.approx((-2.5, y, 0.3))
         assert tool.flank[triangle] == np.sign(y)
@@ -154,19 +154,20 @@ def test_far_points_are_not_found():
 
 def test_lists_are_sorted_and_arrays_read_only():
     grid = ClosestTriangleGrid.build(straight_blade())
-    step = np.diff(grid.cell_distance)
-    new_cell = np.zeros(grid.cell_distance.size, dtype=bool)
-    new_cell[grid.cell_start[:-1][np.diff(grid.cell_start) > 0]] = True
+    lists = grid.arrays.lists
+    step = np.diff(lists.distance)
+    new_cell = np.zeros(lists.distance.size, dtype=bool)
+    new_cell[lists.start[:-1][np.diff(lists.start) > 0]] = True
     assert (step >= 0.0)[~new_cell[1:]].all()
-    assert grid.cell_start.size == np.prod(grid.shape) + 1
+    assert lists.start.size == np.prod(grid.arrays.cells.shape) + 1
     with pytest.raises(ValueError, match="read-only"):
-        grid.cell_triangles[0] = 1
+        lists.triangle[0] = 1
     assert "cells of" in repr(grid)
 
 
 def test_number_of_cells_is_capped():
     grid = ClosestTriangleGrid.build(straight_blade(), max_cells=500)
-    assert 250 < np.prod(grid.shape) <= 500
+    assert 250 < np.prod(grid.arrays.cells.shape) <= 500
 
 
 def test_refusals():
@@ -190,7 +191,8 @@ def test_one_grid_a_tool_and_none_of_no_tool():
     other = straight_blade()
     assert ClosestTriangleGrid.of(other) is not ClosestTriangleGrid.of(blade)
     np.testing.assert_array_equal(
-        ClosestTriangleGrid.of(other).corners, ClosestTriangleGrid.of(blade).corners
+        ClosestTriangleGrid.of(other).arrays.surface.corners,
+        ClosestTriangleGrid.of(blade).arrays.surface.corners,
     )
     found, inside, _, _ = ClosestTriangleGrid.of(None).query([[0.0, 0.0, 0.0], [-0.5, 0.0, 0.0]])
     assert not found.any()

@@ -40,12 +40,12 @@ A branch shorter than ``law.short_branch`` keeps its last direction.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, State
 from shellcut.tool.cutting_edge import (
@@ -86,6 +86,54 @@ class CableForces(NamedTuple):
     """Cables that broke at this evaluation."""
 
 
+class _CableNodes(NamedTuple):
+    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+    force: Annotated[Floats, "(n_node, 3)"]
+    """Written."""
+
+
+class _CableRows(NamedTuple):
+    """What it needs of the cables, by the names of :class:`shellcut.state.CableTable`."""
+
+    ends: Annotated[Ints, "(n_cable, 2)"]
+    area: Annotated[Floats, "(n_cable,)"]
+    m: Annotated[Floats, "(n_cable, 3)"]
+    start_force: Annotated[Floats, "(n_cable, 3)"]
+    status: Annotated[SmallInts, "(n_cable,)"]
+    """Written from here on."""
+    opening: Annotated[Floats, "(n_cable,)"]
+    opening_max: Annotated[Floats, "(n_cable,)"]
+    traction: Annotated[Floats, "(n_cable,)"]
+    edge: Annotated[Ints, "(n_cable,)"]
+    joint_body: Annotated[Floats, "(n_cable, 3)"]
+    joint: Annotated[Floats, "(n_cable, 3)"]
+    joint_slack: Annotated[Floats, "(n_cable,)"]
+    overshoot: Annotated[Floats, "(n_cable,)"]
+    branch: Annotated[Floats, "(n_cable, 2, 3)"]
+    force: Annotated[Floats, "(n_cable, 2, 3)"]
+    work: Annotated[Floats, "(n_cable,)"]
+    start_work: Annotated[Floats, "(n_cable,)"]
+    end_time: Annotated[Floats, "(n_cable,)"]
+
+
+class _CableTables(NamedTuple):
+    """All that the kernel takes and that lasts until the next split."""
+
+    n_cable: int
+    """Number of cables; the rows beyond are in reserve."""
+    directional: bool
+    """Whether the cables may meet the edges."""
+    law: Annotated[Floats, "(n_parameter,)"]
+    """Of :meth:`CohesiveLaw.parameters`."""
+    edges: CuttingEdges
+    nodes: _CableNodes
+    cables: _CableRows
+
+
 class CableSet:
     """Forces of all cables.
 
@@ -108,7 +156,7 @@ class CableSet:
         self._edges = CuttingEdges.of(tool)
         self._state: State | None = None
         self._revision = -1
-        self._arguments: tuple[Any, ...] = ()
+        self._tables: _CableTables | None = None
         self._call = bound_once(_add_cable_forces)
         self._energies_of = bound_once(_energies)
 
@@ -128,42 +176,20 @@ class CableSet:
             return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
         if self._state is not state or self._revision != state.revision:
             self._collect(state)
-        work = self._call(pose, state.dt, state.time, wrench, couple, *self._arguments)
+        work = self._call(pose, state.dt, state.time, self._tables, wrench, couple)
         return CableForces(wrench, couple, *work)
 
     def _collect(self, state: State) -> None:
-        """Collect the kernel's arguments, in its order; good until the next split."""
+        """Lay out what the kernel takes, good until the next split."""
         c, n = state.cable, state.node
         self._state, self._revision = state, state.revision
-        self._arguments = (
-            c.count,
-            self.directional,
-            self._parameters,
-            self._edges.segments,
-            self._edges.body,
-            self._edges.solid,
-            n.x,
-            n.velocity_half,
-            n.contact_area,
-            c.ends,
-            c.area,
-            c.m,
-            c.start_force,
-            c.edge,
-            c.joint_body,
-            c.joint_slack,
-            c.overshoot,
-            c.status,
-            c.opening,
-            c.opening_max,
-            c.traction,
-            c.joint,
-            c.branch,
-            c.force,
-            c.work,
-            c.start_work,
-            c.end_time,
-            n.force,
+        self._tables = _CableTables(
+            n_cable=c.count,
+            directional=self.directional,
+            law=self._parameters,
+            edges=self._edges,
+            nodes=_CableNodes(**{name: getattr(n, name) for name in _CableNodes._fields}),
+            cables=_CableRows(**{name: getattr(c, name) for name in _CableRows._fields}),
         )
 
     def energies(self, state: State) -> tuple[float, float]:
@@ -211,31 +237,18 @@ class CableSet:
 
 
 @inline
-def _find_joint(
-    c: int,
-    x_minus: Vec3,
-    x_plus: Vec3,
-    m: Vec3,
-    onset: float,
-    size: float,
-    pose: Pose,
-    segments: Floats,
-    solid: tuple,  # type: ignore[type-arg]
-    edge: Ints,
-    joint_body: Floats,
-    joint: Floats,
-    joint_slack: Floats,
-    overshoot: Floats,
-) -> bool:
+def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: _CableTables) -> bool:
     """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
-    Works in the body frame of the tool.  size : local edge length.  solid : as in
-    CuttingEdges.  Writes row c of the last five.
+    Works in the body frame of the tool.  Writes edge, joint, slack and overshoot of the cable.
     """
+    edges, cables, onset = tables.edges, tables.cables, tables.law[7]
+    segments, m = edges.segments, load(cables.m, c)
+    size = np.sqrt(4.0 * tables.nodes.contact_area[cables.ends[c, 0]])
+    reach, deepest = _BESIDE_REACH * size, CUT_DEPTH * size
     minus = to_body(x_minus, pose)
     plus = to_body(x_plus, pose)
     across = turn_back(m, pose)
-    reach, deepest = _BESIDE_REACH * size, CUT_DEPTH * size
     shallowest = np.inf
     for k in range(segments.shape[0]):
         a = segment_part(segments, k, START)
@@ -252,154 +265,126 @@ def _find_joint(
         along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
         if not owns or depth >= shallowest:
             continue
-        if not in_the_blade(crossing, lateral, k, segments, solid):
+        if not in_the_blade(crossing, lateral, k, edges):
             continue
         shallowest = depth
-        edge[c] = k
-        overshoot[c] = depth
+        cables.edge[c] = k
+        cables.overshoot[c] = depth
         p = edge_point(along, k, segments)
-        store(joint_body, c, p)
+        store(cables.joint_body, c, p)
         p = to_space(p, pose)
-        store(joint, c, p)
+        store(cables.joint, c, p)
         bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
         straight = norm(combine(1.0, sub(x_plus, x_minus), onset, m)) - onset
-        joint_slack[c] = bent - straight
+        cables.joint_slack[c] = bent - straight
     return shallowest < np.inf
+
+
+@always_inline
+def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: _CableRows) -> float:
+    """Return the length measure of a straight cable [mm]; write the directions of its ends."""
+    d = combine(1.0, sub(plus, minus), onset, load(cables.m, c))
+    length = norm(d)
+    # Only at the very birth of a cable without onset is its direction still m.
+    if length > 0.0:
+        _keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
+        _keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
+    else:
+        _keep_direction(cables.branch, c, 0, load(cables.m, c))
+        _keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
+    return length - onset
+
+
+@always_inline
+def _bent_length(
+    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: _CableRows
+) -> float:
+    """Return the length measure of a cable with its joint at p [mm]; write its directions."""
+    to_minus, to_plus = sub(p, minus), sub(p, plus)
+    length_minus, length_plus = norm(to_minus), norm(to_plus)
+    if length_minus >= short_branch:
+        _keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
+    if length_plus >= short_branch:
+        _keep_direction(cables.branch, c, 1, scale(1.0 / length_plus, to_plus))
+    slack: float = cables.joint_slack[c]
+    return length_minus + length_plus - slack
+
+
+@always_inline
+def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
+    """Return the vector of one end of cable c of rows : (n_cable, 2, 3)."""
+    return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
 
 
 @kernel
 def _add_cable_forces(
-    pose: Pose,
-    dt: float,
-    time: float,
-    wrench: Floats,
-    couple: Floats,
-    n_cable: int,
-    directional: bool,
-    law: Floats,
-    segments: Floats,
-    edge_body: Ints,
-    solid: tuple,  # type: ignore[type-arg]
-    x: Floats,
-    velocity: Floats,
-    contact_area: Floats,
-    ends: Ints,
-    area: Floats,
-    m: Floats,
-    start_force: Floats,
-    edge: Ints,
-    joint_body: Floats,
-    joint_slack: Floats,
-    overshoot: Floats,
-    status: SmallInts,
-    opening: Floats,
-    opening_max: Floats,
-    stress: Floats,
-    joint: Floats,
-    branch: Floats,
-    cable_force: Floats,
-    cable_work: Floats,
-    cable_start_work: Floats,
-    end_time: Floats,
-    force: Floats,
+    pose: Pose, dt: float, time: float, tables: _CableTables, wrench: Floats, couple: Floats
 ) -> tuple[float, float, int, int]:
-    """Add the forces of all live cables to force : (n_node, 3) and wrench : (n_body, 6).
+    """Add the forces of all live cables to those of the nodes and to wrench : (n_body, 6).
 
-    velocity : (n_node, 3), moved x over the last step dt.  segments, solid : as CuttingEdges.
     Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
     on law and start force, how many joints were made and how many cables broke.
     """
+    law, nodes, cables = tables.law, tables.nodes, tables.cables
+    status, opening_max = cables.status, cables.opening_max
     onset, short_branch, start_opening = law[7], law[8], law[9]
     work = 0.0
     start_work = 0.0
     n_made = 0
     n_broken = 0
-    for c in range(n_cable):
+    for c in range(tables.n_cable):
         if status[c] == BROKEN:
             continue
-        i, j = ends[c, 0], ends[c, 1]
-        minus, plus = load(x, i), load(x, j)
-        if directional and status[c] == STRAIGHT:
-            size = np.sqrt(4.0 * contact_area[i])
-            if _find_joint(
-                c,
-                minus,
-                plus,
-                load(m, c),
-                onset,
-                size,
-                pose,
-                segments,
-                solid,
-                edge,
-                joint_body,
-                joint,
-                joint_slack,
-                overshoot,
-            ):
-                status[c] = JOINTED
-                n_made += 1
+        i, j = cables.ends[c, 0], cables.ends[c, 1]
+        minus, plus = load(nodes.x, i), load(nodes.x, j)
+        may_meet = tables.directional and status[c] == STRAIGHT
+        if may_meet and _find_joint(c, minus, plus, pose, tables):
+            status[c] = JOINTED
+            n_made += 1
         jointed = status[c] == JOINTED
         p = (0.0, 0.0, 0.0)
         p_moved = (0.0, 0.0, 0.0)
         if jointed:
-            p = to_space(load(joint_body, c), pose)
-            p_moved = sub(p, load(joint, c))
-            store(joint, c, p)
-            to_minus, to_plus = sub(p, minus), sub(p, plus)
-            length_minus, length_plus = norm(to_minus), norm(to_plus)
-            ell = length_minus + length_plus - joint_slack[c]
-            if length_minus >= short_branch:
-                _keep_direction(branch, c, 0, scale(1.0 / length_minus, to_minus))
-            if length_plus >= short_branch:
-                _keep_direction(branch, c, 1, scale(1.0 / length_plus, to_plus))
+            p = to_space(load(cables.joint_body, c), pose)
+            p_moved = sub(p, load(cables.joint, c))
+            store(cables.joint, c, p)
+            ell = _bent_length(c, p, minus, plus, short_branch, cables)
         else:
-            d = combine(1.0, sub(plus, minus), onset, load(m, c))
-            length = norm(d)
-            ell = length - onset
-            # Only at the very birth of a cable without onset is its direction still m.
-            if length > 0.0:
-                _keep_direction(branch, c, 0, scale(1.0 / length, d))
-                _keep_direction(branch, c, 1, scale(-1.0 / length, d))
-            else:
-                _keep_direction(branch, c, 0, load(m, c))
-                _keep_direction(branch, c, 1, scale(-1.0, load(m, c)))
+            ell = _straight_length(c, minus, plus, onset, cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
-        opening[c] = ell
+        cables.opening[c] = ell
         opening_max[c] = max(opening_max[c], ell)
         fade = max(0.0, 1.0 - opening_max[c] / start_opening)
         sigma = traction(ell, opening_max[c], law)
-        stress[c] = sigma
-        extra = scale(fade, load(start_force, c))
-        pull = sigma * area[c]
-        b_minus = (branch[c, 0, 0], branch[c, 0, 1], branch[c, 0, 2])
-        b_plus = (branch[c, 1, 0], branch[c, 1, 1], branch[c, 1, 2])
-        f_minus, f_plus = scale(pull, b_minus), scale(pull, b_plus)
+        cables.traction[c] = sigma
+        extra = scale(fade, load(cables.start_force, c))
+        pull = sigma * cables.area[c]
+        f_minus = scale(pull, _end_vector(cables.branch, c, 0))
+        f_plus = scale(pull, _end_vector(cables.branch, c, 1))
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
-        old_minus = (cable_force[c, 0, 0], cable_force[c, 0, 1], cable_force[c, 0, 2])
-        old_plus = (cable_force[c, 1, 0], cable_force[c, 1, 1], cable_force[c, 1, 2])
-        mean_minus = combine(0.5, old_minus, 0.5, f_minus)
-        mean_plus = combine(0.5, old_plus, 0.5, f_plus)
-        done = -dt * (dot(mean_minus, load(velocity, i)) + dot(mean_plus, load(velocity, j)))
+        v_minus, v_plus = load(nodes.velocity_half, i), load(nodes.velocity_half, j)
+        mean_minus = combine(0.5, _end_vector(cables.force, c, 0), 0.5, f_minus)
+        mean_plus = combine(0.5, _end_vector(cables.force, c, 1), 0.5, f_plus)
+        done = -dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
         if jointed:
             done += dot(add(mean_minus, mean_plus), p_moved)
-        cable_work[c] += done
+        cables.work[c] += done
         work += done
-        relative = sub(load(velocity, j), load(velocity, i))
-        started = dt * 0.5 * (fade_old + fade) * dot(load(start_force, c), relative)
-        cable_start_work[c] += started
+        relative = sub(v_plus, v_minus)
+        started = dt * 0.5 * (fade_old + fade) * dot(load(cables.start_force, c), relative)
+        cables.start_work[c] += started
         start_work += started
         for k in range(3):
-            cable_force[c, 0, k] = f_minus[k]
-            cable_force[c, 1, k] = f_plus[k]
-            force[i, k] += f_minus[k] + extra[k]
-            force[j, k] += f_plus[k] - extra[k]
+            cables.force[c, 0, k] = f_minus[k]
+            cables.force[c, 1, k] = f_plus[k]
+            nodes.force[i, k] += f_minus[k] + extra[k]
+            nodes.force[j, k] += f_plus[k] - extra[k]
 
         # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
         if jointed:
-            body = edge_body[edge[c]]
+            body = tables.edges.body[cables.edge[c]]
             on_tool = scale(-1.0, add(f_minus, f_plus))
             origin = pose.translation
             arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
@@ -417,7 +402,7 @@ def _add_cable_forces(
 
         if envelope(opening_max[c], law) == 0.0:
             status[c] = BROKEN
-            end_time[c] = time
+            cables.end_time[c] = time
             n_broken += 1
     return work, start_work, n_made, n_broken
 

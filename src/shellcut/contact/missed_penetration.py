@@ -7,11 +7,13 @@ What went unnoticed is measured here and reported; and at the start nothing may 
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body
@@ -24,6 +26,19 @@ _BUNDLE = 64
 _BORDER = 1e-9
 
 
+class _Wires(NamedTuple):
+    """Wires of a tool in its body frame, tooth by tooth, and boxes around them."""
+
+    ends: Annotated[Floats, "(n_wire, 2, 3)"]
+    """Both ends [mm]."""
+    first: Annotated[Ints, "(n_bundle + 1,)"]
+    """First wire of each bundle, and the end."""
+    bundles: Annotated[Floats, "(n_bundle, 2, 3)"]
+    """Low and high corners of the boxes around the bundles [mm]."""
+    teeth: Annotated[Floats, "(n_body, 2, 3)"]
+    """Low and high corners of the boxes around the teeth [mm]."""
+
+
 class ToolWires:
     """The edges of the tool's triangles, which cross what the surface passes through."""
 
@@ -32,12 +47,17 @@ class ToolWires:
         wires, first = np.unique(np.sort(sides, axis=1), axis=0, return_index=True)
         body = tool.triangle_body[first // 3]
         wires = wires[np.argsort(body, kind="stable")]
-        self._wires = tool.vertices[wires]
+        ends = tool.vertices[wires]
         teeth = np.searchsorted(np.sort(body), np.arange(tool.n_body + 1))
         bundles = [np.arange(first, end, _BUNDLE) for first, end in pairwise(teeth.tolist())]
-        self._first = np.append(np.concatenate(bundles), len(wires))
-        self._teeth = _boxes(self._wires, teeth[:-1])
-        self._bundles = _boxes(self._wires, self._first[:-1])
+        first = np.append(np.concatenate(bundles), len(wires))
+        self._wires = _Wires(
+            ends=ends,
+            first=first,
+            bundles=_boxes(ends, first[:-1]),
+            teeth=_boxes(ends, teeth[:-1]),
+        )
+        check_tables([self._wires])
 
     def crossed_quads(
         self,
@@ -67,15 +87,7 @@ class ToolWires:
         """
         depth = np.zeros(quads.shape[0])
         _deepest_crossings(
-            x=x,
-            quads=quads,
-            noticed=noticed,
-            pose=pose,
-            teeth=self._teeth,
-            wires=self._wires,
-            first=self._first,
-            bundles=self._bundles,
-            depth=depth,
+            x=x, quads=quads, noticed=noticed, pose=pose, wires=self._wires, depth=depth
         )
         crossed = np.flatnonzero(depth > 0.0)
         return crossed, depth[crossed]
@@ -105,62 +117,59 @@ def _deepest_crossings(
     quads: Ints,
     noticed: Bools,
     pose: Pose,
-    teeth: Floats,
-    wires: Floats,
-    first: Ints,
-    bundles: Floats,
+    wires: _Wires,
     depth: Floats,
 ) -> None:
     """Write how deep any wire passes through each quad to depth : (n_quad,), else leave it.
 
-    noticed : (n_node,), nodes whose quads are left out.  wires : (n_wire, 2, 3), their ends; those
-    of bundle b begin at first[b].  teeth, bundles : (n, 2, 3), boxes around them.
+    noticed : (n_node,), nodes whose quads are left out.
     """
-    rotation, translation = pose.rotation, pose.translation
-    # Boxes in space around those of the teeth: most quads are far off.
-    around = np.empty(teeth.shape)
-    for b in range(teeth.shape[0]):
-        for c in range(3):
-            centre, reach = translation[c], 0.0
-            for k in range(3):
-                centre += rotation[c, k] * 0.5 * (teeth[b, 0, k] + teeth[b, 1, k])
-                reach += abs(rotation[c, k]) * 0.5 * (teeth[b, 1, k] - teeth[b, 0, k])
-            reach += _BORDER * (abs(centre) + reach)  # more than round-off
-            around[b, 0, c] = centre - reach
-            around[b, 1, c] = centre + reach
+    around = _boxes_in_space(wires.teeth, pose)
     for e in range(quads.shape[0]):
         n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
         x0, x1, x2, x3 = load(x, n0), load(x, n1), load(x, n2), load(x, n3)
         low, high = _box(x0, x1, x2, x3)
         far = True
-        for b in range(teeth.shape[0]):
+        for b in range(around.shape[0]):
             far &= _apart(low, high, around, b)
         if far or noticed[n0] or noticed[n1] or noticed[n2] or noticed[n3]:
             continue
-        halves = (
-            to_body(x0, pose),
-            to_body(x1, pose),
-            to_body(x2, pose),
-            to_body(x3, pose),
-        )
+        halves = (to_body(x0, pose), to_body(x1, pose), to_body(x2, pose), to_body(x3, pose))
         low, high = _box(halves[0], halves[1], halves[2], halves[3])
-        for b in range(bundles.shape[0]):
-            if _apart(low, high, bundles, b):
+        for b in range(wires.bundles.shape[0]):
+            if _apart(low, high, wires.bundles, b):
                 continue
-            for k in range(first[b], first[b + 1]):
+            for k in range(wires.first[b], wires.first[b + 1]):
+                start = (wires.ends[k, 0, 0], wires.ends[k, 0, 1], wires.ends[k, 0, 2])
+                end = (wires.ends[k, 1, 0], wires.ends[k, 1, 1], wires.ends[k, 1, 2])
                 apart = False
                 for c in range(3):
-                    one, two = wires[k, 0, c], wires[k, 1, c]
+                    one, two = start[c], end[c]
                     apart = apart or max(one, two) < low[c] or min(one, two) > high[c]
                 if apart:
                     continue
-                start = (wires[k, 0, 0], wires[k, 0, 1], wires[k, 0, 2])
-                end = (wires[k, 1, 0], wires[k, 1, 1], wires[k, 1, 2])
                 depth[e] = max(
                     depth[e],
                     _crossing_depth(start, end, halves[0], halves[1], halves[2]),
                     _crossing_depth(start, end, halves[0], halves[2], halves[3]),
                 )
+
+
+@inline
+def _boxes_in_space(boxes: Floats, pose: Pose) -> Floats:
+    """Return boxes in space around boxes : (n, 2, 3) of the body frame."""
+    rotation, translation = pose.rotation, pose.translation
+    around = np.empty(boxes.shape)
+    for b in range(boxes.shape[0]):
+        for c in range(3):
+            centre, reach = translation[c], 0.0
+            for k in range(3):
+                centre += rotation[c, k] * 0.5 * (boxes[b, 0, k] + boxes[b, 1, k])
+                reach += abs(rotation[c, k]) * 0.5 * (boxes[b, 1, k] - boxes[b, 0, k])
+            reach += _BORDER * (abs(centre) + reach)  # more than round-off
+            around[b, 0, c] = centre - reach
+            around[b, 1, c] = centre + reach
+    return around
 
 
 @inline

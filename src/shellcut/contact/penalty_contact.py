@@ -30,15 +30,15 @@ and rebounds with no more energy than it came with.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
-from shellcut.state import State
+from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
@@ -48,7 +48,7 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.pose import Pose, to_body, turn
-from shellcut.tool.signed_distance import signed_distance, signed_distance_to
+from shellcut.tool.signed_distance import TriangleGrid, signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
 
 from .near_nodes import NearNodes
@@ -97,19 +97,69 @@ class ContactForces(NamedTuple):
 class _Lookups(NamedTuple):
     """Of each listed node, what its last look-up in the tool found."""
 
-    place: Floats
-    """Where it was then, in the body frame [mm], shape (n_near, 3)."""
-    lasts: Floats
-    """How far from there this lasts [mm], shape (n_near,)."""
-    within: Bools
-    """Whether it was inside, shape (n_near,)."""
-    closest: Ints
-    """The closest triangles of all and of its side if it was, shape (n_near, 2)."""
+    node: Annotated[Ints, "(n_near,)"]
+    """The node, ascending."""
+    place: Annotated[Floats, "(n_near, 3)"]
+    """Where it was then, in the body frame [mm]."""
+    lasts: Annotated[Floats, "(n_near,)"]
+    """How far from there this lasts [mm]: good as long as the node is closer to its place."""
+    within: Annotated[Bools, "(n_near,)"]
+    """Whether it was inside."""
+    closest: Annotated[Ints, "(n_near, 2)"]
+    """The closest triangles of all and of its side if it was."""
+
+    @classmethod
+    def none_yet(cls, nodes: Ints) -> _Lookups:
+        """Return those of nodes that have not been looked up."""
+        return cls(
+            node=nodes,
+            place=np.zeros((nodes.size, 3)),
+            lasts=np.zeros(nodes.size),
+            within=np.zeros(nodes.size, np.bool_),
+            closest=np.zeros((nodes.size, 2), np.int64),
+        )
 
 
-_NO_LOOKUPS = _Lookups(
-    np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.bool_), np.zeros((0, 2), np.int64)
-)
+class _ContactTool(NamedTuple):
+    """The tool as the kernel takes it."""
+
+    grid: TriangleGrid
+    """Finds the surface near a point."""
+    reach: float
+    """Points up to this far outside the surface are found [mm]."""
+    round_off: float
+    """Taken off a distance from the surface [mm]."""
+    triangle_body: Annotated[Ints, "(n_triangle,)"]
+    """Tooth of each triangle."""
+    segments: Annotated[Floats, "(n_edge, 4, 3)"]
+    """As of :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
+
+
+class _ContactNodes(NamedTuple):
+    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+    mass: Annotated[Floats, "(n_node,)"]
+    supported: Annotated[Bools, "(n_node,)"]
+    contact_side: Annotated[SmallInts, "(n_node,)"]
+    """Written from here on."""
+    contact_depth: Annotated[Floats, "(n_node,)"]
+    contact_offset: Annotated[Floats, "(n_node,)"]
+    contact_work: Annotated[Floats, "(n_node,)"]
+    contact_force: Annotated[Floats, "(n_node, 3)"]
+    force: Annotated[Floats, "(n_node, 3)"]
+
+
+class _ContactTables(NamedTuple):
+    """All that the kernel takes and that lasts until the list of near nodes is renewed."""
+
+    tool: _ContactTool
+    law: PenaltyLaw
+    near: _Lookups
+    nodes: _ContactNodes
+    around: QuadsAtNodes
 
 
 class PenaltyContact:
@@ -146,10 +196,9 @@ class PenaltyContact:
             _MARGIN * edge_length,
         )
         """The nodes of the last global search."""
-        self._listed: Ints = self.near.ids
-        self._lookups = _NO_LOOKUPS
+        self._lookups = _Lookups.none_yet(self.near.ids)
         self._pose: Pose | None = None
-        self._arguments: tuple[Any, ...] = ()
+        self._tables: _ContactTables | None = None
         self._call = bound_once(_add_contact_forces)
 
     def add_forces(self, state: State, pose: Pose) -> ContactForces:
@@ -158,7 +207,7 @@ class PenaltyContact:
         if self.near.renew(state, pose):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
-        found = self._call(pose, before, state.dt, wrench, *self._arguments)
+        found = self._call(pose, before, state.dt, self._tables, wrench)
         return ContactForces(wrench, *found)
 
     def near_nodes(self, state: State) -> Ints:
@@ -177,80 +226,52 @@ class PenaltyContact:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
         self.near.restore(state, saved["near"])
-        self._listed = self.near.ids
         self._lookups = _Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
         """Go over to the new list; what has left it is outside, what stays keeps its look-up."""
-        n, before, near = state.node, self._listed, self.near.ids
+        n, before, near = state.node, self._lookups.node, self.near.ids
         place = np.searchsorted(near, before)
         stays = near.take(place, mode="clip") == before if near.size else before < 0
         left = before[~stays]
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
-        lookups = _Lookups(
-            np.zeros((near.size, 3)),
-            np.zeros(near.size),
-            np.zeros(near.size, np.bool_),
-            np.zeros((near.size, 2), np.int64),
-        )
-        for new, old in zip(lookups, self._lookups, strict=True):
+        lookups = _Lookups.none_yet(near)
+        for new, old in zip(lookups[1:], self._lookups[1:], strict=True):
             new[place[stays]] = old[stays]
         # A split leaves its node without a side: what was found of that side is void.
         lookups.lasts[lookups.within & (n.contact_side[near] == 0)] = 0.0
-        self._listed, self._lookups = near, lookups
+        self._lookups = lookups
         self._collect(state)
 
     def _collect(self, state: State) -> None:
-        """Collect the kernel's arguments in its order, good until a split renews the list."""
-        n, near = state.node, self.near.ids
-        self._arguments = (
-            near,
-            n.x,
-            n.velocity_half,
-            self.grid.arrays,
-            self.grid.reach,
-            self._round_off,
-            self.tool.triangle_body,
-            self._edges.segments,
-            state.quads,
-            n.quads,
-            n.n_quad_at,
-            n.contact_area,
-            self.law.penalty,
-            self.law.softest,
-            self.law.stiffest,
-            self.law.smoothing_depth,
-            self.law.noticed,
-            self.law.absorb_slowness,
-            *self._lookups,
-            n.contact_side,
-            n.contact_depth,
-            n.contact_offset,
-            n.contact_work,
-            n.contact_force,
-            n.mass,
-            n.supported,
-            n.force,
+        """Lay out what the kernel takes, good until a split renews the list."""
+        n = state.node
+        self._tables = _ContactTables(
+            tool=_ContactTool(
+                grid=self.grid.arrays,
+                reach=self.grid.reach,
+                round_off=self._round_off,
+                triangle_body=self.tool.triangle_body,
+                segments=self._edges.segments,
+            ),
+            law=self.law,
+            near=self._lookups,
+            nodes=_ContactNodes(**{name: getattr(n, name) for name in _ContactNodes._fields}),
+            around=state.quads_at_nodes(),
         )
 
 
 @inline
 def _side_of_quads(
-    n: int,
-    x: Floats,
-    pose: Pose,
-    segments: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    contact_area: Floats,
+    n: int, pose: Pose, segments: Floats, nodes: _ContactNodes, around: QuadsAtNodes
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
+    x = nodes.x
     here = to_body(load(x, n), pose)
-    size = np.sqrt(4.0 * contact_area[n])
+    size = np.sqrt(4.0 * nodes.contact_area[n])
     k_best = -1
     shallowest = np.inf
     for k in range(segments.shape[0]):
@@ -262,10 +283,10 @@ def _side_of_quads(
     if k_best < 0:
         return 0
     cx = cy = cz = 0.0
-    weight = 0.25 / n_quad_at[n]
-    for i in range(n_quad_at[n]):
+    weight = 0.25 / around.n_at[n]
+    for i in range(around.n_at[n]):
         for a in range(4):
-            other = quads[quads_at[n, i], a]
+            other = around.quads[around.at[n, i], a]
             cx += weight * x[other, 0]
             cy += weight * x[other, 1]
             cz += weight * x[other, 2]
@@ -276,133 +297,112 @@ def _side_of_quads(
     return 1 if beside > 0.0 else -1
 
 
+@always_inline
+def _look_up(
+    i: int, p: Vec3, side: int, tool: _ContactTool, near: _Lookups
+) -> tuple[bool, int, Vec3]:
+    """Return whether listed node i may be in the tool, the closest triangle of its side, its point.
+
+    p : the node in the body frame, [mm].  A node that has not come to the surface since its last
+    look-up is outside and was before; of any other, ``near.within`` tells. Writes row i of near.
+    """
+    if norm(sub(p, load(near.place, i))) < near.lasts[i]:
+        if not near.within[i]:
+            return False, 0, p
+        triangle = near.closest[i, 1]
+        near.within[i], q = signed_distance_to(p, near.closest[i, 0], triangle, tool.grid.surface)
+    else:
+        found, inside, triangle, q, whole, steady = signed_distance(p, side, tool.grid)
+        store(near.place, i, p)
+        near.within[i] = found and inside
+        near.closest[i, 0], near.closest[i, 1] = whole, triangle
+        # A node without a side may get one below, and one that keeps a side outside knows the
+        # closest point of that side only: both look again next time.
+        near.lasts[i] = 0.0
+        if near.within[i] and side != 0:
+            near.lasts[i] = steady - tool.round_off
+        elif not near.within[i] and side == 0:
+            near.lasts[i] = (norm(sub(p, q)) if found else tool.reach) - tool.round_off
+    if not near.within[i] and side != 0:
+        near.lasts[i] = 0.0
+    return True, triangle, q
+
+
+@always_inline
+def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: _ContactNodes, wrench: Floats) -> None:
+    """Add the contact force f [N] to a node and minus it to its tooth."""
+    store(nodes.contact_force, n, f)
+    here, origin = load(nodes.x, n), pose.translation
+    arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
+    moment = cross(arm, f)
+    for c in range(3):
+        nodes.force[n, c] += f[c]
+        wrench[body, c] -= f[c]
+        wrench[body, 3 + c] -= moment[c]
+
+
 @kernel
 def _add_contact_forces(
-    pose: Pose,
-    pose_before: Pose,
-    dt: float,
-    wrench: Floats,
-    near: Ints,
-    x: Floats,
-    velocity: Floats,
-    grid: tuple,  # type: ignore[type-arg]
-    reach: float,
-    round_off: float,
-    triangle_body: Ints,
-    segments: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    contact_area: Floats,
-    penalty: float,
-    softest: float,
-    stiffest: float,
-    g_m: float,
-    noticed: float,
-    absorb_slowness: float,
-    place: Floats,
-    lasts: Floats,
-    within: Bools,
-    closest: Ints,
-    side: SmallInts,
-    depth: Floats,
-    offset: Floats,
-    contact_work: Floats,
-    contact_force: Floats,
-    mass: Floats,
-    supported: Bools,
-    force: Floats,
+    pose: Pose, pose_before: Pose, dt: float, tables: _ContactTables, wrench: Floats
 ) -> tuple[float, float, float, int, float]:
-    """Add contact forces of the nodes ``near`` to force : (n_node, 3) and wrench : (n_body, 6).
+    """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
-    place : (n_near, 3), lasts, within : (n_near,), closest : (n_near, 2): what the last look-up of
-    each node found, good as long as it is closer to its place in the body frame than ``lasts``.
-    Writes them, and side, depth, offset, contact_work and contact_force of these nodes. Returns the
-    work on the nodes over the last step, the stored energy, the absorbed energy, how many are
-    inside and the largest depth.
+    Writes what was looked up, and side, depth, offset, contact_work and contact_force of these
+    nodes. Returns the work on the nodes over the last step, the stored energy, the absorbed energy,
+    how many are inside and the largest depth.
     """
-    corners, flank, pseudo_normals = grid[6], grid[7], grid[8]
+    tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
+    surface, g_m = tool.grid.surface, law.smoothing_depth
+    side, depth, offset = nodes.contact_side, nodes.contact_depth, nodes.contact_offset
     work = 0.0
     stored = 0.0
     absorbed = 0.0
     n_inside = 0
     deepest = 0.0
-    for i in range(near.shape[0]):
-        n = near[i]
-        p = to_body(load(x, n), pose)
-        if norm(sub(p, load(place, i))) < lasts[i]:
-            if not within[i]:
-                continue
-            triangle = closest[i, 1]
-            within[i], q = signed_distance_to(p, closest[i, 0], triangle, corners, pseudo_normals)
-        else:
-            found, inside, triangle, q, whole, steady = signed_distance(p, side[n], *grid)
-            store(place, i, p)
-            within[i] = found and inside
-            closest[i, 0], closest[i, 1] = whole, triangle
-            # A node without a side may get one below, and one that keeps a side outside knows the
-            # closest point of that side only: both look again next time.
-            lasts[i] = 0.0
-            if within[i] and side[n] != 0:
-                lasts[i] = steady - round_off
-            elif not within[i] and side[n] == 0:
-                lasts[i] = (norm(sub(p, q)) if found else reach) - round_off
-        if not within[i]:
-            if side[n] != 0:
-                lasts[i] = 0.0
-            if (
-                contact_force[n, 0] != 0.0
-                or contact_force[n, 1] != 0.0
-                or contact_force[n, 2] != 0.0
-            ):
-                work += 0.5 * dt * dot(load(contact_force, n), load(velocity, n))
-                store(contact_force, n, (0.0, 0.0, 0.0))
+    for i in range(near.node.shape[0]):
+        n = near.node[i]
+        p = to_body(load(nodes.x, n), pose)
+        may_be, triangle, q = _look_up(i, p, side[n], tool, near)
+        if not may_be:
+            continue
+        old = load(nodes.contact_force, n)
+        moved = load(nodes.velocity_half, n)
+        if not near.within[i]:
+            if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
+                work += 0.5 * dt * dot(old, moved)
+                store(nodes.contact_force, n, (0.0, 0.0, 0.0))
             side[n] = 0
-            depth[n] = 0.0
-            offset[n] = 0.0
-            contact_work[n] = 0.0
+            depth[n] = offset[n] = nodes.contact_work[n] = 0.0
             continue
         if side[n] == 0:
-            lies = _side_of_quads(
-                n,
-                x,
-                pose,
-                segments,
-                quads,
-                quads_at,
-                n_quad_at,
-                contact_area,
-            )
+            lies = _side_of_quads(n, pose, tool.segments, nodes, tables.around)
             if lies == 0:
-                lies = flank[triangle]
+                lies = surface.flank[triangle]
             side[n] = lies
-            if lies * flank[triangle] < 0:
-                _, _, triangle, q, _, _ = signed_distance(p, lies, *grid)
-        outward = (
-            pseudo_normals[triangle, 0, 0],
-            pseudo_normals[triangle, 0, 1],
-            pseudo_normals[triangle, 0, 2],
-        )
+            if lies * surface.flank[triangle] < 0:
+                _, _, triangle, q, _, _ = signed_distance(p, lies, tool.grid)
+        normals = surface.pseudo_normals
+        outward = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
         g = dot(sub(q, p), outward)
-        moved = load(velocity, n)
         way = 0.0
         change = g - depth[n]
-        impact = abs(change) > noticed
+        impact = abs(change) > law.noticed
         if impact:
-            was = to_body(combine(1.0, load(x, n), -dt, moved), pose_before)
+            was = to_body(combine(1.0, load(nodes.x, n), -dt, moved), pose_before)
             way = dot(sub(was, p), outward)
-            if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
+            if change > law.noticed + norm(sub(p, was)):  # more than node and tool have moved
                 offset[n] += change
                 impact = False
         depth[n] = g
         n_inside += 1
         deepest = max(deepest, g)
-        stiffness = node_stiffness(contact_area[n], penalty, softest, stiffest)
+        stiffness = node_stiffness(nodes.contact_area[n], law)
         loaded = max(g, 0.0)
         if offset[n] > 0.0:
             loaded = max(g - offset[n], 0.0)
             absorbed += stiffness * smoothed_integral(loaded, g_m)
-            offset[n] *= np.exp(-dt / (absorb_slowness * np.sqrt(4.0 * contact_area[n])))
+            edge_length = np.sqrt(4.0 * nodes.contact_area[n])
+            offset[n] *= np.exp(-dt / (law.absorb_slowness * edge_length))
             # A node that has come out may come in again: that is felt at once.
             offset[n] = min(offset[n], max(g, 0.0))
             loaded = max(g, 0.0) - offset[n]
@@ -410,15 +410,15 @@ def _add_contact_forces(
         magnitude = stiffness * smoothed(loaded, g_m)
         energy = stiffness * smoothed_integral(loaded, g_m)
         direction = turn(outward, pose)
-        old = load(contact_force, n)
-        if impact and dt > 0.0 and not supported[n]:
+        if impact and dt > 0.0 and not nodes.supported[n]:
             before = dot(old, direction)
-            pushed = -dot(load(force, n), direction)
-            most = largest_rebound(contact_work[n], before, way, pushed, mass[n], dt)
+            pushed = -dot(load(nodes.force, n), direction)
+            spent = nodes.contact_work[n]
+            most = largest_rebound(spent, before, way, pushed, nodes.mass[n], dt)
             magnitude = min(magnitude, most)
-            contact_work[n] += 0.5 * (before + magnitude) * way
+            nodes.contact_work[n] += 0.5 * (before + magnitude) * way
         else:
-            contact_work[n] = energy
+            nodes.contact_work[n] = energy
         stored += energy
         f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
         work += (
@@ -426,14 +426,5 @@ def _add_contact_forces(
             * dt
             * ((old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2])
         )
-        store(contact_force, n, f)
-        here = load(x, n)
-        origin = pose.translation
-        arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
-        moment = cross(arm, f)
-        body = triangle_body[triangle]
-        for c in range(3):
-            force[n, c] += f[c]
-            wrench[body, c] -= f[c]
-            wrench[body, 3 + c] -= moment[c]
+        _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
     return work, stored, absorbed, n_inside, deepest

@@ -42,6 +42,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -101,9 +102,8 @@ class Contact:
             raise ValueError("; ".join(problems))
 
 
-@dataclass(frozen=True)
-class PenaltyLaw:
-    """The numbers of the contact of one film with one tool."""
+class PenaltyLaw(NamedTuple):
+    """The numbers of the contact of one film with one tool; kernels take it as it is."""
 
     penalty: float
     """lambda [N/mm³]."""
@@ -138,7 +138,7 @@ class PenaltyLaw:
             penalty = _PENALTY * (stretching / _STRETCHING)
             softest, stiffest = SOFTEST * stretching, STIFFEST * stretching
         else:
-            penalty, softest, stiffest = contact.penalty, 0.0, math.inf
+            penalty, softest, stiffest = float(contact.penalty), 0.0, math.inf
         half = tool.half_thickness()
         depth = min(contact.smoothing * film.thickness, _THIN * half)
         return cls(
@@ -158,9 +158,9 @@ class PenaltyLaw:
 
 
 @inline
-def node_stiffness(area: float, penalty: float, softest: float, stiffest: float) -> float:
+def node_stiffness(area: float, law: PenaltyLaw) -> float:
     """Return k of a node by its contact area [mm²], [N/mm]."""
-    return min(max(penalty * area, softest), stiffest)
+    return min(max(law.penalty * area, law.softest), law.stiffest)
 
 
 @inline

@@ -16,7 +16,7 @@ the flank of a cut that it crosses has not, whoever made that cut and when.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import dot, load
-from shellcut.state import State
+from shellcut.state import QuadsAtNodes, State
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
@@ -56,6 +56,24 @@ _PARTED = 0.15
 _MARGIN = 0.6
 
 
+class _Strips(NamedTuple):
+    """The cutting edges, and boxes around the strips behind those of each tooth."""
+
+    edges: CuttingEdges
+    low: Annotated[Floats, "(n_body, 3)"]
+    """Low corners of the boxes [mm]."""
+    high: Annotated[Floats, "(n_body, 3)"]
+
+
+class _CutNodes(NamedTuple):
+    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    supported: Annotated[Bools, "(n_node,)"]
+    halved: Annotated[Bools, "(n_node,)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+
+
 class BladeCut:
     """The cutting edges seen from the nodes: who has been pierced, who has been passed.
 
@@ -68,10 +86,11 @@ class BladeCut:
     """
 
     def __init__(self, tool: Tool, largest_area: float) -> None:
-        self._edges = CuttingEdges.of(tool)
+        edges = CuttingEdges.of(tool)
         size = math.sqrt(largest_area)
-        self._low, self._high = self._edges.strip_boxes(_PASSED_REACH * size, CUT_DEPTH * size)
-        self._near = NearNodes(self._low, self._high, _MARGIN * size)
+        low, high = edges.strip_boxes(_PASSED_REACH * size, CUT_DEPTH * size)
+        self._strips = _Strips(edges=edges, low=low, high=high)
+        self._near = NearNodes(low, high, _MARGIN * size)
         self._find = bound_once(_cut_nodes)
 
     def cut_nodes(
@@ -92,29 +111,21 @@ class BladeCut:
         edge_of = np.empty(near.size, np.int64)
         n_cut = self._find(
             near,
-            n.x,
-            n.supported,
+            pose,
             np.array(tips, np.int64),
             rim,
-            n.halved,
-            n.contact_area,
-            state.quads,
-            n.quads,
-            n.n_quad_at,
-            pose,
-            self._low,
-            self._high,
-            self._edges.segments,
-            self._edges.body,
-            self._edges.solid,
+            self._strips,
+            _CutNodes(x=n.x, supported=n.supported, halved=n.halved, contact_area=n.contact_area),
+            state.quads_at_nodes(),
             edge_of,
         )
         traces: dict[int, Floats] = {}
         if n_cut == 0:
             return traces
+        segments = self._strips.edges.segments
         for i in np.flatnonzero(edge_of >= 0).tolist():
             node = int(near[i])
-            trace = np.cross(n.t[node], pose.rotation @ self._edges.segments[edge_of[i], NORMAL])
+            trace = np.cross(n.t[node], pose.rotation @ segments[edge_of[i], NORMAL])
             traces[node] = trace / np.linalg.norm(trace)
         return traces
 
@@ -136,25 +147,17 @@ def _holds(ids: Ints, n: int) -> bool:
 
 
 @inline
-def _parted(
-    n: int,
-    x: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    normal: Vec3,
-    least: float,
-) -> bool:
+def _parted(n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, least: float) -> bool:
     """Return whether quads of a node lie on both sides of a plane through it, ``least`` off it.
 
     normal : of the plane, as the nodes are in space.
     """
     to_minus = to_plus = 0.0
     here = dot(load(x, n), normal)
-    for i in range(n_quad_at[n]):
+    for i in range(around.n_at[n]):
         centre = -here
         for a in range(4):
-            centre += 0.25 * dot(load(x, quads[quads_at[n, i], a]), normal)
+            centre += 0.25 * dot(load(x, around.quads[around.at[n, i], a]), normal)
         to_minus, to_plus = min(to_minus, centre), max(to_plus, centre)
     return to_minus < -least and to_plus > least
 
@@ -162,55 +165,46 @@ def _parted(
 @kernel
 def _cut_nodes(
     near: Ints,
-    x: Floats,
-    supported: Bools,
+    pose: Pose,
     tips: Ints,
     rim: Bools,
-    halved: Bools,
-    contact_area: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    pose: Pose,
-    low: Floats,
-    high: Floats,
-    segments: Floats,
-    body: Ints,
-    solid: tuple,  # type: ignore[type-arg]
+    strips: _Strips,
+    nodes: _CutNodes,
+    around: QuadsAtNodes,
     edge_of: Ints,
 ) -> int:
     """Write the segment that has cut each near node to edge_of : (n_near,), else -1; count them.
 
-    quads : (n_quad, 4).  quads_at : (n_node, most), of which n_quad_at : (n_node,) count.  low,
-    high : (n_body, 3), boxes around the strips of each tooth.  body : (n_edge,).  solid : as in
-    CuttingEdges.
+    tips : (n_tip,), nodes.  rim : (n,), whether a node lies on the film's own boundary.
     """
+    edges, low, high = strips
+    segments, x = edges.segments, nodes.x
     n_cut = 0
     for i in range(near.shape[0]):
         n = near[i]
         edge_of[i] = -1
-        if supported[n]:
+        if nodes.supported[n]:
             continue
         p = to_body(load(x, n), pose)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
-            size = np.sqrt(4.0 * contact_area[n])
-            at_an_edge = halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
+            size = np.sqrt(4.0 * nodes.contact_area[n])
+            at_an_edge = nodes.halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
             reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
             deepest = CUT_DEPTH * size if at_an_edge else reach
             for k in range(segments.shape[0]):
-                if body[k] != b:
+                if edges.body[k] != b:
                     continue
                 _, lateral, depth, owns = strip_coordinates(p, k, segments, deepest)
                 if not owns or depth >= shallowest or abs(lateral) > reach:
                     continue
                 if at_an_edge:
                     normal = turn(segment_part(segments, k, NORMAL), pose)
-                    if not _parted(n, x, quads, quads_at, n_quad_at, normal, _PARTED * size):
+                    if not _parted(n, x, around, normal, _PARTED * size):
                         continue
-                if in_the_blade(p, lateral, k, segments, solid):
+                if in_the_blade(p, lateral, k, edges):
                     shallowest = depth
                     edge_of[i] = k
         if edge_of[i] >= 0:

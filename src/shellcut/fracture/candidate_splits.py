@@ -12,13 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.jit import kernel
+from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
@@ -184,6 +185,40 @@ def cable_shares(state: State, node: int, quads: tuple[int, ...]) -> list[tuple[
     return shares
 
 
+class _Ways(NamedTuple):
+    """Partings as the kernel takes them: what lasts as long as the topology."""
+
+    node: Annotated[Ints, "(n_parting,)"]
+    """Which node is parted."""
+    back: Annotated[Ints, "(n_parting, 2)"]
+    """Flank copies of the node where the crack comes from."""
+    ahead: Annotated[Ints, "(n_parting, 2)"]
+    """Those of the node where it goes."""
+    side_start: Annotated[Ints, "(2 n_parting + 1,)"]
+    """First row of ``member`` of each side of each parting, and the end."""
+    member: Annotated[Ints, "(n_member,)"]
+    """Rows of the corner forces."""
+    mass: Annotated[Floats, "(n_parting, 2)"]
+    """Of the two sides [t]."""
+    carried: Annotated[Floats, "(n_parting,)"]
+    """What a cable would carry [N]."""
+    share_of: Annotated[Ints, "(n_share, 4)"]
+    """Parting, side, cable and its end."""
+    share: Annotated[Floats, "(n_share,)"]
+    """How much of the cable's force goes with that side."""
+
+
+class _Held(NamedTuple):
+    """What the partings hold, written by the kernel; see :class:`PartingTable`."""
+
+    force: Annotated[Floats, "(n_parting, 3)"]
+    direction: Annotated[Floats, "(n_parting, 3)"]
+    m: Annotated[Floats, "(n_parting, 3)"]
+    pull: Annotated[Floats, "(n_parting,)"]
+    measure: Annotated[Floats, "(n_parting,)"]
+    chord: Annotated[Floats, "(n_parting,)"]
+
+
 class PartingTable:
     """The partings of some nodes as a kernel takes them, and what they hold at the last weighing.
 
@@ -224,16 +259,18 @@ class PartingTable:
         shares = [(k, *one) for k, way in enumerate(self.ways) for one in way.cables]
         corner = np.array(list(corners), np.int64).reshape(-1, 2)
         self._quads, self._at = (np.ascontiguousarray(column) for column in corner.T)
-        self._side_start = np.cumsum([0, *map(len, sides)])
-        self._member = np.array([corner for side in sides for corner in side], np.int64)
-        self._mass = np.array([way.mass for way in self.ways]).reshape(-1, 2)
-        self._share_of = np.array([one[:4] for one in shares], np.int64).reshape(-1, 4)
-        self._share = np.array([one[4] for one in shares])
-        self._node = np.array([way.node for way in self.ways], np.int64)
-        self._back = _both([way.back or (way.node,) for way in self.ways])
-        self._ahead = _both([way.ahead or (way.node,) for way in self.ways])
         length = np.array([way.length for way in self.ways])
-        self._carried = strength * shell.material.thickness * length
+        self._fixed = _Ways(
+            node=np.array([way.node for way in self.ways], np.int64),
+            back=_both([way.back or (way.node,) for way in self.ways]),
+            ahead=_both([way.ahead or (way.node,) for way in self.ways]),
+            side_start=np.cumsum([0, *map(len, sides)]),
+            member=np.array([corner for side in sides for corner in side], np.int64),
+            mass=np.array([way.mass for way in self.ways]).reshape(-1, 2),
+            carried=strength * shell.material.thickness * length,
+            share_of=np.array([one[:4] for one in shares], np.int64).reshape(-1, 4),
+            share=np.array([one[4] for one in shares]),
+        )
         self.force = np.zeros((n, 3))
         """F_c, what the plus side pulls the minus side with [N], shape (n_parting, 3)."""
         self.direction = np.zeros((n, 3))
@@ -246,6 +283,14 @@ class PartingTable:
         """F_c · m over what a cable would carry, sigma_F A_i; the split is due at 1."""
         self.chord = np.zeros(n)
         """Distance from where the crack would come to where it would go [mm]."""
+        self._held = _Held(
+            force=self.force,
+            direction=self.direction,
+            m=self.m,
+            pull=self.pull,
+            measure=self.measure,
+            chord=self.chord,
+        )
 
     def weigh(self, state: State, dt: float) -> float:
         """Write what the partings hold, for a step of length dt that has led to the positions.
@@ -258,28 +303,7 @@ class PartingTable:
         n, c = state.node, state.cable
         corner_force = self._shell.corner_forces(state, self._quads, self._at, dt)
         self._loads.add_corner_forces(state, self._quads, self._at, corner_force)
-        return self._weigh(
-            n.x,
-            n.t,
-            self._node,
-            self._back,
-            self._ahead,
-            self._side_start,
-            self._member,
-            corner_force,
-            self._mass,
-            self._carried,
-            self._share_of,
-            self._share,
-            c.status,
-            c.force,
-            self.force,
-            self.direction,
-            self.m,
-            self.pull,
-            self.measure,
-            self.chord,
-        )
+        return self._weigh(n.x, n.t, self._fixed, corner_force, c.status, c.force, self._held)
 
     def admissible(self, i: int, cos_limit: float) -> list[int]:
         """Return the partings of node i that turn an arriving crack by no more than the limit.
@@ -302,61 +326,58 @@ def _both(ends: list[tuple[int, ...]]) -> Ints:
 def weigh_partings(
     x: Floats,
     t: Floats,
-    node: Ints,
-    back: Ints,
-    ahead: Ints,
-    side_start: Ints,
-    member: Ints,
+    ways: _Ways,
     corner_force: Floats,
-    mass: Floats,
-    carried: Floats,
-    share_of: Ints,
-    share: Floats,
     status: SmallInts,
     cable_force: Floats,
-    force: Floats,
-    direction: Floats,
-    m: Floats,
-    pull: Floats,
-    measure: Floats,
-    chord: Floats,
+    held: _Held,
 ) -> float:
-    """Write pull, measure, chord : (n,) and force, direction, m : (n, 3) of n partings.
+    """Write what n partings hold; return the largest measure.
 
-    node, carried : (n,).  back, ahead, mass : (n, 2).  side_start : (2 n + 1,), rows of ``member``,
-    which names rows of corner_force : (n_corner, 3).  share_of : (n_share, 4), parting, side, cable
-    and its end, of which ``share`` : (n_share,) goes with that side. Returns the largest measure.
+    x, t : (n_node, 3).  corner_force : (n_corner, 3).  status : (n_cable,).  cable_force :
+    (n_cable, 2, 3).
     """
-    side_force = np.zeros((node.shape[0], 2, 3))
-    for k in range(node.shape[0]):
-        for side in range(2):
-            for i in range(side_start[2 * k + side], side_start[2 * k + side + 1]):
-                for c in range(3):
-                    side_force[k, side, c] += corner_force[member[i], c]
-    for i in range(share.shape[0]):
-        k, side, cable, end = share_of[i, 0], share_of[i, 1], share_of[i, 2], share_of[i, 3]
-        if status[cable] != BROKEN:
-            for c in range(3):
-                side_force[k, side, c] += cable_force[cable, end, c] * share[i]
+    side_force = _side_forces(ways, corner_force, status, cable_force)
     largest = -np.inf
-    for k in range(node.shape[0]):
-        director = load(t, node[k])
-        start = combine(0.5, load(x, back[k, 0]), 0.5, load(x, back[k, 1]))
-        end = combine(0.5, load(x, ahead[k, 0]), 0.5, load(x, ahead[k, 1]))
+    for k in range(ways.node.shape[0]):
+        director = load(t, ways.node[k])
+        start = combine(0.5, load(x, ways.back[k, 0]), 0.5, load(x, ways.back[k, 1]))
+        end = combine(0.5, load(x, ways.ahead[k, 0]), 0.5, load(x, ways.ahead[k, 1]))
         way = sub(end, start)
-        chord[k] = norm(way)
+        held.chord[k] = norm(way)
         e = combine(1.0, way, -dot(way, director), director)
         e = scale(1.0 / norm(e), e)
-        store(direction, k, e)
+        store(held.direction, k, e)
         across = cross(director, e)
-        store(m, k, scale(1.0 / norm(across), across))
-        m1, m2 = mass[k, 0], mass[k, 1]
+        store(held.m, k, scale(1.0 / norm(across), across))
+        m1, m2 = ways.mass[k, 0], ways.mass[k, 1]
         for c in range(3):
-            force[k, c] = (m1 * side_force[k, 1, c] - m2 * side_force[k, 0, c]) / (m1 + m2)
-        pull[k] = dot(load(force, k), load(m, k))
-        if carried[k] > 0.0:
-            measure[k] = pull[k] / carried[k]
+            pulled = m1 * side_force[k, 1, c] - m2 * side_force[k, 0, c]
+            held.force[k, c] = pulled / (m1 + m2)
+        held.pull[k] = dot(load(held.force, k), load(held.m, k))
+        if ways.carried[k] > 0.0:
+            held.measure[k] = held.pull[k] / ways.carried[k]
         else:  # opens free edges only, with nothing to hold them: due as soon as they are pulled
-            measure[k] = np.inf if pull[k] > 0.0 else -np.inf
-        largest = max(largest, measure[k])
+            held.measure[k] = np.inf if held.pull[k] > 0.0 else -np.inf
+        largest = max(largest, held.measure[k])
     return largest
+
+
+@inline
+def _side_forces(
+    ways: _Ways, corner_force: Floats, status: SmallInts, cable_force: Floats
+) -> Floats:
+    """Return the nodal forces of the two sides of each parting, shape (n_parting, 2, 3), [N]."""
+    side_force = np.zeros((ways.node.shape[0], 2, 3))
+    for k in range(ways.node.shape[0]):
+        for side in range(2):
+            for i in range(ways.side_start[2 * k + side], ways.side_start[2 * k + side + 1]):
+                for c in range(3):
+                    side_force[k, side, c] += corner_force[ways.member[i], c]
+    for i in range(ways.share.shape[0]):
+        of = ways.share_of
+        k, side, cable, end = of[i, 0], of[i, 1], of[i, 2], of[i, 3]
+        if status[cable] != BROKEN:
+            for c in range(3):
+                side_force[k, side, c] += cable_force[cable, end, c] * ways.share[i]
+    return side_force

@@ -30,6 +30,8 @@ from typing import Any, ParamSpec, TypeVar
 import numba as nb
 from numba.core import event
 
+from .kernel_tables import check_tables
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -63,15 +65,17 @@ def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any
 def bound_once(function: Callable[..., R]) -> Callable[..., R]:
     """Return a kernel :func:`bound` to the types of its first call, the same at every call.
 
-    For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Arguments of
-    other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in the tests,
-    they are refused, looked for in the first calls and in every so many later ones.
+    For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Tables among
+    the arguments of the first call are looked through (:mod:`shellcut.numerics.kernel_tables`).
+    Arguments of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in
+    the tests, they are refused, looked for in the first calls and in every so many later ones.
     """
     code: Callable[..., R] | None = None
 
     def call(*arguments: object) -> R:
         nonlocal code
         if code is None:
+            check_tables(arguments)
             code = bound(function, *arguments)
         return code(*arguments)
 

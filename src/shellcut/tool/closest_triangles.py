@@ -15,18 +15,26 @@ The grid is built here; :mod:`shellcut.tool.signed_distance` looks points up in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import ceil, log2, sqrt
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
-from shellcut.numerics.jit import kernel
+from shellcut.arrays import Bools, Floats, Ints, Numbers, Vec3
+from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import dot, sub
 
-from .signed_distance import Cells3, GridArrays, closest_on_triangle, query_points
+from .signed_distance import (
+    CellLists,
+    Cells3,
+    GridCells,
+    TriangleGrid,
+    TriangleSurface,
+    closest_on_triangle,
+    query_points,
+)
 from .tool import Tool
 
 CELLS_PER_THICKNESS = 3.0
@@ -46,58 +54,23 @@ COARSEST_CELLS = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ClosestTriangleGrid:
-    """Candidate triangles by cell, in the tool's body frame; read-only.
+    """Candidate triangles by cell, in the tool's body frame; read-only."""
 
-    Kernels take ``*grid.arrays``, in the order of the fields.
-    """
-
-    lower: Vec3
-    """Least corner of the grid [mm]."""
-    cell_size: float
-    """Side of the cubic cells [mm]."""
-    shape: Cells3
-    """Number of cells along x, y, z."""
-    cell_start: Ints
-    """First entry of each cell, z running fastest, shape (n_cell + 1,)."""
-    cell_triangles: Ints
-    """Triangles of the cells, nearest to the cell's centre first, shape (n_entry,)."""
-    cell_distance: Floats
-    """Their distances from the cell's centre, shape (n_entry,), [mm]."""
-    corners: Floats
-    """Corners of the tool's triangles, shape (n_triangle, 3, 3), [mm]."""
-    flank: SmallInts
-    """The tool's flank labels, shape (n_triangle,), int8."""
-    pseudo_normals: Floats
-    """Normals of each triangle's features (of any length), shape (n_triangle, 7, 3)."""
+    arrays: TriangleGrid
+    """What kernels take."""
     reach: float
     """Points up to this far outside the surface are found [mm]."""
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
+        for array in (*self.arrays.lists, *self.arrays.surface):
+            array.flags.writeable = False
 
     def __repr__(self) -> str:
-        cells = " x ".join(str(n) for n in self.shape)
+        cells, lists, _ = self.arrays
+        shape = " x ".join(str(n) for n in cells.shape)
         return (
-            f"ClosestTriangleGrid({cells} cells of {self.cell_size:.4g} mm, "
-            f"{self.cell_triangles.size} entries)"
-        )
-
-    @property
-    def arrays(self) -> GridArrays:
-        """The arguments that the kernels of this module take after the point and the side."""
-        return (
-            self.lower,
-            self.cell_size,
-            self.shape,
-            self.cell_start,
-            self.cell_triangles,
-            self.cell_distance,
-            self.corners,
-            self.flank,
-            self.pseudo_normals,
+            f"ClosestTriangleGrid({shape} cells of {cells.size:.4g} mm, "
+            f"{lists.triangle.size} entries)"
         )
 
     @classmethod
@@ -107,18 +80,20 @@ class ClosestTriangleGrid:
         That of no tool has no cell: nothing is near it.
         """
         if tool is None:
-            return cls(
-                lower=(0.0, 0.0, 0.0),
-                cell_size=1.0,
-                shape=(0, 0, 0),
-                cell_start=np.zeros(1, np.int64),
-                cell_triangles=np.zeros(0, np.int64),
-                cell_distance=np.zeros(0),
-                corners=np.zeros((0, 3, 3)),
-                flank=np.zeros(0, np.int8),
-                pseudo_normals=np.zeros((0, 7, 3)),
-                reach=0.0,
+            nothing = TriangleGrid(
+                GridCells(lower=(0.0, 0.0, 0.0), size=1.0, shape=(0, 0, 0)),
+                CellLists(
+                    start=np.zeros(1, np.int64),
+                    triangle=np.zeros(0, np.int64),
+                    distance=np.zeros(0),
+                ),
+                TriangleSurface(
+                    corners=np.zeros((0, 3, 3)),
+                    flank=np.zeros(0, np.int8),
+                    pseudo_normals=np.zeros((0, 7, 3)),
+                ),
             )
+            return cls(nothing, reach=0.0)
         grid = _BUILT.get(tool)
         if grid is None:
             grid = _BUILT[tool] = cls.build(tool)
@@ -176,45 +151,27 @@ class ClosestTriangleGrid:
             float(box_lower[1]) - reach,
             float(box_lower[2]) - reach,
         )
-        corners = tool.vertices[tool.triangles]
-        pseudo_normals = _pseudo_normals(tool)
+        surface = TriangleSurface(
+            corners=tool.vertices[tool.triangles],
+            flank=tool.flank,
+            pseudo_normals=_pseudo_normals(tool),
+        )
         # one cell with all triangles is the parent of the coarsest level
-        start: Ints = np.array([0, tool.n_triangle], dtype=np.int64)
-        entries: Ints = np.arange(tool.n_triangle, dtype=np.int64)
-        distance = np.zeros(tool.n_triangle)
-        parent_shape = (1, 1, 1)
+        lists = CellLists(
+            start=np.array([0, tool.n_triangle], dtype=np.int64),
+            triangle=np.arange(tool.n_triangle, dtype=np.int64),
+            distance=np.zeros(tool.n_triangle),
+        )
+        parents = (1, 1, 1)
         shift = 62  # i >> 62 is 0: every coarsest cell has the one parent
         for level in range(max(0, ceil(log2(max(shape) / COARSEST_CELLS))), -1, -1):
             width = 2**level
-            level_shape = (-(-shape[0] // width), -(-shape[1] // width), -(-shape[2] // width))
-            start, entries, distance = _refine(
-                lower,
-                size * width,
-                level_shape,
-                start,
-                entries,
-                parent_shape,
-                shift,
-                reach,
-                corners,
-                tool.flank,
-                pseudo_normals,
-            )
-            parent_shape = level_shape
-            shift = 1
-        _sort_cells(start, entries, distance)
-        return cls(
-            lower=lower,
-            cell_size=size,
-            shape=shape,
-            cell_start=start,
-            cell_triangles=entries,
-            cell_distance=distance,
-            corners=corners,
-            flank=tool.flank,
-            pseudo_normals=pseudo_normals,
-            reach=float(reach),
-        )
+            some = (-(-shape[0] // width), -(-shape[1] // width), -(-shape[2] // width))
+            cells = GridCells(lower=lower, size=size * width, shape=some)
+            lists = CellLists(*_refine(cells, lists, parents, shift, reach, surface))
+            parents, shift = some, 1
+        _sort_cells(lists.start, lists.triangle, lists.distance)
+        return cls(TriangleGrid(GridCells(lower, size, shape), lists, surface), float(reach))
 
     def query(self, points: npt.ArrayLike, side: int = 0) -> tuple[Bools, Bools, Ints, Floats]:
         """Return :func:`signed_distance` of many points in the body frame.
@@ -241,7 +198,7 @@ class ClosestTriangleGrid:
         inside = np.zeros(x.shape[0], dtype=np.bool_)
         triangle = np.zeros(x.shape[0], dtype=np.int64)
         closest = np.zeros_like(x)
-        query_points(x, side, *self.arrays, found, inside, triangle, closest)
+        query_points(x, side, self.arrays, found, inside, triangle, closest)
         return found, inside, triangle, closest
 
 
@@ -251,25 +208,22 @@ _BUILT: WeakKeyDictionary[Tool, ClosestTriangleGrid] = WeakKeyDictionary()
 
 @kernel
 def _refine(
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    parent_start: Ints,
-    parent_triangles: Ints,
-    parent_shape: Cells3,
+    cells: GridCells,
+    parent_lists: CellLists,
+    parents: Cells3,
     shift: int,
     reach: float,
-    corners: Floats,
-    flank: SmallInts,
-    pseudo_normals: Floats,
+    surface: TriangleSurface,
 ) -> tuple[Ints, Ints, Floats]:
-    """Return the lists of a level (cell_start, triangles, distances) from those of its parents.
+    """Return the lists of a level (start, triangles, distances) from those of its parents.
 
     Cell (i, j, k) has the parent (i, j, k) >> shift. A cell that holds no point of the solid and
     none within ``reach`` of its surface gets an empty list; so does a child of an empty parent.
     """
-    diagonal = sqrt(3.0) * cell_size
+    lower, cell_size, shape = cells.lower, cells.size, cells.shape
+    parent_start, parent_triangles = parent_lists.start, parent_lists.triangle
     slack = 1.0 + ROUND_OFF
+    diagonal = sqrt(3.0) * cell_size
     longest = 0
     for cell in range(parent_start.size - 1):
         longest = max(longest, parent_start[cell + 1] - parent_start[cell])
@@ -278,71 +232,83 @@ def _refine(
     entries = np.empty(4 * parent_triangles.size + 64, dtype=np.int64)
     distance = np.empty(entries.size)
     n_entry = 0
-    cell = 0
-    for i in range(shape[0]):
-        for j in range(shape[1]):
-            for k in range(shape[2]):
-                parent = ((i >> shift) * parent_shape[1] + (j >> shift)) * parent_shape[2] + (
-                    k >> shift
-                )
-                first = parent_start[parent]
-                n_candidate = parent_start[parent + 1] - first
-                if n_candidate > 0:
-                    centre = (
-                        lower[0] + cell_size * (i + 0.5),
-                        lower[1] + cell_size * (j + 0.5),
-                        lower[2] + cell_size * (k + 0.5),
-                    )
-                    least_plus = np.inf
-                    least_minus = np.inf
-                    least = np.inf
-                    height = 0.0
-                    for m in range(n_candidate):
-                        t = parent_triangles[first + m]
-                        q, feature = closest_on_triangle(
-                            centre,
-                            (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
-                            (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
-                            (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
-                        )
-                        away = sub(centre, q)
-                        d = sqrt(dot(away, away))
-                        separation[m] = d
-                        if d < least:
-                            least = d
-                            normal = (
-                                pseudo_normals[t, feature, 0],
-                                pseudo_normals[t, feature, 1],
-                                pseudo_normals[t, feature, 2],
-                            )
-                            height = dot(away, normal)
-                        if flank[t] >= 0:
-                            least_plus = min(least_plus, d)
-                        if flank[t] <= 0:
-                            least_minus = min(least_minus, d)
-                    if height < 0.0 or least <= slack * (reach + 0.5 * diagonal):
-                        bound_plus = slack * (least_plus + diagonal)
-                        bound_minus = slack * (least_minus + diagonal)
-                        if n_entry + n_candidate > entries.size:
-                            grown = 2 * entries.size + n_candidate
-                            more_entries = np.empty(grown, dtype=np.int64)
-                            more_entries[:n_entry] = entries[:n_entry]
-                            entries = more_entries
-                            more_distance = np.empty(grown)
-                            more_distance[:n_entry] = distance[:n_entry]
-                            distance = more_distance
-                        for m in range(n_candidate):
-                            t = parent_triangles[first + m]
-                            d = separation[m]
-                            if (flank[t] >= 0 and d <= bound_plus) or (
-                                flank[t] <= 0 and d <= bound_minus
-                            ):
-                                entries[n_entry] = t
-                                distance[n_entry] = d
-                                n_entry += 1
-                cell += 1
-                cell_start[cell] = n_entry
+    for cell in range(cell_start.size - 1):
+        ij = cell // shape[2]
+        i, j, k = ij // shape[1], ij % shape[1], cell % shape[2]
+        parent = ((i >> shift) * parents[1] + (j >> shift)) * parents[2] + (k >> shift)
+        candidates = parent_triangles[parent_start[parent] : parent_start[parent + 1]]
+        if candidates.size > 0:
+            centre = (
+                lower[0] + cell_size * (i + 0.5),
+                lower[1] + cell_size * (j + 0.5),
+                lower[2] + cell_size * (k + 0.5),
+            )
+            least, least_plus, least_minus, height = _separations(
+                centre, candidates, surface, separation
+            )
+            if height < 0.0 or least <= slack * (reach + 0.5 * diagonal):
+                if n_entry + candidates.size > entries.size:
+                    grown = 2 * entries.size + candidates.size
+                    entries = _grown(entries, n_entry, grown)
+                    distance = _grown(distance, n_entry, grown)
+                bound_plus = slack * (least_plus + diagonal)
+                bound_minus = slack * (least_minus + diagonal)
+                for m in range(candidates.size):
+                    t, d = candidates[m], separation[m]
+                    if (surface.flank[t] >= 0 and d <= bound_plus) or (
+                        surface.flank[t] <= 0 and d <= bound_minus
+                    ):
+                        entries[n_entry] = t
+                        distance[n_entry] = d
+                        n_entry += 1
+        cell_start[cell + 1] = n_entry
     return cell_start, entries[:n_entry].copy(), distance[:n_entry].copy()
+
+
+@inline
+def _separations(
+    centre: Vec3, candidates: Ints, surface: TriangleSurface, separation: Floats
+) -> tuple[float, float, float, float]:
+    """Write the distances of some triangles from a point to separation : (n,).
+
+    Returns the least of all, of those with flank >= 0 and with flank <= 0, and how far the point
+    lies outside the surface, negative inside, times the length of the pseudo-normal.
+    """
+    corners, flank, pseudo_normals = surface
+    least = least_plus = least_minus = np.inf
+    height = 0.0
+    for m in range(candidates.size):
+        t = candidates[m]
+        q, feature = closest_on_triangle(
+            centre,
+            (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
+            (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
+            (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
+        )
+        away = sub(centre, q)
+        d = sqrt(dot(away, away))
+        separation[m] = d
+        if d < least:
+            least = d
+            normal = (
+                pseudo_normals[t, feature, 0],
+                pseudo_normals[t, feature, 1],
+                pseudo_normals[t, feature, 2],
+            )
+            height = dot(away, normal)
+        if flank[t] >= 0:
+            least_plus = min(least_plus, d)
+        if flank[t] <= 0:
+            least_minus = min(least_minus, d)
+    return least, least_plus, least_minus, height
+
+
+@inline
+def _grown(rows: Numbers, n: int, size: int) -> Numbers:
+    """Return a longer copy of the first n numbers."""
+    more = np.empty(size, rows.dtype)
+    more[:n] = rows[:n]
+    return more
 
 
 @kernel

@@ -22,7 +22,7 @@ face, along the mid-plane, and behind the edge it leads aside, through a flank.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot, norm, sub
 
 from .closest_triangles import ClosestTriangleGrid
-from .signed_distance import GridArrays, signed_distance
+from .signed_distance import TriangleGrid, signed_distance
 from .tool import Tool
 
 CUT_DEPTH = 4.0
@@ -52,15 +52,14 @@ START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
 """Rows of :attr:`CuttingEdges.segments`."""
 
 
-@dataclass(frozen=True, eq=False)
-class CuttingEdges:
+class CuttingEdges(NamedTuple):
     """The cutting-edge segments of a tool as kernels take them."""
 
-    segments: Floats
-    """a [mm], L e [mm], b and k of each segment, shape (n_edge, 4, 3)."""
-    body: Ints
-    """Tooth of each segment, shape (n_edge,)."""
-    solid: GridArrays
+    segments: Annotated[Floats, "(n_edge, 4, 3)"]
+    """a [mm], L e [mm], b and k of each segment."""
+    body: Annotated[Ints, "(n_edge,)"]
+    """Tooth of each segment."""
+    solid: TriangleGrid
     """Finds the tool's surface, for :func:`in_the_blade`."""
 
     @classmethod
@@ -117,21 +116,14 @@ def strip_coordinates(
 
 
 @inline
-def in_the_blade(
-    p: Vec3,
-    lateral: float,
-    k: int,
-    segments: Floats,
-    solid: tuple,  # type: ignore[type-arg]
-) -> bool:
+def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
     """Return whether the blade is where a point behind segment k lies, or beside it.
 
-    p : in the body frame, [mm].  lateral : of it, from :func:`strip_coordinates`.  solid : as in
-    :class:`CuttingEdges`.
+    p : in the body frame, [mm].  lateral : of it, from :func:`strip_coordinates`.
     """
-    aside = segment_part(segments, k, NORMAL)
+    aside = segment_part(edges.segments, k, NORMAL)
     foot = combine(1.0, p, -lateral, aside)
-    _, inside, _, nearest, _, _ = signed_distance(foot, 0, *solid)
+    _, inside, _, nearest, _, _ = signed_distance(foot, 0, edges.solid)
     if not inside:
         return False
     way_out = sub(nearest, foot)

@@ -20,7 +20,7 @@ feature  of triangle (a, b, c)
 from __future__ import annotations
 
 from math import sqrt
-from typing import TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -29,7 +29,47 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, dot, sub
 
 Cells3: TypeAlias = tuple[int, int, int]
-GridArrays: TypeAlias = tuple[Vec3, float, Cells3, Ints, Ints, Floats, Floats, SmallInts, Floats]
+
+
+class GridCells(NamedTuple):
+    """Cubic cells side by side, z running fastest."""
+
+    lower: Vec3
+    """Least corner of the grid [mm]."""
+    size: float
+    """Side of a cell [mm]."""
+    shape: Cells3
+    """Number of cells along x, y, z."""
+
+
+class CellLists(NamedTuple):
+    """Candidate triangles of each cell."""
+
+    start: Annotated[Ints, "(n_cell + 1,)"]
+    """First entry of each cell, and the end."""
+    triangle: Annotated[Ints, "(n_entry,)"]
+    """Triangles of the cells, nearest to the cell's centre first."""
+    distance: Annotated[Floats, "(n_entry,)"]
+    """Their distances from the cell's centre [mm]."""
+
+
+class TriangleSurface(NamedTuple):
+    """The surface of a tool, a row a triangle."""
+
+    corners: Annotated[Floats, "(n_triangle, 3, 3)"]
+    """Corners [mm]."""
+    flank: Annotated[SmallInts, "(n_triangle,)"]
+    """The tool's flank labels."""
+    pseudo_normals: Annotated[Floats, "(n_triangle, 7, 3)"]
+    """Normals of each triangle's features, of any length."""
+
+
+class TriangleGrid(NamedTuple):
+    """What a look-up takes; made by :mod:`shellcut.tool.closest_triangles`."""
+
+    cells: GridCells
+    lists: CellLists
+    surface: TriangleSurface
 
 
 @inline
@@ -66,21 +106,21 @@ def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
 
 
 @inline
-def cell_of(p: Vec3, lower: Vec3, cell_size: float, shape: Cells3) -> tuple[bool, int]:
+def cell_of(p: Vec3, cells: GridCells) -> tuple[bool, int]:
     """Return whether ``p`` [mm] lies in the grid, and its cell."""
-    u = (p[0] - lower[0]) / cell_size
-    v = (p[1] - lower[1]) / cell_size
-    w = (p[2] - lower[2]) / cell_size
+    lower, shape = cells.lower, cells.shape
+    u = (p[0] - lower[0]) / cells.size
+    v = (p[1] - lower[1]) / cells.size
+    w = (p[2] - lower[2]) / cells.size
     if not (0.0 <= u < shape[0] and 0.0 <= v < shape[1] and 0.0 <= w < shape[2]):
         return False, 0
     return True, (int(u) * shape[1] + int(v)) * shape[2] + int(w)
 
 
 @inline
-def _distance_from_centre(
-    p: Vec3, cell: int, lower: Vec3, cell_size: float, shape: Cells3
-) -> float:
+def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
     # of the cell, with a slack far above the round-off of cells and distances
+    lower, cell_size, shape = cells.lower, cells.size, cells.shape
     ij = cell // shape[2]
     u = p[0] - lower[0] - cell_size * (ij // shape[1] + 0.5)
     v = p[1] - lower[1] - cell_size * (ij % shape[1] + 0.5)
@@ -89,33 +129,24 @@ def _distance_from_centre(
 
 
 @inline
-def closest_of_side(
-    p: Vec3,
-    side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-) -> tuple[bool, int, int, Vec3, float]:
+def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, int, Vec3, float]:
     """Return whether a triangle was found, the closest one of the side, the feature, its point.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    The rest : ``*grid.arrays`` without the last.  Where nothing is found: 0, 0 and ``p`` itself.
-    The last number is by how much all other triangles of the side are farther at least [mm].
+    Where nothing is found: 0, 0 and ``p`` itself. The last number is by how much all other
+    triangles of the side are farther at least [mm].
     """
+    cell_start, cell_triangles, cell_distance = grid.lists
+    corners, flank = grid.surface.corners, grid.surface.flank
     nearest = p
     triangle = 0
     feature = 0
     best = np.inf
     second = np.inf
-    in_grid, cell = cell_of(p, lower, cell_size, shape)
+    in_grid, cell = cell_of(p, grid.cells)
     if not in_grid:
         return False, triangle, feature, nearest, 0.0
-    off_centre = _distance_from_centre(p, cell, lower, cell_size, shape)
+    off_centre = _distance_from_centre(p, cell, grid.cells)
     for k in range(cell_start[cell], cell_start[cell + 1]):
         least = cell_distance[k] - off_centre
         if least > 0.0 and least * least > best:
@@ -146,43 +177,23 @@ def closest_of_side(
 
 @inline
 def signed_distance(
-    p: Vec3,
-    side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-    pseudo_normals: Floats,
+    p: Vec3, side: int, grid: TriangleGrid
 ) -> tuple[bool, bool, int, Vec3, int, float]:
     """Return whether ``p`` is near, whether inside the solid, and the closest of the side.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    The rest : ``*grid.arrays``.
 
     ``inside`` looks at all triangles whatever the side; the triangle and its closest point are of
     the side. A point on the surface is outside. Where nothing is found: False, triangle 0, ``p``.
     The last two are the closest triangle of all, and how far ``p`` may move until either closest
     triangle might become another: till then :func:`signed_distance_to` gives the same.
     """
-    in_grid, cell = cell_of(p, lower, cell_size, shape)
+    cell_start = grid.lists.start
+    flank, pseudo_normals = grid.surface.flank, grid.surface.pseudo_normals
+    in_grid, cell = cell_of(p, grid.cells)
     if not in_grid or cell_start[cell] == cell_start[cell + 1]:
         return False, False, 0, p, 0, 0.0
-    _, triangle, i, nearest, ahead = closest_of_side(
-        p,
-        0,
-        lower,
-        cell_size,
-        shape,
-        cell_start,
-        cell_triangles,
-        cell_distance,
-        corners,
-        flank,
-    )
+    _, triangle, i, nearest, ahead = closest_of_side(p, 0, grid)
     normal = (
         pseudo_normals[triangle, i, 0],
         pseudo_normals[triangle, i, 1],
@@ -192,30 +203,20 @@ def signed_distance(
     found = True
     whole = triangle
     if side * flank[triangle] < 0:
-        found, triangle, i, nearest, ahead_of_side = closest_of_side(
-            p,
-            side,
-            lower,
-            cell_size,
-            shape,
-            cell_start,
-            cell_triangles,
-            cell_distance,
-            corners,
-            flank,
-        )
+        found, triangle, i, nearest, ahead_of_side = closest_of_side(p, side, grid)
         ahead = min(ahead, ahead_of_side)
     return found, inside, triangle, nearest, whole, 0.5 * ahead
 
 
 @inline
 def signed_distance_to(
-    p: Vec3, whole: int, triangle: int, corners: Floats, pseudo_normals: Floats
+    p: Vec3, whole: int, triangle: int, surface: TriangleSurface
 ) -> tuple[bool, Vec3]:
     """Return whether ``p`` is inside the solid and its closest point, the triangles being known.
 
     whole : the closest triangle of all.  triangle : that of the side.
     """
+    corners, pseudo_normals = surface.corners, surface.pseudo_normals
     nearest, i = closest_on_triangle(p, *_corners(corners, whole))
     normal = (
         pseudo_normals[whole, i, 0],
@@ -241,15 +242,7 @@ def _corners(corners: Floats, t: int) -> tuple[Vec3, Vec3, Vec3]:
 def query_points(
     x: Floats,
     side: int,
-    lower: Vec3,
-    cell_size: float,
-    shape: Cells3,
-    cell_start: Ints,
-    cell_triangles: Ints,
-    cell_distance: Floats,
-    corners: Floats,
-    flank: SmallInts,
-    pseudo_normals: Floats,
+    grid: TriangleGrid,
     found: Bools,
     inside: Bools,
     triangle: Ints,
@@ -257,19 +250,8 @@ def query_points(
 ) -> None:
     """Write ``signed_distance`` of the points x : (n_point, 3), [mm], to the last four arrays."""
     for n in range(x.shape[0]):
-        found[n], inside[n], triangle[n], q, _, _ = signed_distance(
-            (x[n, 0], x[n, 1], x[n, 2]),
-            side,
-            lower,
-            cell_size,
-            shape,
-            cell_start,
-            cell_triangles,
-            cell_distance,
-            corners,
-            flank,
-            pseudo_normals,
-        )
+        p = (x[n, 0], x[n, 1], x[n, 2])
+        found[n], inside[n], triangle[n], q, _, _ = signed_distance(p, side, grid)
         closest[n, 0] = q[0]
         closest[n, 1] = q[1]
         closest[n, 2] = q[2]
