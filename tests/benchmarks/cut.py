@@ -275,7 +275,7 @@ def _measured(mesh: str, angle: float, profiled: float) -> Cut:
         closing_seconds=run.closing_seconds,
         cpu_seconds=run.cpu_seconds,
         n_split=len(sim.state.split_log),
-        n_broken=sim.n_cable_broken,
+        n_broken=sim.cables.n_broken,
         imbalance=book.relative(book.imbalance),
         memory_growth=run.memory_growth,
         parts=parts | {"closing": ns * run.closing_seconds},

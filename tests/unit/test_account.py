@@ -32,7 +32,7 @@ def test_the_line_of_account_closes(sim):
     assert abs(balance) > 1.0
     assert numbers["balance"] == pytest.approx(balance, abs=0.006)
     assert numbers["crack"] == pytest.approx(s.crack_length, rel=1e-3)
-    assert f"cables {s.n_cable} made {sim.n_joint_made} jointed" in line
+    assert f"cables {s.n_cable} made {sim.cables.n_joint_made} jointed" in line
 
 
 def test_a_start_says_film_tool_and_steps(sim):

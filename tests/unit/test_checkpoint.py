@@ -129,11 +129,11 @@ def whole(request, tmp_path_factory):
     dts = []
     moments = {"start": lambda: True, "before contact": lambda: sim.state.step == 5}
     moments |= {
-        "contact": lambda: sim.contact_forces.n_inside > 0,
+        "contact": lambda: sim.contact.forces.n_inside > 0,
         "split": lambda: sim.state.n_cable > 0,
-        "joint": lambda: sim.n_joint_made > 0,
+        "joint": lambda: sim.cables.n_joint_made > 0,
         "amid": lambda: sim.state.n_cable >= 2,
-        "break": lambda: sim.n_cable_broken > 0,
+        "break": lambda: sim.cables.n_broken > 0,
         "late": lambda: sim.state.time > 0.93 * END,
     }
     while sim.state.time < END:

@@ -63,7 +63,7 @@ def test_what_joints_missed_and_cables_took(cut):
     for _ in range(3):
         sim.state.cable.append_blank()
     sim.state.cable.overshoot[:3] = 0.1, 0.3, 0.0
-    sim.n_joint_made, sim.n_cable_broken = 2, 1
+    sim.cables.n_joint_made, sim.cables.n_broken = 2, 1
     book = sim.ledger
     book.cohesive_work, book.cohesive_start_work = 7.0, 1.0
     book.damping_stiffness, book.contact_work = 1.5, -0.5

@@ -214,7 +214,7 @@ def test_the_torque_of_every_step_does_the_work_of_the_ledger(turned):
     rows = [(0.0, 0.0)]
     while sim.state.time < 8e-5:
         sim.step()
-        wrench = sim.contact_forces.wrench.sum(axis=0) + sim.cable_forces.wrench.sum(axis=0)
+        wrench = sim.contact.forces.wrench.sum(axis=0) + sim.cables.forces.wrench.sum(axis=0)
         torque, *_ = r.of(wrench, sim.pose.translation, sim.state.time)
         rows.append((sim.motion.coordinate(sim.state.time), torque))
     angle, torque = np.array(rows).T

@@ -82,8 +82,8 @@ def whole():
 
 def test_the_case_does_cut(whole):
     assert whole.state.n_cable >= 3
-    assert whole.n_joint_made >= 2
-    assert whole.n_cable_broken >= 1
+    assert whole.cables.n_joint_made >= 2
+    assert whole.cables.n_broken >= 1
     assert {record.kind for record in whole.state.split_log} <= {"blade", "criterion"}
 
 
@@ -123,7 +123,7 @@ def test_hooks_do_not_change_a_bit(whole):
 def test_classical_cables_never_meet_the_blade():
     sim = cutting(directional=False)
     sim.run(END)
-    assert sim.n_joint_made == 0
+    assert sim.cables.n_joint_made == 0
     assert sim.state.n_cable > 0
 
 

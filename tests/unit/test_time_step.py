@@ -18,7 +18,8 @@ LAW = CohesiveLaw()
 
 
 def stepper(shell, contact=None, tool=None, **stepping):
-    return StableStep(Stepping(**stepping), shell, CableSet(LAW, tool), contact)
+    terms = [CableSet(LAW, tool)] if contact is None else [contact, CableSet(LAW, tool)]
+    return StableStep(Stepping(**stepping), shell, terms)
 
 
 def mass_of(shell):

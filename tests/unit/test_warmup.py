@@ -8,5 +8,5 @@ def test_the_tiny_film_is_split_and_its_cables_meet_the_edge():
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5, fracture=Fracture())
     case.simulation.run(case.duration)
     assert case.simulation.state.n_cable >= 1
-    assert case.simulation.n_joint_made >= 1
-    assert case.simulation.contact_forces.n_inside + case.simulation.ledger.contact_work != 0
+    assert case.simulation.cables.n_joint_made >= 1
+    assert case.simulation.contact.forces.n_inside + case.simulation.ledger.contact_work != 0

@@ -85,7 +85,7 @@ def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) ->
     sim, rows = _cut(criterion, beside, notched)
     _check_path(sim, notched)
     # Every cable the edge has come to is bent around it, none is left straight behind it.
-    assert sim.n_joint_made >= (PATH - NOTCH) / SIZE - 2
+    assert sim.cables.n_joint_made >= (PATH - NOTCH) / SIZE - 2
     # Balance: discretisation. Measured 3e-3 of the work at most after a quarter of the path, 1e-3
     # at the end (0.1 mm is an eighth of the spacing), 1e-4 to 4e-4 on the line.
     _, work, imbalance = rows[rows[:, 0] > 0.25 * PATH].T
@@ -95,7 +95,7 @@ def test_the_nearer_line_is_cut(criterion: str, beside: float, notched: bool) ->
     # nothing. Measured 2e-4 to 2.5e-3 of the work on the line. Beside it the absorbed jumps of
     # nodes born in the wedge do give; see the test of the contact's work below.
     if beside == 0.0:
-        assert abs(sim.ledger.contact_work - sim.contact_forces.stored) < 5e-3 * work[-1]
+        assert abs(sim.ledger.contact_work - sim.contact.forces.stored) < 5e-3 * work[-1]
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])

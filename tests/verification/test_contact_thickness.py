@@ -31,7 +31,7 @@ def shares(sim: Simulation) -> Shares:
         book.relative(book.contact_work),
         book.relative(book.contact_absorbed),
         book.relative(book.imbalance),
-        sim.deepest_penetration / sim.tool.half_thickness(),
+        sim.contact.deepest / sim.tool.half_thickness(),
     )
 
 

@@ -156,7 +156,7 @@ def test_the_cables_work_is_that_of_their_law() -> None:
     # Each broken cable took G A: discretisation, measured 0.9998 to 1.0000.
     assert np.allclose(ratio, 1.0, rtol=0.0, atol=2e-3)
     # And the penalty stores what the contact holds: nothing is lost in it.
-    assert sim.contact_forces.stored <= sim.ledger.contact_work + 1e-4 * sim.ledger.tool_work
+    assert sim.contact.forces.stored <= sim.ledger.contact_work + 1e-4 * sim.ledger.tool_work
 
 
 def test_half_the_step_gives_the_same_cutting_force() -> None:

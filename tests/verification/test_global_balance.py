@@ -70,7 +70,7 @@ def _check_shell(sim: Simulation) -> None:
 def _check_contact(sim: Simulation) -> None:
     n = sim.state.n_node
     x, f = sim.state.node.x[:n], sim.state.node.contact_force[:n]
-    force, moment = _about_origin(sim, sim.contact_forces.wrench)
+    force, moment = _about_origin(sim, sim.contact.forces.wrench)
     assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
     scale = np.abs(np.cross(x, f)).sum()
     assert np.abs(_turned(x, f) + moment).max() <= ROUND_OFF * scale
@@ -81,24 +81,24 @@ def _check_cables(sim: Simulation) -> None:
     live = c.status[: c.count] != BROKEN
     x = sim.state.node.x[c.ends[: c.count][live].ravel()]
     f = c.force[: c.count][live].reshape(-1, 3)
-    force, moment = _about_origin(sim, sim.cable_forces.wrench)
+    force, moment = _about_origin(sim, sim.cables.forces.wrench)
     assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
-    rest = _turned(x, f) + moment - sim.cable_forces.couple
+    rest = _turned(x, f) + moment - sim.cables.forces.couple
     assert np.abs(rest).max() <= ROUND_OFF * (np.abs(np.cross(x, f)).sum() + 1e-3)
     # The couple is what the module says it is at most: sigma_F A delta_0 of each straight cable.
     assert sim.law is not None
     straight = c.area[: c.count][c.status[: c.count] == STRAIGHT].sum()
     most = sim.law.strength * straight * sim.law.onset
-    assert np.linalg.norm(sim.cable_forces.couple) <= most + 1e-12
+    assert np.linalg.norm(sim.cables.forces.couple) <= most + 1e-12
 
 
 def _check_all(sim: Simulation) -> None:
     s, n = sim.state, sim.state.n_node
     x, f = s.node.x[:n], s.node.force[:n]
     directors = np.cross(s.node.t[:n], s.node.director_force[:n]).sum(axis=0)
-    force, moment = _about_origin(sim, sim.contact_forces.wrench + sim.cable_forces.wrench)
+    force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
     assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
-    rest = _turned(x, f) + directors + moment - sim.cable_forces.couple
+    rest = _turned(x, f) + directors + moment - sim.cables.forces.couple
     assert np.abs(rest).max() <= ROUND_OFF * np.abs(np.cross(x, f)).sum()
 
 
@@ -117,9 +117,9 @@ def test_forces_and_moments_of_a_guillotine_sum_to_zero() -> None:
     # The run has come by all that acts: contact, straight, bent and broken cables.
     status = sim.state.cable.status[: sim.state.n_cable]
     assert checked > 50
-    assert sim.n_joint_made > 2
+    assert sim.cables.n_joint_made > 2
     assert {STRAIGHT, JOINTED, BROKEN} == set(status.tolist())
-    assert sim.contact_forces.n_inside > 0
+    assert sim.contact.forces.n_inside > 0
     assert sim.ledger.strain > 0.1
 
 
@@ -132,7 +132,7 @@ def test_they_do_with_a_slanting_blade_and_the_equilibrium_start() -> None:
             _check_shell(sim)
             _check_contact(sim)
             _check_all(sim)
-    assert sim.n_joint_made > 0
+    assert sim.cables.n_joint_made > 0
     assert np.abs(sim.state.node.force[: sim.state.n_node, 2]).max() > 1e-2
     assert np.abs(sim.state.cable.start_force[: sim.state.n_cable]).max() > 1e-2
 
@@ -150,7 +150,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
     for _ in range(2500):
         before = momentum()
         sim.step()
-        force, _ = _about_origin(sim, sim.contact_forces.wrench + sim.cable_forces.wrench)
+        force, _ = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
         held = node.reaction[: sim.state.n_node, :3].sum(axis=0)
         dt = 0.5 * (sim.state.dt + sim._dt)
         step = dt * (held - force)
@@ -177,7 +177,7 @@ def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
     torque, power = [], []
     while sim.motion.coordinate(sim.state.time) < np.radians(12.0):
         sim.step()
-        force, moment = _about_origin(sim, sim.contact_forces.wrench + sim.cable_forces.wrench)
+        force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
         spin, velocity = motion.twist(sim.state.time)
         torque.append(-float(moment @ axis))  # what the drive must give, positive if resisted
         power.append(-float(force @ velocity + moment @ spin) * sim.state.dt)
@@ -188,7 +188,7 @@ def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
     assert sim.ledger.tool_work > 0.0
     assert sim.ledger.tool_work == pytest.approx(np.sum(power), rel=5e-3)
     # Four teeth a quarter turn apart: no side force. Symmetry, up to round-off grown: 1e-12 N.
-    force, moment = _about_origin(sim, sim.contact_forces.wrench + sim.cable_forces.wrench)
-    each = sim.contact_forces.wrench + sim.cable_forces.wrench
+    force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
+    each = sim.contact.forces.wrench + sim.cables.forces.wrench
     assert each.shape == (4, 6)
     assert np.abs(force[:2]).max() < 1e-6 * np.abs(each[:, :3]).sum()

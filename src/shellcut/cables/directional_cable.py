@@ -40,7 +40,7 @@ A branch shorter than ``law.short_branch`` keeps its last direction.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -61,6 +61,7 @@ from shellcut.tool.cutting_edge import (
 from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 from shellcut.tool.tool import Tool
 
+from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
 
 # A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
@@ -85,57 +86,13 @@ class CableForces(NamedTuple):
     n_broken: int
     """Cables that broke at this evaluation."""
 
-
-class _CableNodes(NamedTuple):
-    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
-
-
-class _CableRows(NamedTuple):
-    """What it needs of the cables, by the names of :class:`shellcut.state.CableTable`."""
-
-    ends: Annotated[Ints, "(n_cable, 2)"]
-    area: Annotated[Floats, "(n_cable,)"]
-    m: Annotated[Floats, "(n_cable, 3)"]
-    start_force: Annotated[Floats, "(n_cable, 3)"]
-    status: Annotated[SmallInts, "(n_cable,)"]
-    """Written from here on."""
-    opening: Annotated[Floats, "(n_cable,)"]
-    opening_max: Annotated[Floats, "(n_cable,)"]
-    traction: Annotated[Floats, "(n_cable,)"]
-    edge: Annotated[Ints, "(n_cable,)"]
-    joint_body: Annotated[Floats, "(n_cable, 3)"]
-    joint: Annotated[Floats, "(n_cable, 3)"]
-    joint_slack: Annotated[Floats, "(n_cable,)"]
-    overshoot: Annotated[Floats, "(n_cable,)"]
-    branch: Annotated[Floats, "(n_cable, 2, 3)"]
-    force: Annotated[Floats, "(n_cable, 2, 3)"]
-    work: Annotated[Floats, "(n_cable,)"]
-    start_work: Annotated[Floats, "(n_cable,)"]
-    end_time: Annotated[Floats, "(n_cable,)"]
-
-
-class _CableTables(NamedTuple):
-    """All that the kernel takes and that lasts until the next split."""
-
-    n_cable: int
-    """Number of cables; the rows beyond are in reserve."""
-    directional: bool
-    """Whether the cables may meet the edges."""
-    law: Annotated[Floats, "(n_parameter,)"]
-    """Of :meth:`CohesiveLaw.parameters`."""
-    edges: CuttingEdges
-    nodes: _CableNodes
-    cables: _CableRows
+    def works(self, _on_tool: float) -> dict[str, float]:
+        """Return by how much the ledger's entries grow."""
+        return {"cohesive_work": self.work, "cohesive_start_work": self.start_work}
 
 
 class CableSet:
-    """Forces of all cables.
+    """Forces of all cables, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
     ----------
@@ -148,6 +105,7 @@ class CableSet:
     """
 
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
+        self.name = "joints"
         self.law = law
         self.directional = directional and tool is not None
         self._parameters = law.parameters()
@@ -156,9 +114,13 @@ class CableSet:
         self._edges = CuttingEdges.of(tool)
         self._state: State | None = None
         self._revision = -1
-        self._tables: _CableTables | None = None
+        self._tables: CableTables | None = None
         self._call = bound_once(_add_cable_forces)
         self._energies_of = bound_once(_energies)
+        self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
+        """Those of the last evaluation."""
+        self.n_joint_made = self.n_broken = 0
+        """Joints made and cables broken so far."""
 
     def add_forces(self, state: State, pose: Pose) -> CableForces:
         """Find joints, add the cable forces at t_n to the nodal forces.
@@ -173,23 +135,27 @@ class CableSet:
         wrench = np.zeros((self._n_body, 6))
         couple = np.zeros(3)
         if state.n_cable == 0:
-            return CableForces(wrench, couple, 0.0, 0.0, 0, 0)
+            self.forces = CableForces(wrench, couple, 0.0, 0.0, 0, 0)
+            return self.forces
         if self._state is not state or self._revision != state.revision:
             self._collect(state)
         work = self._call(pose, state.dt, state.time, self._tables, wrench, couple)
-        return CableForces(wrench, couple, *work)
+        self.forces = CableForces(wrench, couple, *work)
+        self.n_joint_made += self.forces.n_joint_made
+        self.n_broken += self.forces.n_broken
+        return self.forces
 
     def _collect(self, state: State) -> None:
         """Lay out what the kernel takes, good until the next split."""
         c, n = state.cable, state.node
         self._state, self._revision = state, state.revision
-        self._tables = _CableTables(
+        self._tables = CableTables(
             n_cable=c.count,
             directional=self.directional,
             law=self._parameters,
             edges=self._edges,
-            nodes=_CableNodes(**{name: getattr(n, name) for name in _CableNodes._fields}),
-            cables=_CableRows(**{name: getattr(c, name) for name in _CableRows._fields}),
+            nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
+            cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
         )
 
     def energies(self, state: State) -> tuple[float, float]:
@@ -209,6 +175,24 @@ class CableSet:
             dissipated,
         )
         return float(stored @ area), float(dissipated @ area)
+
+    def stored(self, state: State) -> dict[str, float]:
+        """Return :meth:`energies` by their entries of the ledger [N·mm]."""
+        stored, dissipated = self.energies(state)
+        return {"cohesive_stored": stored, "cohesive_dissipated": dissipated}
+
+    def saved(self) -> dict[str, Any]:
+        """Return the last forces and the counts so far; the cables are in the state."""
+        return {
+            "forces": self.forces._asdict(),
+            "n_joint_made": self.n_joint_made,
+            "n_broken": self.n_broken,
+        }
+
+    def restore(self, _state: State, _pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self.forces = CableForces(**saved["forces"])
+        self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
@@ -237,7 +221,7 @@ class CableSet:
 
 
 @inline
-def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: _CableTables) -> bool:
+def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTables) -> bool:
     """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
     Works in the body frame of the tool.  Writes edge, joint, slack and overshoot of the cable.
@@ -281,7 +265,7 @@ def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: _CableT
 
 
 @always_inline
-def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: _CableRows) -> float:
+def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: CableRows) -> float:
     """Return the length measure of a straight cable [mm]; write the directions of its ends."""
     d = combine(1.0, sub(plus, minus), onset, load(cables.m, c))
     length = norm(d)
@@ -297,7 +281,7 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: _Cab
 
 @always_inline
 def _bent_length(
-    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: _CableRows
+    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: CableRows
 ) -> float:
     """Return the length measure of a cable with its joint at p [mm]; write its directions."""
     to_minus, to_plus = sub(p, minus), sub(p, plus)
@@ -318,7 +302,7 @@ def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
 
 @kernel
 def _add_cable_forces(
-    pose: Pose, dt: float, time: float, tables: _CableTables, wrench: Floats, couple: Floats
+    pose: Pose, dt: float, time: float, tables: CableTables, wrench: Floats, couple: Floats
 ) -> tuple[float, float, int, int]:
     """Add the forces of all live cables to those of the nodes and to wrench : (n_body, 6).
 

@@ -30,11 +30,11 @@ and rebounds with no more energy than it came with.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
@@ -48,9 +48,10 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.pose import Pose, to_body, turn
-from shellcut.tool.signed_distance import TriangleGrid, signed_distance, signed_distance_to
+from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
 
+from .contact_tables import ContactNodes, ContactTables, ContactTool, Lookups
 from .near_nodes import NearNodes
 from .settings import (
     Contact,
@@ -93,77 +94,16 @@ class ContactForces(NamedTuple):
     deepest: float
     """Largest depth [mm]."""
 
-
-class _Lookups(NamedTuple):
-    """Of each listed node, what its last look-up in the tool found."""
-
-    node: Annotated[Ints, "(n_near,)"]
-    """The node, ascending."""
-    place: Annotated[Floats, "(n_near, 3)"]
-    """Where it was then, in the body frame [mm]."""
-    lasts: Annotated[Floats, "(n_near,)"]
-    """How far from there this lasts [mm]: good as long as the node is closer to its place."""
-    within: Annotated[Bools, "(n_near,)"]
-    """Whether it was inside."""
-    closest: Annotated[Ints, "(n_near, 2)"]
-    """The closest triangles of all and of its side if it was."""
-
-    @classmethod
-    def none_yet(cls, nodes: Ints) -> _Lookups:
-        """Return those of nodes that have not been looked up."""
-        return cls(
-            node=nodes,
-            place=np.zeros((nodes.size, 3)),
-            lasts=np.zeros(nodes.size),
-            within=np.zeros(nodes.size, np.bool_),
-            closest=np.zeros((nodes.size, 2), np.int64),
-        )
-
-
-class _ContactTool(NamedTuple):
-    """The tool as the kernel takes it."""
-
-    grid: TriangleGrid
-    """Finds the surface near a point."""
-    reach: float
-    """Points up to this far outside the surface are found [mm]."""
-    round_off: float
-    """Taken off a distance from the surface [mm]."""
-    triangle_body: Annotated[Ints, "(n_triangle,)"]
-    """Tooth of each triangle."""
-    segments: Annotated[Floats, "(n_edge, 4, 3)"]
-    """As of :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
-
-
-class _ContactNodes(NamedTuple):
-    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    mass: Annotated[Floats, "(n_node,)"]
-    supported: Annotated[Bools, "(n_node,)"]
-    contact_side: Annotated[SmallInts, "(n_node,)"]
-    """Written from here on."""
-    contact_depth: Annotated[Floats, "(n_node,)"]
-    contact_offset: Annotated[Floats, "(n_node,)"]
-    contact_work: Annotated[Floats, "(n_node,)"]
-    contact_force: Annotated[Floats, "(n_node, 3)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-
-
-class _ContactTables(NamedTuple):
-    """All that the kernel takes and that lasts until the list of near nodes is renewed."""
-
-    tool: _ContactTool
-    law: PenaltyLaw
-    near: _Lookups
-    nodes: _ContactNodes
-    around: QuadsAtNodes
+    def works(self, on_tool: float) -> dict[str, float]:
+        """Return by how much the ledger's entries grow, ``on_tool`` being the wrench's work."""
+        return {
+            "contact_work": -(self.node_work + on_tool),
+            "contact_absorbed": self.absorbed,
+        }
 
 
 class PenaltyContact:
-    """Contact forces of all nodes.
+    """Contact forces of all nodes, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
     ----------
@@ -180,6 +120,7 @@ class PenaltyContact:
     def __init__(
         self, tool: Tool, contact: Contact, film: ShellMaterial, edge_length: float
     ) -> None:
+        self.name = "contact"
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self._n_body = tool.n_body
@@ -196,10 +137,14 @@ class PenaltyContact:
             _MARGIN * edge_length,
         )
         """The nodes of the last global search."""
-        self._lookups = _Lookups.none_yet(self.near.ids)
+        self._lookups = Lookups.none_yet(self.near.ids)
         self._pose: Pose | None = None
-        self._tables: _ContactTables | None = None
+        self._tables: ContactTables | None = None
         self._call = bound_once(_add_contact_forces)
+        self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
+        """Those of the last evaluation."""
+        self.deepest = 0.0
+        """Largest depth of a node in the tool so far [mm]."""
 
     def add_forces(self, state: State, pose: Pose) -> ContactForces:
         """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
@@ -208,7 +153,18 @@ class PenaltyContact:
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
         found = self._call(pose, before, state.dt, self._tables, wrench)
-        return ContactForces(wrench, *found)
+        self.forces = ContactForces(wrench, *found)
+        self.deepest = max(self.deepest, self.forces.deepest)
+        return self.forces
+
+    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+        """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
+        near = self.near_nodes(state)
+        return near, self.law.steepest(state.node.contact_area[near])
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the penalty energy at the last evaluation, by its entry of the ledger [N·mm]."""
+        return {"contact_stored": self.forces.stored}
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon.
@@ -219,14 +175,20 @@ class PenaltyContact:
         return self.near.within(state, self._pose) if self._pose else self.near.ids
 
     def saved(self) -> dict[str, Any]:
-        """Return the list of near nodes and what each of them found last."""
-        return {"near": self.near.saved(), "lookups": self._lookups._asdict()}
+        """Return the list of near nodes, what each of them found last, and the last forces."""
+        return {
+            "near": self.near.saved(),
+            "lookups": self._lookups._asdict(),
+            "forces": self.forces._asdict(),
+            "deepest": self.deepest,
+        }
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
         self.near.restore(state, saved["near"])
-        self._lookups = _Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
+        self._lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
+        self.forces, self.deepest = ContactForces(**saved["forces"]), saved["deepest"]
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
@@ -238,7 +200,7 @@ class PenaltyContact:
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
-        lookups = _Lookups.none_yet(near)
+        lookups = Lookups.none_yet(near)
         for new, old in zip(lookups[1:], self._lookups[1:], strict=True):
             new[place[stays]] = old[stays]
         # A split leaves its node without a side: what was found of that side is void.
@@ -249,8 +211,8 @@ class PenaltyContact:
     def _collect(self, state: State) -> None:
         """Lay out what the kernel takes, good until a split renews the list."""
         n = state.node
-        self._tables = _ContactTables(
-            tool=_ContactTool(
+        self._tables = ContactTables(
+            tool=ContactTool(
                 grid=self.grid.arrays,
                 reach=self.grid.reach,
                 round_off=self._round_off,
@@ -259,14 +221,14 @@ class PenaltyContact:
             ),
             law=self.law,
             near=self._lookups,
-            nodes=_ContactNodes(**{name: getattr(n, name) for name in _ContactNodes._fields}),
+            nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
 
 
 @inline
 def _side_of_quads(
-    n: int, pose: Pose, segments: Floats, nodes: _ContactNodes, around: QuadsAtNodes
+    n: int, pose: Pose, segments: Floats, nodes: ContactNodes, around: QuadsAtNodes
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
     x = nodes.x
@@ -299,16 +261,14 @@ def _side_of_quads(
 
 @always_inline
 def _look_up(
-    i: int, p: Vec3, side: int, tool: _ContactTool, near: _Lookups
-) -> tuple[bool, int, Vec3]:
-    """Return whether listed node i may be in the tool, the closest triangle of its side, its point.
+    i: int, p: Vec3, known: bool, side: int, tool: ContactTool, near: Lookups
+) -> tuple[int, Vec3]:
+    """Return the closest triangle of the side of listed node i, and its closest point.
 
-    p : the node in the body frame, [mm].  A node that has not come to the surface since its last
-    look-up is outside and was before; of any other, ``near.within`` tells. Writes row i of near.
+    p : the node in the body frame, [mm].  known : whether its last look-up still holds.  Writes
+    row i of near.
     """
-    if norm(sub(p, load(near.place, i))) < near.lasts[i]:
-        if not near.within[i]:
-            return False, 0, p
+    if known:
         triangle = near.closest[i, 1]
         near.within[i], q = signed_distance_to(p, near.closest[i, 0], triangle, tool.grid.surface)
     else:
@@ -325,11 +285,11 @@ def _look_up(
             near.lasts[i] = (norm(sub(p, q)) if found else tool.reach) - tool.round_off
     if not near.within[i] and side != 0:
         near.lasts[i] = 0.0
-    return True, triangle, q
+    return triangle, q
 
 
 @always_inline
-def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: _ContactNodes, wrench: Floats) -> None:
+def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: ContactNodes, wrench: Floats) -> None:
     """Add the contact force f [N] to a node and minus it to its tooth."""
     store(nodes.contact_force, n, f)
     here, origin = load(nodes.x, n), pose.translation
@@ -343,7 +303,7 @@ def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: _ContactNodes, wrench
 
 @kernel
 def _add_contact_forces(
-    pose: Pose, pose_before: Pose, dt: float, tables: _ContactTables, wrench: Floats
+    pose: Pose, pose_before: Pose, dt: float, tables: ContactTables, wrench: Floats
 ) -> tuple[float, float, float, int, float]:
     """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
@@ -353,21 +313,26 @@ def _add_contact_forces(
     """
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
     surface, g_m = tool.grid.surface, law.smoothing_depth
+    # Out of the tables once: an array taken out of one counts its references, 5 ns each time, and
+    # most of the listed nodes are passed over.
+    ids, place, lasts, within = near.node, near.place, near.lasts, near.within
+    x = nodes.x
     side, depth, offset = nodes.contact_side, nodes.contact_depth, nodes.contact_offset
     work = 0.0
     stored = 0.0
     absorbed = 0.0
     n_inside = 0
     deepest = 0.0
-    for i in range(near.node.shape[0]):
-        n = near.node[i]
-        p = to_body(load(nodes.x, n), pose)
-        may_be, triangle, q = _look_up(i, p, side[n], tool, near)
-        if not may_be:
+    for i in range(ids.shape[0]):
+        n = ids[i]
+        p = to_body(load(x, n), pose)
+        known = norm(sub(p, load(place, i))) < lasts[i]
+        if known and not within[i]:  # has not come to the surface since
             continue
+        triangle, q = _look_up(i, p, known, side[n], tool, near)
         old = load(nodes.contact_force, n)
         moved = load(nodes.velocity_half, n)
-        if not near.within[i]:
+        if not within[i]:
             if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
                 work += 0.5 * dt * dot(old, moved)
                 store(nodes.contact_force, n, (0.0, 0.0, 0.0))
@@ -388,7 +353,7 @@ def _add_contact_forces(
         change = g - depth[n]
         impact = abs(change) > law.noticed
         if impact:
-            was = to_body(combine(1.0, load(nodes.x, n), -dt, moved), pose_before)
+            was = to_body(combine(1.0, load(x, n), -dt, moved), pose_before)
             way = dot(sub(was, p), outward)
             if change > law.noticed + norm(sub(p, was)):  # more than node and tool have moved
                 offset[n] += change

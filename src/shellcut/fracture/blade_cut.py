@@ -178,24 +178,26 @@ def _cut_nodes(
     tips : (n_tip,), nodes.  rim : (n,), whether a node lies on the film's own boundary.
     """
     edges, low, high = strips
-    segments, x = edges.segments, nodes.x
+    # Out of the tables once: an array taken out of one counts its references.
+    segments, body = edges.segments, edges.body
+    x, supported, contact_area = nodes.x, nodes.supported, nodes.contact_area
     n_cut = 0
     for i in range(near.shape[0]):
         n = near[i]
         edge_of[i] = -1
-        if nodes.supported[n]:
+        if supported[n]:
             continue
         p = to_body(load(x, n), pose)
         shallowest = np.inf
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
-            size = np.sqrt(4.0 * nodes.contact_area[n])
+            size = np.sqrt(4.0 * contact_area[n])
             at_an_edge = nodes.halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
             reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
             deepest = CUT_DEPTH * size if at_an_edge else reach
             for k in range(segments.shape[0]):
-                if edges.body[k] != b:
+                if body[k] != b:
                     continue
                 _, lateral, depth, owns = strip_coordinates(p, k, segments, deepest)
                 if not owns or depth >= shallowest or abs(lateral) > reach:

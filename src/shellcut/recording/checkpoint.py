@@ -34,7 +34,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.pose import Pose
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 6  # to be raised whenever the names or the meaning of what is saved change
+_FORMAT = 7  # to be raised whenever the names or the meaning of what is saved change
 
 _HEADER = 512  # bytes; the least that HDF5 takes for a user block
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())

@@ -50,10 +50,10 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
             "n_split_off_path": int((off > OFF_PATH * size[around]).sum()),
             "off_path_mm": float(off.max()),
         }
-    if sim.n_joint_made:
-        missed = float(s.cable.overshoot[: s.n_cable].sum()) / sim.n_joint_made
+    if sim.cables.n_joint_made:
+        missed = float(s.cable.overshoot[: s.n_cable].sum()) / sim.cables.n_joint_made
         figures["overshoot_rel"] = missed / (0.5 * sim.law.opening_u)
-    if sim.n_cable_broken:
+    if sim.cables.n_broken:
         cables = book.cohesive_work + book.cohesive_start_work
         spent = cables + book.damping + abs(book.contact_work)
         if spent > 0.0:

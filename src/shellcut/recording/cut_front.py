@@ -101,7 +101,7 @@ class CutFront:
 
         The last two are 0 where an edge has no process zone.
         """
-        seen = (sim.state.revision, sim.n_joint_made, sim.n_cable_broken)
+        seen = (sim.state.revision, sim.cables.n_joint_made, sim.cables.n_broken)
         if seen != self._seen:
             self._seen, self._rows = seen, self._read(sim)
         return self._rows

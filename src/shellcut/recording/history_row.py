@@ -50,20 +50,20 @@ def history_row(
         How deep the tool was between nodes without being felt, when last looked at [mm].
     """
     s, r = sim.state, resistance
-    contact, joints = sim.contact_forces.wrench, sim.cable_forces.wrench
+    origin = sim.pose.translation
     yield "time", "s", s.time
     yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
-    contact_sum, joints_sum = contact.sum(axis=0), joints.sum(axis=0)
-    of_contact = r.of(contact_sum, sim.pose.translation, s.time)
-    of_joints = r.of(joints_sum, sim.pose.translation, s.time)
-    for (figure, unit), c, j in zip(r.columns, of_contact, of_joints, strict=True):
-        yield figure, unit, c + j
-        yield f"{figure}_contact", unit, c
-        yield f"{figure}_joints", unit, j
+    of_terms = [
+        (term.name, r.of(term.forces.wrench.sum(axis=0), origin, s.time)) for term in sim.tool_terms
+    ]
+    for k, (figure, unit) in enumerate(r.columns):
+        yield figure, unit, sum(values[k] for _, values in of_terms)
+        for name, values in of_terms:
+            yield f"{figure}_{name}", unit, values[k]
     first, unit = r.columns[0]
     for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
-        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, sim.pose.translation, s.time)[0]
-    whole = r.components(contact_sum + joints_sum, sim.pose.translation)
+        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, origin, s.time)[0]
+    whole = r.components(sum(term.forces.wrench.sum(axis=0) for term in sim.tool_terms), origin)
     for (component, unit), value in zip(COMPONENTS, whole, strict=True):
         yield component, unit, value
     book = sim.close_ledger()
@@ -73,13 +73,13 @@ def history_row(
     yield "imbalance_rel", "-", book.relative(book.imbalance)
     yield "dt", "s", s.dt
     yield "cables_created", "-", s.n_cable
-    yield "cables_jointed", "-", sim.n_joint_made
-    yield "cables_broken", "-", sim.n_cable_broken
+    yield "cables_jointed", "-", sim.cables.n_joint_made
+    yield "cables_broken", "-", sim.cables.n_broken
     yield "crack_length", "mm", s.crack_length
     for edge, (length, zone, ahead, spare) in enumerate(front.rows(sim).tolist(), start=1):
         yield f"{CUT_LENGTH}{edge}", "mm", length
         yield f"{PROCESS_ZONE}{edge}", "mm", zone
         yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
         yield f"{TO_SPARE}{edge}", "mm", spare
-    yield "deepest_penetration", "mm", sim.contact_forces.deepest
+    yield "deepest_penetration", "mm", sim.contact.forces.deepest if sim.contact else 0.0
     yield "unfelt_penetration", "mm", unfelt

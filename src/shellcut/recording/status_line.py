@@ -92,7 +92,7 @@ def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
         f"E: {parts} N*mm | balance {100.0 * book.relative(book.imbalance):+.2f} % | "
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
-        f"{sim.n_joint_made} jointed {sim.n_cable_broken} broken"
+        f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )
 
 

@@ -12,9 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shellcut.arrays import Floats
-from shellcut.numerics.jit import kernel
-
 
 @dataclass
 class Ledger:
@@ -104,35 +101,3 @@ class Ledger:
         """Return an energy relative to the work of the tool, or to all that was put in."""
         scale = abs(self.tool_work) or abs(self.put_in)
         return energy / scale if scale > 0 else 0.0
-
-
-@kernel
-def tool_work(
-    contact_wrench: Floats,
-    cable_wrench: Floats,
-    spin: Floats,
-    velocity: Floats,
-    dt: float,
-    last_contact: Floats,
-    last: Floats,
-) -> tuple[float, float]:
-    """Return the work on the tool over a step [N·mm], of the contact and of contact and cables.
-
-    contact_wrench, cable_wrench : (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.
-    spin, velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.  last_contact, last :
-    (6,), the same two sums over the teeth at t_{n-1}; replaced by those at t_n.
-    """
-    work_of_contact = 0.0
-    work = 0.0
-    for c in range(6):
-        contact = 0.0
-        cables = 0.0
-        for body in range(contact_wrench.shape[0]):
-            contact += contact_wrench[body, c]
-            cables += cable_wrench[body, c]
-        moved = dt * (velocity[c] if c < 3 else spin[c - 3])
-        work_of_contact += 0.5 * (last_contact[c] + contact) * moved
-        work += 0.5 * (last[c] + (contact + cables)) * moved
-        last_contact[c] = contact
-        last[c] = contact + cables
-    return work_of_contact, work

@@ -10,9 +10,9 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.cables.directional_cable import CableForces, CableSet
+from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.penalty_contact import ContactForces, PenaltyContact
+from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.criterion import Fracture, SplitCriterion
@@ -25,7 +25,6 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell, Precision
-from shellcut.numerics.jit import bound_once
 from shellcut.numerics.threads import Workers
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -33,9 +32,10 @@ from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
 from .instability import CHECK_EVERY, BalanceGuard, balance_lost, blown_up, most_strain_energy
-from .ledger import Ledger, tool_work
+from .ledger import Ledger
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
+from .tool_terms import ToolTerm, ToolTerms
 
 
 class Simulation:
@@ -162,6 +162,11 @@ class Simulation:
         if tool is not None:
             edge_length = float(np.sqrt(typical))
             self.contact = PenaltyContact(tool, contact or Contact(), material, edge_length)
+        # Contact comes first: it looks at the forces of the shells, without those of the cables.
+        touching: list[ToolTerm] = [self.contact] if self.contact is not None else []
+        touching.append(self.cables)
+        self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
+        """What touches the tool, in the order of evaluation."""
 
         self.state = initial_state(mesh)
         self.shell.initialise(self.state)
@@ -192,23 +197,14 @@ class Simulation:
                 np.unique(boundary_edges(self.state)),
             )
             self.tips = crack_tips(self.state)
-        self.time_step = StableStep(stepping or Stepping(), self.shell, self.cables, self.contact)
+        self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
 
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
-        n_body = tool.n_body if tool else 1
-        self.contact_forces = ContactForces(np.zeros((n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
-        self.cable_forces = CableForces(np.zeros((n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
-        self.n_joint_made = self.n_cable_broken = 0
-        self.deepest_penetration = 0.0
-        """Largest depth of a node in the tool so far [mm]."""
         self._mass_damping = 0.0
         self._dt = 0.0
         self._between_steps = True
-        # Wrenches on the tool at t_{n-1}: of the contact alone, and with the joints.
-        self._contact_wrench, self._wrench = np.zeros(6), np.zeros(6)
-        self._tool_work = bound_once(tool_work)
         self._place_tool()
         if self.contact is not None:
             grid = self.contact.grid
@@ -260,19 +256,7 @@ class Simulation:
         book.strain, damping, dissipated = self.shell.add_forces(s)
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
-        if self.contact is not None:
-            found = self.contact.add_forces(s, self.pose)
-            self.contact_forces = found
-            self.deepest_penetration = max(self.deepest_penetration, found.deepest)
-            book.contact_absorbed += found.absorbed
-        if s.n_cable:
-            self.cable_forces = self.cables.add_forces(s, self.pose)
-            self.n_joint_made += self.cable_forces.n_joint_made
-            self.n_cable_broken += self.cable_forces.n_broken
-            book.cohesive_work += self.cable_forces.work
-            book.cohesive_start_work += self.cable_forces.start_work
-        if self.motion is not None:
-            self._work_of_tool()
+        self.tool_terms.add_forces(s, self.pose, book)
         if not book.strain <= self._most_strain:
             raise blown_up(self)
 
@@ -383,14 +367,12 @@ class Simulation:
 
         Force [N] and moment [N·mm] about the origin of the body frame.
         """
-        return np.asarray(self.contact_forces.wrench + self.cable_forces.wrench)
+        return self.tool_terms.wrench
 
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
-        book = self.ledger
-        book.cohesive_stored, book.cohesive_dissipated = self.cables.energies(self.state)
-        book.contact_stored = self.contact_forces.stored
-        return book
+        self.tool_terms.close(self.state, self.ledger)
+        return self.ledger
 
     # ---------------------------------------------------------------- restart
 
@@ -407,19 +389,11 @@ class Simulation:
             "time_step": self.time_step.saved(),
             "tips": np.array(self.tips, np.int64),
             "pose": self.pose._asdict(),
-            "contact_forces": self.contact_forces._asdict(),
-            "cable_forces": self.cable_forces._asdict(),
-            "contact_wrench": self._contact_wrench,
-            "wrench": self._wrench,
-            "n_joint_made": self.n_joint_made,
-            "n_cable_broken": self.n_cable_broken,
-            "deepest_penetration": self.deepest_penetration,
+            "tool_terms": self.tool_terms.saved(),
             "mass_damping": self._mass_damping,
             "dt": self._dt,
             "balance": self._balance.saved(),
         }
-        if self.contact is not None:
-            saved["contact"] = self.contact.saved()
         if self.criterion is not None:
             saved["criterion"] = self.criterion.saved()
         return saved
@@ -440,18 +414,10 @@ class Simulation:
         self.shell.frequencies.restore(saved["frequencies"])
         self.time_step.restore(saved["time_step"])
         self.tips = saved["tips"].tolist()
-        self.contact_forces = ContactForces(**saved["contact_forces"])
-        self.cable_forces = CableForces(**saved["cable_forces"])
-        self._contact_wrench = saved["contact_wrench"].copy()
-        self._wrench = saved["wrench"].copy()
-        self.n_joint_made = saved["n_joint_made"]
-        self.n_cable_broken = saved["n_cable_broken"]
-        self.deepest_penetration = saved["deepest_penetration"]
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
         self._balance.restore(saved["balance"])
         self.pose = Pose(**saved["pose"]).copied()
-        if self.contact is not None:
-            self.contact.restore(s, self.pose, saved["contact"])
+        self.tool_terms.restore(s, self.pose, saved["tool_terms"])
         if self.criterion is not None:
             self.criterion.restore(s, saved["criterion"])
 
@@ -475,37 +441,10 @@ class Simulation:
         s = self.state
         assert self.criterion is not None
         assert self.law is not None
-        due = self.criterion.due(s, self.tips, self.pose, s.dt)
-        for split in due:
+        start = self.fracture.equilibrium_start
+        for split in self.criterion.due(s, self.tips, self.pose, s.dt):
             touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
-            twin = split_node(
-                s,
-                split,
-                self.shell,
-                self.law,
-                equilibrium_start=self.fracture.equilibrium_start,
-            )
+            twin = split_node(s, split, self.shell, self.law, equilibrium_start=start)
             tips = {n for n in self.tips if n not in touched}
             tips |= {n for n in (*touched, twin) if is_tip(s, n)}
             self.tips = sorted(tips)
-
-    def _work_of_tool(self) -> None:
-        s = self.state
-        assert self.motion is not None
-        spin, velocity = self.motion.twist(s.time - 0.5 * s.dt)
-        by_contact, by_all = self._tool_work(
-            self.contact_forces.wrench,
-            self.cable_forces.wrench,
-            _rows(spin),
-            _rows(velocity),
-            s.dt,
-            self._contact_wrench,
-            self._wrench,
-        )
-        self.ledger.contact_work -= self.contact_forces.node_work + by_contact
-        self.ledger.tool_work -= by_all
-
-
-def _rows(numbers: Floats) -> Floats:
-    """Return what a motion gave, which may be a view of any kind, as the kernels take it."""
-    return np.ascontiguousarray(numbers, float)

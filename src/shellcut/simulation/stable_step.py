@@ -24,16 +24,17 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
-from shellcut.cables.directional_cable import CableSet
-from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
+
+from .tool_terms import ToolTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
 _TIGHT = 0.99
@@ -91,11 +92,10 @@ class StableStep:
         self,
         stepping: Stepping,
         shell: MITC4Shell,
-        cables: CableSet,
-        contact: PenaltyContact | None,
+        tool_terms: Sequence[ToolTerm],
     ) -> None:
         self.stepping = stepping
-        self._shell, self._cables, self._contact = shell, cables, contact
+        self._shell, self._tool_terms = shell, tuple(tool_terms)
         self._next = 0
         self._revision = -1
         self._dt = 0.0
@@ -158,7 +158,7 @@ class StableStep:
         """Return the safe step without the safety factor [s]; nothing of this look is kept."""
         frequencies = self._shell.frequencies
         before = copy.deepcopy(frequencies.saved())
-        whole = StableStep(Stepping(safety=1.0), self._shell, self._cables, self._contact)
+        whole = StableStep(Stepping(safety=1.0), self._shell, self._tool_terms)
         safe = whole.next(state)
         frequencies.restore(before)
         return safe
@@ -230,12 +230,10 @@ class StableStep:
     def _held_quads(self, state: State) -> tuple[Ints, Floats]:
         """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²]."""
         n = state.node
-        nodes, stiffness = self._cables.stiffness(state)
-        if self._contact is not None:
-            near = self._contact.near_nodes(state)
-            nodes = np.concatenate([nodes, near])
-            penalty = self._contact.law.steepest(n.contact_area[near])
-            stiffness = np.concatenate([stiffness, penalty])
+        # The last term first: the order of a sum is part of the result.
+        held = [term.stiffness(state) for term in reversed(self._tool_terms)]
+        nodes = np.concatenate([ids for ids, _ in held])
+        stiffness = np.concatenate([of_nodes for _, of_nodes in held])
         node, row = np.unique(nodes, return_inverse=True)
         omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
         # Every quad at such a node, with the stiffest of its nodes.

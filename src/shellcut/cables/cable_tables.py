@@ -1,0 +1,56 @@
+"""What the kernel of the cables takes, in named tables."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.tool.cutting_edge import CuttingEdges
+
+
+class CableNodes(NamedTuple):
+    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+    force: Annotated[Floats, "(n_node, 3)"]
+    """Written."""
+
+
+class CableRows(NamedTuple):
+    """What it needs of the cables, by the names of :class:`shellcut.state.CableTable`."""
+
+    ends: Annotated[Ints, "(n_cable, 2)"]
+    area: Annotated[Floats, "(n_cable,)"]
+    m: Annotated[Floats, "(n_cable, 3)"]
+    start_force: Annotated[Floats, "(n_cable, 3)"]
+    status: Annotated[SmallInts, "(n_cable,)"]
+    """Written from here on."""
+    opening: Annotated[Floats, "(n_cable,)"]
+    opening_max: Annotated[Floats, "(n_cable,)"]
+    traction: Annotated[Floats, "(n_cable,)"]
+    edge: Annotated[Ints, "(n_cable,)"]
+    joint_body: Annotated[Floats, "(n_cable, 3)"]
+    joint: Annotated[Floats, "(n_cable, 3)"]
+    joint_slack: Annotated[Floats, "(n_cable,)"]
+    overshoot: Annotated[Floats, "(n_cable,)"]
+    branch: Annotated[Floats, "(n_cable, 2, 3)"]
+    force: Annotated[Floats, "(n_cable, 2, 3)"]
+    work: Annotated[Floats, "(n_cable,)"]
+    start_work: Annotated[Floats, "(n_cable,)"]
+    end_time: Annotated[Floats, "(n_cable,)"]
+
+
+class CableTables(NamedTuple):
+    """All that the kernel takes and that lasts until the next split."""
+
+    n_cable: int
+    """Number of cables; the rows beyond are in reserve."""
+    directional: bool
+    """Whether the cables may meet the edges."""
+    law: Annotated[Floats, "(n_parameter,)"]
+    """Of :meth:`CohesiveLaw.parameters`."""
+    edges: CuttingEdges
+    nodes: CableNodes
+    cables: CableRows

@@ -1,0 +1,147 @@
+"""The loop over the terms that touch the tool: wrench, work, stiffness, ledger and restart."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from naive import cases
+from notched_strip import cutting
+from shellcut.simulation.ledger import Ledger
+from shellcut.simulation.stable_step import StableStep, Stepping
+from shellcut.simulation.tool_terms import ToolTerms, work_on_tool
+from shellcut.tool.motion import StraightMotion
+
+
+class SpringForces(NamedTuple):
+    wrench: np.ndarray
+    node_work: float
+
+    def works(self, on_tool):
+        return {"contact_work": -(self.node_work + on_tool)}
+
+
+class Spring:
+    """A spring between a node and the origin of the tool: a term that names all it must give."""
+
+    name = "spring"
+
+    def __init__(self, node, k):
+        self.node, self.k = node, k
+        self.forces = SpringForces(np.zeros((1, 6)), 0.0)
+        self._before = None
+
+    def add_forces(self, state, pose):
+        x = state.node.x[self.node].copy()
+        f = self.k * (pose.translation - x)
+        state.node.force[self.node] += f
+        work = 0.0
+        if self._before is not None:
+            work = float(0.5 * (self._before[0] + f) @ (x - self._before[1]))
+        self._before = f, x
+        self.forces = SpringForces(np.concatenate([-f, np.zeros(3)])[None], work)
+        return self.forces
+
+    def energy(self):
+        return 0.5 * float(self._before[0] @ self._before[0]) / self.k
+
+    def stiffness(self, state):
+        return np.array([self.node]), np.array([self.k])
+
+    def stored(self, state):
+        return {"contact_stored": self.energy()}
+
+    def saved(self):
+        return {"force": self._before[0], "x": self._before[1]}
+
+    def restore(self, state, pose, saved):
+        self._before = saved["force"].copy(), saved["x"].copy()
+
+
+MOTION = StraightMotion((1.0, 0.0, 0.0), speed=100.0)
+
+
+def drive(terms, state, book, steps, first=0):
+    """Move the tool, and the node a little."""
+    for step in range(first, steps):
+        state.time, state.dt = step * 1e-4, 1e-4 if step else 0.0
+        state.node.x[5] = [0.1 * step, 0.02 * step**2, 0.3]
+        terms.add_forces(state, MOTION.pose(state.time), book)
+
+
+def test_a_new_term_is_in_forces_wrench_work_and_ledger():
+    _, state = cases.set_up(cases.skewed_flat())
+    one, two = Spring(5, 7.0), Spring(6, 3.0)
+    terms, book = ToolTerms([one, two], MOTION, 1), Ledger()
+    before = state.node.force[5].copy()
+    drive(terms, state, book, 1)
+    np.testing.assert_array_equal(state.node.force[5] - before, -one.forces.wrench[0, :3])
+    np.testing.assert_array_equal(terms.wrench, one.forces.wrench + two.forces.wrench)
+    at_start = one.energy() + two.energy()
+    drive(terms, state, book, 30, first=1)
+    # Of linear springs the trapezoidal rule is exact: what tool and nodes did is what they hold.
+    stored = one.energy() + two.energy() - at_start
+    assert book.contact_work == pytest.approx(stored, rel=1e-12)
+    assert abs(book.tool_work) > 1e-3 * abs(stored)
+    terms.close(state, book)
+    assert book.contact_stored == two.energy()
+
+
+def test_a_restart_goes_on_bit_for_bit():
+    def run(stop):
+        _, state = cases.set_up(cases.skewed_flat())
+        terms, book = ToolTerms([Spring(5, 7.0)], MOTION, 1), Ledger()
+        drive(terms, state, book, stop)
+        return terms, state, book
+
+    whole, _, wanted = run(20)
+    terms, state, book = run(12)
+    again = ToolTerms([Spring(5, 7.0)], MOTION, 1)
+    again.restore(state, MOTION.pose(state.time), terms.saved())
+    drive(again, state, book, 20, first=12)
+    assert book == wanted
+    np.testing.assert_array_equal(again.saved()["last"], whole.saved()["last"])
+
+
+def test_the_stiffness_of_a_term_shortens_the_step():
+    shell, state = cases.set_up(cases.skewed_flat())
+    k = 1e3 * shell.frequencies.squared.max() * state.node.mass[5]
+    step = StableStep(Stepping(safety=1.0), shell, [Spring(5, k)])
+    at = (state.quads == 5).any(axis=1)
+    total = shell.frequencies.squared + np.where(at, k / state.node.mass[5], 0.0)
+    assert step.bound(state) == pytest.approx(2.0 / np.sqrt(total.max()), rel=1e-12)
+
+
+def test_contact_and_cables_of_a_simulation_are_terms():
+    sim = cutting()
+    assert [term.name for term in sim.tool_terms] == ["contact", "joints"]
+    assert list(sim.tool_terms) == [sim.contact, sim.cables]
+    for term in sim.tool_terms:
+        nodes, stiffness = term.stiffness(sim.state)
+        assert nodes.shape == stiffness.shape
+        assert term.forces.wrench.shape == (1, 6)
+
+
+def test_work_of_the_tool_is_the_trapezoid_of_wrench_and_twist():
+    rng = np.random.default_rng(2)
+    wrenches = rng.normal(size=(3, 2, 4, 6))  # three steps of two terms and four teeth
+    spin, velocity = rng.normal(size=(2, 3, 3))
+    last = np.zeros((3, 6))
+    for k in range(3):
+        works = np.full(2, np.nan)
+        whole = work_on_tool(
+            wrenches=wrenches[k],
+            spin=spin[k],
+            velocity=velocity[k],
+            dt=0.1 * (k + 1),
+            last=last,
+            works=works,
+        )
+        moved = 0.1 * (k + 1) * np.concatenate([velocity[k], spin[k]])
+        for term in range(2):
+            before = wrenches[k - 1, term].sum(axis=0) if k else np.zeros(6)
+            mean = 0.5 * (before + wrenches[k, term].sum(axis=0))
+            assert works[term] == pytest.approx(mean @ moved, rel=1e-13)
+        assert whole == pytest.approx(works.sum(), rel=1e-13)
+    np.testing.assert_allclose(last[:2], wrenches[2].sum(axis=1), rtol=1e-14)
+    np.testing.assert_allclose(last[2], wrenches[2].sum(axis=(0, 1)), rtol=1e-14)
