@@ -12,18 +12,18 @@ CARD = ("mitc4", "cables", "contact", "loads", "central_difference")
 """The row of the method itself, drawn in colour."""
 
 NOTES = {
-    "command_line": "what a user types",
+    "command_line": "the shellcut command",
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, free cut",
-    "recording": "what a running simulation writes",
+    "recording": "files a run writes while it goes",
     "simulation": "the step, equilibrium, checks before a run, runs read back",
     "fracture": "when and where the film parts; a path put into the mesh",
     "mitc4": "the forces, and the integrator that follows them",
-    "state": "what changes in time, what does not, what is drawn",
+    "state": "fields in time; film, tool and motion; pictures",
     "numerics": "compiled kernels, file formats, one picture of a run",
     "arrays": "leaves: kinds of arrays, units, files that stay whole",
 }
-"""What a row is about, by its first room."""
+"""Subject of each row, by its first room."""
 
 WIDTH, ROW, GAP, LEFT = 860, 40, 12, 16
 NOTE = 365
