@@ -14,18 +14,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 from numba import types
 from numba.core.datamodel import models
 from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
 
-from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, put, zero
 
-from .point_law import LAWS, PointLaw
+from .point_law import LAWS, History, PointLaw
 
 _OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
@@ -34,56 +34,64 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     return function if hasattr(function, "py_func") else always_inline(function)
 
 
-def point_stress(
-    laws: tuple[PointLaw, ...],
-    kind: int,
-    parameters: Floats,
-    k: int,
-    strain: Vector,
-    old: Numbers,
-    new: Numbers,
-    b: int,
-    b_new: int,
-    first: int,
-    lane: Lane,
-    dt: float,
-) -> tuple[Vector, Number, Number]:
-    """Return stress [MPa], stored and just dissipated energy density [N/mm²] of law ``kind``.
+class PointLaws(NamedTuple):
+    """The laws of the points through the thickness, the same for all quads."""
 
-    parameters : (n_point, n_parameter), row k is read.  old, new : (n_block, n, width), the
-    history from ``first`` on of block ``b`` is read, that of block ``b_new`` written.
+    laws: tuple[PointLaw, ...]
+    """Laws of the layers, each once."""
+    kind: Annotated[Ints, "(n_point,)"]
+    """Which of them each point has."""
+    parameters: Annotated[Floats, "(n_point, n_parameter)"]
+    """Of each point's law, in rows filled up with zeros."""
+
+
+class HistoryStep(NamedTuple):
+    """Where the history of a block of quads is read and written, and the time between."""
+
+    old: Annotated[Numbers, "(n_block, n, width)"]
+    """At t_{n-1}."""
+    new: Annotated[Numbers, "(n_new, n, width)"]
+    """At t_n; may be the same array."""
+    block: int
+    """That is read."""
+    new_block: int
+    """That is written."""
+    dt: float
+    """Length of the step [s]."""
+
+
+def point_stress(
+    laws: PointLaws, k: int, strain: Vector, history: HistoryStep, first: int, lane: Lane
+) -> tuple[Vector, Number, Number]:
+    """Return stress [MPa], stored and just dissipated energy density [N/mm²] at point ``k``.
+
+    Its history numbers are those from ``first`` on.
     """
-    law = laws[kind]
-    n = len(law.history)
-    before = tuple(pick(old, b, first + i, lane) for i in range(n))
+    law = laws.laws[laws.kind[k]]
+    before = _before(law, history, first, lane)
     function = getattr(law.stress, "py_func", law.stress)
-    stress, stored, dissipated, after = function(parameters[k], strain, before, dt)
-    for i in range(n):
-        put(new, b_new, first + i, lane, after[i])
+    stress, stored, dissipated, after = function(laws.parameters[k], strain, before, history.dt)
+    for i in range(len(law.history)):
+        put(history.new, history.new_block, first + i, lane, after[i])
     return stress, stored, zero(lane) + dissipated
 
 
 def point_thickness(
-    laws: tuple[PointLaw, ...],
-    kind: int,
-    parameters: Floats,
-    k: int,
-    strain: Vector,
-    old: Numbers,
-    b: int,
-    first: int,
-    lane: Lane,
+    laws: PointLaws, k: int, strain: Vector, history: HistoryStep, first: int, lane: Lane
 ) -> Number:
-    """Return the thickness stretch of law ``kind``; arguments as of :func:`point_stress`."""
-    law = laws[kind]
-    before = tuple(pick(old, b, first + i, lane) for i in range(len(law.history)))
+    """Return the thickness stretch at point ``k``, with the old history."""
+    law = laws.laws[laws.kind[k]]
     function = getattr(law.thickness_stretch, "py_func", law.thickness_stretch)
-    return function(parameters[k], strain, before)
+    return function(laws.parameters[k], strain, _before(law, history, first, lane))
 
 
-def dissipates(laws: tuple[PointLaw, ...]) -> bool:
+def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> History:
+    return tuple(pick(history.old, history.block, first + i, lane) for i in range(len(law.history)))
+
+
+def dissipates(laws: PointLaws) -> bool:
     """Whether any of the laws has a history; of laws that have none nothing is summed."""
-    return any(law.history for law in laws)
+    return any(law.history for law in laws.laws)
 
 
 # ---------------------------------------------------------------- how Numba sees a law
@@ -111,7 +119,7 @@ def _unbox_law(kind: Any, value: Any, context: Any) -> Any:
 
 
 def _laws_of(laws: Any) -> list[PointLaw]:
-    return [LAWS[one.law] for one in laws.types]
+    return [LAWS[one.law] for one in laws.types[0].types]
 
 
 @overload(dissipates, jit_options=_OPTIONS)
@@ -122,21 +130,21 @@ def _dissipates(laws):
 
 
 @overload(point_stress, jit_options=_OPTIONS)
-def _point_stress(laws, kind, parameters, k, strain, old, new, b, b_new, first, lane, dt):
+def _point_stress(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
 
-    def stress(laws, kind, parameters, k, strain, old, new, b, b_new, first, lane, dt):
-        return function(kind, parameters[k], strain, old, new, b, b_new, first, lane, dt)
+    def stress(laws, k, strain, history, first, lane):
+        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
 
     return stress
 
 
 @overload(point_thickness, jit_options=_OPTIONS)
-def _point_thickness(laws, kind, parameters, k, strain, old, b, first, lane):
+def _point_thickness(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
 
-    def thickness(laws, kind, parameters, k, strain, old, b, first, lane):
-        return function(kind, parameters[k], strain, old, old, b, b, first, lane, 0.0)
+    def thickness(laws, k, strain, history, first, lane):
+        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
 
     return thickness
 
@@ -150,23 +158,23 @@ def _one_of(functions: tuple[Any, ...]) -> Any:
     if not others:
 
         @always_inline
-        def only(kind, p, strain, old, new, b, b_new, first, lane, dt):
-            return function(p, strain, old, new, b, b_new, first, lane, dt)
+        def only(kind, p, strain, history, first, lane):
+            return function(p, strain, history, first, lane)
 
         return only
     further = _one_of(others)
 
     @always_inline
-    def one(kind, p, strain, old, new, b, b_new, first, lane, dt):
+    def one(kind, p, strain, history, first, lane):
         if kind == 0:
-            return function(p, strain, old, new, b, b_new, first, lane, dt)
-        return further(kind - 1, p, strain, old, new, b, b_new, first, lane, dt)
+            return function(p, strain, history, first, lane)
+        return further(kind - 1, p, strain, history, first, lane)
 
     return one
 
 
 @always_inline
-def _no_law(kind, p, strain, old, new, b, b_new, first, lane, dt):
+def _no_law(kind, p, strain, history, first, lane):
     none = zero(lane)
     return (none, none, none), none, none
 
@@ -178,18 +186,18 @@ def _stress_function(law: PointLaw) -> Any:
     if n == 0:
 
         @always_inline
-        def without(p, strain, old, new, b, b_new, first, lane, dt):
-            stress, stored, _, _ = function(p, strain, (), dt)
+        def without(p, strain, history, first, lane):
+            stress, stored, _, _ = function(p, strain, (), history.dt)
             return stress, stored, zero(lane)
 
         return without
     read, write = _reader(n), _writer(n)
 
     @always_inline
-    def with_history(p, strain, old, new, b, b_new, first, lane, dt):
-        before = read(old, b, first, lane)
-        stress, stored, dissipated, after = function(p, strain, before, dt)
-        write(new, b_new, first, lane, after)
+    def with_history(p, strain, history, first, lane):
+        before = read(history.old, history.block, first, lane)
+        stress, stored, dissipated, after = function(p, strain, before, history.dt)
+        write(history.new, history.new_block, first, lane, after)
         return stress, stored, zero(lane) + dissipated
 
     return with_history
@@ -201,15 +209,15 @@ def _thickness_function(law: PointLaw) -> Any:
     if n == 0:
 
         @always_inline
-        def without(p, strain, old, new, b, b_new, first, lane, dt):
+        def without(p, strain, history, first, lane):
             return function(p, strain, ())
 
         return without
     read = _reader(n)
 
     @always_inline
-    def with_history(p, strain, old, new, b, b_new, first, lane, dt):
-        return function(p, strain, read(old, b, first, lane))
+    def with_history(p, strain, history, first, lane):
+        return function(p, strain, read(history.old, history.block, first, lane))
 
     return with_history
 

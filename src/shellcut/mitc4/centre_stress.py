@@ -40,6 +40,7 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale
 
 from .section import frame_components
+from .surface import Surface
 
 # Derivatives of the shape functions by xi and eta at the centre.
 _AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
@@ -113,12 +114,8 @@ class CentreStress:
         sigma = np.empty((len(which), 3, 3))
         _cauchy(
             which=which,
-            X=self._mesh.nodes,
-            T=self._mesh.directors,
-            reference_quads=self._mesh.quads,
-            x=x,
-            t=t,
-            quads=quads,
+            reference=Surface.of(self._mesh),
+            present=Surface(x, t, quads),
             height=self._height[place],
             law=self._law[place][None],
             nominal=place == "nominal",
@@ -190,18 +187,12 @@ class CentreStress:
         n = len(quads)
         stresses = FaceStresses(np.empty((n, 3, 3)), np.empty((n, 3, 2)), np.empty(n))
         _faces(
-            X=self._mesh.nodes,
-            T=self._mesh.directors,
-            reference_quads=self._mesh.quads,
-            x=x,
-            t=t,
-            quads=quads,
+            reference=Surface.of(self._mesh),
+            present=Surface(x, t, quads),
             height=self._height["top"],
             laws=self._laws,
             plies=self._plies,
-            stress=stresses.stress,
-            principal=stresses.principal,
-            thickness=stresses.thickness,
+            seen=stresses,
         )
         return stresses
 
@@ -235,20 +226,17 @@ def _centre(x: Floats, quads: Ints, e: int) -> tuple[Vec3, Vec3, Vec3]:
 
 @inline
 def _strain(
-    A1: Vec3,
-    A2: Vec3,
-    T0: Vec3,
-    T1: Vec3,
-    T2: Vec3,
-    a1: Vec3,
-    a2: Vec3,
-    b1: Vec3,
-    b2: Vec3,
+    A: tuple[Vec3, Vec3],
+    T: tuple[Vec3, Vec3, Vec3],
+    a: tuple[Vec3, Vec3],
+    t: tuple[Vec3, Vec3, Vec3],
     height: float,
 ) -> tuple[Vec3, Vec3, Vec3, float]:
     """Return (E_11, E_22, 2 E_12) in the Cartesian frame at a height, f_1, f_2, and J."""
-    G1, G2 = combine(1.0, A1, height, T1), combine(1.0, A2, height, T2)
-    g1, g2 = combine(1.0, a1, height, b1), combine(1.0, a2, height, b2)
+    T0, T1, T2 = T
+    _, t1, t2 = t
+    G1, G2 = combine(1.0, A[0], height, T1), combine(1.0, A[1], height, T2)
+    g1, g2 = combine(1.0, a[0], height, t1), combine(1.0, a[1], height, t2)
     e3 = scale(1.0 / norm(T0), T0)
     e1 = cross(G2, e3)
     e1 = scale(1.0 / norm(e1), e1)
@@ -284,82 +272,69 @@ def _times(law: Floats, k: int, strain: Vec3) -> Vec3:
 @inline
 def _store_lamina(
     S: Vec3,
-    f1: Vec3,
-    f2: Vec3,
-    J: float,
-    e1: Vec3,
-    e2: Vec3,
+    carried: tuple[Vec3, Vec3, float],
+    axes: tuple[Vec3, Vec3],
     e: int,
     k: int,
-    stress: Floats,
-    principal: Floats,
+    seen: FaceStresses,
 ) -> None:
     """Write the Cauchy stress S_ij f_i f_j / J in the frame e1, e2 to place k of quad e."""
+    f1, f2, J = carried
+    e1, e2 = axes
     u1, v1 = dot(f1, e1), dot(f1, e2)
     u2, v2 = dot(f2, e1), dot(f2, e2)
     s11 = (S[0] * u1 * u1 + S[1] * u2 * u2 + 2.0 * S[2] * u1 * u2) / J
     s22 = (S[0] * v1 * v1 + S[1] * v2 * v2 + 2.0 * S[2] * v1 * v2) / J
     s12 = (S[0] * u1 * v1 + S[1] * u2 * v2 + S[2] * (u1 * v2 + u2 * v1)) / J
     mean, radius = 0.5 * (s11 + s22), np.sqrt((0.5 * (s11 - s22)) ** 2 + s12 * s12)
-    stress[e, k, 0], stress[e, k, 1], stress[e, k, 2] = s11, s22, s12
-    principal[e, k, 0], principal[e, k, 1] = mean + radius, mean - radius
+    seen.stress[e, k, 0], seen.stress[e, k, 1], seen.stress[e, k, 2] = s11, s22, s12
+    seen.principal[e, k, 0], seen.principal[e, k, 1] = mean + radius, mean - radius
 
 
 @kernel
 def _faces(
-    X: Floats,
-    T: Floats,
-    reference_quads: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
+    reference: Surface,
+    present: Surface,
     height: float,
     laws: Floats,
     plies: Floats,
-    stress: Floats,
-    principal: Floats,
-    thickness: Floats,
+    seen: FaceStresses,
 ) -> None:
-    """Write the arrays of FaceStresses.
+    """Write the arrays of ``seen``.
 
-    X, T, reference_quads : of the reference; x, t, quads : of the present.  height : of the top.
-    laws : (4, 3, 3), A/h, B/h, C of the top and of the bottom layer.  plies : (n_layer, 5),
-    thickness, height of the middle, and a with 2 E_33 = - a · (E_11, E_22, 2 E_12).
+    height : of the top.  laws : (4, 3, 3), A/h, B/h, C of the top and of the bottom layer.
+    plies : (n_layer, 5), thickness, height of the middle, a of 2 E_33 = - a · (E_11, E_22, 2 E_12).
     """
-    for e in range(quads.shape[0]):
-        _, A1, A2 = _centre(X, reference_quads, e)
-        T0, T1, T2 = _centre(T, reference_quads, e)
-        _, a1, a2 = _centre(x, quads, e)
-        _, b1, b2 = _centre(t, quads, e)
+    for e in range(present.quads.shape[0]):
+        _, A1, A2 = _centre(reference.x, reference.quads, e)
+        T = _centre(reference.t, reference.quads, e)
+        _, a1, a2 = _centre(present.x, present.quads, e)
+        t = _centre(present.t, present.quads, e)
         e1 = scale(1.0 / norm(a1), a1)
         e2 = cross(cross(a1, a2), e1)
         e2 = scale(1.0 / norm(e2), e2)
-        top, f1, f2, J = _strain(A1, A2, T0, T1, T2, a1, a2, b1, b2, height)
-        _store_lamina(_times(laws, 2, top), f1, f2, J, e1, e2, e, 1, stress, principal)
-        bottom, f1, f2, J = _strain(A1, A2, T0, T1, T2, a1, a2, b1, b2, -height)
-        _store_lamina(_times(laws, 3, bottom), f1, f2, J, e1, e2, e, 2, stress, principal)
-        mid, f1, f2, J = _strain(A1, A2, T0, T1, T2, a1, a2, b1, b2, 0.0)
+        top, f1, f2, J = _strain((A1, A2), T, (a1, a2), t, height)
+        _store_lamina(_times(laws, 2, top), (f1, f2, J), (e1, e2), e, 1, seen)
+        bottom, f1, f2, J = _strain((A1, A2), T, (a1, a2), t, -height)
+        _store_lamina(_times(laws, 3, bottom), (f1, f2, J), (e1, e2), e, 2, seen)
+        mid, f1, f2, J = _strain((A1, A2), T, (a1, a2), t, 0.0)
         slope = combine(0.5 / height, top, -0.5 / height, bottom)
         S = combine(1.0, _times(laws, 0, mid), 1.0, _times(laws, 1, slope))
-        _store_lamina(S, f1, f2, J, e1, e2, e, 0, stress, principal)
+        _store_lamina(S, (f1, f2, J), (e1, e2), e, 0, seen)
         h = 0.0
         for k in range(plies.shape[0]):
             at = combine(1.0, mid, plies[k, 1], slope)
             thinning = plies[k, 2] * at[0] + plies[k, 3] * at[1] + plies[k, 4] * at[2]
             # Compressed beyond measure by the law at an area strain of 117 % (nu 0.3).
             h += plies[k, 0] * np.sqrt(max(0.0, 1.0 - thinning))
-        thickness[e] = h
+        seen.thickness[e] = h
 
 
 @kernel
 def _cauchy(
     which: Ints,
-    X: Floats,
-    T: Floats,
-    reference_quads: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
+    reference: Surface,
+    present: Surface,
     height: float,
     law: Floats,
     nominal: bool,
@@ -367,16 +342,16 @@ def _cauchy(
 ) -> None:
     """Write the stress of the quads ``which`` at xi³ = height to sigma : (n, 3, 3).
 
-    X, T, reference_quads : of the reference; x, t, quads : of the present.  law : (1, 3, 3), plane
+    law : (1, 3, 3), plane
     stress.  nominal : S turned with the surface instead of sigma.
     """
     for i in range(which.shape[0]):
         e = which[i]
-        _, A1, A2 = _centre(X, reference_quads, e)
-        T0, T1, T2 = _centre(T, reference_quads, e)
-        _, a1, a2 = _centre(x, quads, e)
-        _, b1, b2 = _centre(t, quads, e)
-        strain, f1, f2, stretch = _strain(A1, A2, T0, T1, T2, a1, a2, b1, b2, height)
+        _, A1, A2 = _centre(reference.x, reference.quads, e)
+        T = _centre(reference.t, reference.quads, e)
+        _, a1, a2 = _centre(present.x, present.quads, e)
+        t = _centre(present.t, present.quads, e)
+        strain, f1, f2, stretch = _strain((A1, A2), T, (a1, a2), t, height)
         S11, S22, S12 = _times(law, 0, strain)
         if nominal:
             normal = cross(f1, f2)

@@ -34,7 +34,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import sqrt
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
 
 from .element import GAUSS, N_STRAIN, modes, products
+from .surface import Surface
 from .tangent import N_FREEDOM, reference_products
 
 # How much above the power iteration's value the bound is tried, and the turns of one try. Two
@@ -59,6 +60,17 @@ _CONGRUENT = 1e-9
 
 Shares = Callable[[Ints], tuple[Floats, Floats]]
 Tangents = Callable[[Floats, Floats, Ints], Floats]
+
+
+class _Evaluations(NamedTuple):
+    """The last evaluation of each quad."""
+
+    row: Annotated[Ints, "(n_quad,)"]
+    """Its row among"""
+    strain: Annotated[Floats, "(n_row, 16)"]
+    """the strains of the evaluations, row 0 for the reference."""
+    evaluated: Annotated[Floats, "(n_quad,)"]
+    """omega² then [1/s²]."""
 
 
 class QuadFrequencies:
@@ -97,15 +109,9 @@ class QuadFrequencies:
     def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
         """Bring the bounds up to the present positions and directors, without an evaluation."""
         _follow(
-            X=self._mesh.nodes,
-            T=self._mesh.directors,
-            reference_quads=self._mesh.quads,
-            x=x,
-            t=t,
-            quads=quads,
-            row=self._row,
-            strain=self._strain,
-            evaluated=self._evaluated,
+            reference=Surface.of(self._mesh),
+            present=Surface(x, t, quads),
+            known=_Evaluations(self._row, self._strain, self._evaluated),
             by_stretch=self._by_stretch,
             by_turn=self._by_turn,
             squared=self.squared,
@@ -117,12 +123,8 @@ class QuadFrequencies:
         self._row[new] = len(self._strain) + np.arange(new.size)
         self._strain = np.concatenate([self._strain, np.zeros((new.size, N_STRAIN))])
         _store_strains(
-            X=self._mesh.nodes,
-            T=self._mesh.directors,
-            reference_quads=self._mesh.quads,
-            x=x,
-            t=t,
-            quads=quads,
+            reference=Surface.of(self._mesh),
+            present=Surface(x, t, quads),
             which=which,
             row=self._row,
             strain=self._strain,
@@ -209,7 +211,8 @@ def _classes(mesh: Mesh) -> tuple[Ints, Ints]:
 
 
 @inline
-def _products_of(x: Floats, t: Floats, quads: Ints, e: int, m: Floats) -> None:
+def _products_of(surface: Surface, e: int, m: Floats) -> None:
+    x, t, quads = surface
     n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
     row = products(
         modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3)),
@@ -221,12 +224,8 @@ def _products_of(x: Floats, t: Floats, quads: Ints, e: int, m: Floats) -> None:
 
 @kernel
 def _store_strains(
-    X: Floats,
-    T: Floats,
-    reference_quads: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
+    reference: Surface,
+    present: Surface,
     which: Ints,
     row: Ints,
     strain: Floats,
@@ -235,36 +234,30 @@ def _store_strains(
     m = np.empty(N_STRAIN)
     for i in range(which.shape[0]):
         e = which[i]
-        _products_of(x, t, quads, e, strain[row[e]])
-        _products_of(X, T, reference_quads, e, m)
+        _products_of(present, e, strain[row[e]])
+        _products_of(reference, e, m)
         for k in range(N_STRAIN):
             strain[row[e], k] -= m[k]
 
 
 @kernel
 def _follow(
-    X: Floats,
-    T: Floats,
-    reference_quads: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
-    row: Ints,
-    strain: Floats,
-    evaluated: Floats,
+    reference: Surface,
+    present: Surface,
+    known: _Evaluations,
     by_stretch: float,
     by_turn: float,
     squared: Floats,
 ) -> None:
-    """Write squared, evaluated times the square of the growth since, both : (n_quad,)."""
+    """Write squared : (n_quad,), evaluated times the square of the growth since."""
     m, s = np.empty(N_STRAIN), np.empty(N_STRAIN)
-    for e in range(quads.shape[0]):
-        _products_of(X, T, reference_quads, e, m)
-        _products_of(x, t, quads, e, s)
+    for e in range(present.quads.shape[0]):
+        _products_of(reference, e, m)
+        _products_of(present, e, s)
         for k in range(N_STRAIN):
-            s[k] -= m[k] + strain[row[e], k]
-        stretch, turned = change_of_shape(X, reference_quads, e, s)
-        squared[e] = evaluated[e] * (1.0 + by_stretch * stretch + by_turn * turned) ** 2
+            s[k] -= m[k] + known.strain[known.row[e], k]
+        stretch, turned = change_of_shape(reference.x, reference.quads, e, s)
+        squared[e] = known.evaluated[e] * (1.0 + by_stretch * stretch + by_turn * turned) ** 2
 
 
 @inline

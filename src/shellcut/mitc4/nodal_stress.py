@@ -12,15 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import tangent_basis
 from shellcut.state import State
 
 from .shell import MITC4Shell
+from .surface import Surface
 
 # Least ratio of the smaller to the larger second moment of the samples: below it the slope normal
 # to their line is noise.
@@ -44,6 +46,19 @@ class NodalStress:
     principal: Floats
     direction: Floats
     n_borrowed: int
+
+
+class _Patches(NamedTuple):
+    """The quads around nodes, and the stresses at their centres."""
+
+    surface: Surface
+    quads_at: Annotated[SmallIds, "(n_node, n_most)"]
+    """Quads at every node, the first ``n_quad_at`` in use."""
+    n_quad_at: Annotated[SmallIds, "(n_node,)"]
+    sampled: Annotated[Ints, "(n_sampled,)"]
+    """All quads around the nodes and around their neighbours, ascending."""
+    stress: Annotated[Floats, "(n_sampled, 3, 3)"]
+    """Of these [MPa]."""
 
 
 def recover(
@@ -89,14 +104,14 @@ def recover(
     principal, direction = np.zeros(len(nodes)), np.zeros((len(nodes), 3))
     borrowed = _recover(
         nodes=np.asarray(nodes, np.int64),
-        x=n.x,
-        t=n.t,
-        quads=state.quads,
-        quads_at=n.quads,
-        n_quad_at=n.n_quad_at,
+        patches=_Patches(
+            Surface(n.x, n.t, state.quads),
+            n.quads,
+            n.n_quad_at,
+            needed,
+            shell.stress(state, needed, place=place),
+        ),
         tips=np.sort(np.array(tips, np.int64)),
-        sampled=needed,
-        stress=shell.stress(state, needed, place=place),
         principal=principal,
         direction=direction,
     )
@@ -108,15 +123,12 @@ def _fit(
     n: int,
     at: int,
     frame: Floats,
-    x: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
-    sampled: Ints,
-    stress: Floats,
+    patches: _Patches,
     value: Floats,
 ) -> bool:
     """Fit the patch of node n in the given frame, write its value at node ``at``; False if poor."""
+    surface, quads_at, n_quad_at, sampled, stress = patches
+    x, quads = surface.x, surface.quads
     k = n_quad_at[n]
     px, py = np.empty(k), np.empty(k)
     s = np.empty((k, 3))
@@ -168,29 +180,23 @@ def _fit(
 @kernel
 def _recover(
     nodes: Ints,
-    x: Floats,
-    t: Floats,
-    quads: Ints,
-    quads_at: Ints,
-    n_quad_at: Ints,
+    patches: _Patches,
     tips: Ints,
-    sampled: Ints,
-    stress: Floats,
     principal: Floats,
     direction: Floats,
 ) -> int:
     """Write principal : (n,) and direction : (n, 3) of the nodes; return how many borrowed.
 
-    tips, sampled : ascending.  stress : (n_sampled, 3, 3), of all quads around the nodes and around
-    their neighbours.
+    tips : ascending.
     """
+    (_, t, quads), quads_at, n_quad_at = patches.surface, patches.quads_at, patches.n_quad_at
     frame = np.empty((2, 3))
     value, other = np.empty(3), np.empty(3)
     borrowed = 0
     for i in range(nodes.shape[0]):
         n = nodes[i]
         tangent_basis(t, n, frame)
-        if not _fit(n, n, frame, x, quads, quads_at, n_quad_at, sampled, stress, value):
+        if not _fit(n, n, frame, patches, value):
             richest = 0
             for j in range(n_quad_at[n]):
                 e = quads_at[n, j]
@@ -200,7 +206,7 @@ def _recover(
                     lends = k == tips.shape[0] or tips[k] != near
                     if not (near != n and lends and n_quad_at[near] > richest):
                         continue
-                    if _fit(near, n, frame, x, quads, quads_at, n_quad_at, sampled, stress, other):
+                    if _fit(near, n, frame, patches, other):
                         richest = n_quad_at[near]
                         for c in range(3):
                             value[c] = other[c]

@@ -22,7 +22,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallIds, Vec3
-from shellcut.material.law_dispatch import point_stress, point_thickness
+from shellcut.material.law_dispatch import HistoryStep, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.lanes import pick
@@ -32,7 +32,8 @@ from shellcut.state import State
 from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads
 from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
-from .forces import LinearTables, PointTables, flat_strain, full_strain, point_resultants
+from .point_forces import point_resultants
+from .quad_strains import LinearTables, PointQuads, PointTables, Quads, strain_of
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, strain_at, turn_strain
 
 
@@ -59,7 +60,7 @@ class PointOutput:
             "top": ends[0],
             "bottom": ends[1],
         }
-        n_point = points.rule.kind.size // len(material.layers)
+        n_point = points.rule.laws.kind.size // len(material.layers)
         laws = [layer.material.law for layer in material.layers for _ in range(n_point)]
         self._history_share: dict[str, tuple[Floats, Ints]] = {}
         for name in dict.fromkeys(name for law in laws for name in law.history):
@@ -119,25 +120,21 @@ class PointOutput:
         resultants = np.empty((which.size, N_STRAIN))
         _resultants(
             slot=self._blocks.slot[which],
-            x=x,
-            t=t,
-            corner=self._blocks.corner,
-            tables=self._tables,
-            points=self._points,
+            quads=self._quads(x, t),
             history=history,
             resultants=resultants,
         )
         return resultants
 
+    def _quads(self, x: Floats, t: Floats) -> PointQuads:
+        blocks = self._blocks
+        return PointQuads(Quads(x, t, blocks.corner, blocks.chain, self._tables), self._points)
+
     def _stress(self, state: State, which: Ints, places: list[str]) -> tuple[Floats, Floats]:
         sigma, thickness = np.zeros((len(which), len(places), 3, 3)), np.zeros(len(which))
         _stresses(
             slot=self._blocks.slot[which],
-            x=state.node.x,
-            t=state.node.t,
-            corner=self._blocks.corner,
-            tables=self._tables,
-            points=self._points,
+            quads=self._quads(state.node.x, state.node.t),
             history=state.history,
             share=np.stack([self._share[place] for place in places]),
             nominal=places == ["nominal"],
@@ -160,30 +157,27 @@ def _lamina(x: Floats, quads: Ints) -> Floats:
 @kernel
 def _resultants(
     slot: SmallIds,
-    x: Floats,
-    t: Floats,
-    corner: SmallIds,
-    tables: LinearTables,
-    points: PointTables,
+    quads: PointQuads,
     history: Floats,
     resultants: Floats,
 ) -> None:
     """Write the resultants of the quads at the places ``slot`` to resultants : (n, 16)."""
-    width = corner.shape[2]
+    nodes = quads.quads
+    width = nodes.corner.shape[2]
     trial = np.empty((1, history.shape[1], width))
     for i in range(slot.shape[0]):
         b, lane = slot[i] // width, slot[i] % width
-        flat = b < tables.n_flat
-        xm, tm = quad_modes(x, t, corner, b, lane)
-        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
-        r, _, _ = point_resultants(flat, s, tables, points, history, trial, b, 0, lane, 0.0)
+        flat = b < nodes.tables.n_flat
+        both = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
+        s = strain_of(nodes.tables, flat, b, lane, both)
+        r, _, _ = point_resultants(quads, flat, s, HistoryStep(history, trial, b, 0, 0.0), lane)
         for k in range(N_STRAIN):
             resultants[i, k] = r[k]
 
 
 @inline
 def _frame_at(
-    points: PointTables, flat: bool, b: int, block: int, q: int, j: int, lane: int
+    points: PointTables, flat: bool, b: int, q: int, j: int, lane: int
 ) -> tuple[float, float, float, float, float]:
     """Return a, b, p of ê_1 and f, r of ê_2 at a point, of :mod:`.thickness_points`."""
     if flat:
@@ -198,26 +192,25 @@ def _frame_at(
     at = N_FULL_FRAME * (q * points.rule.place.shape[0] + j)
     frame = points.full_frame
     a, c, p = (
-        pick(frame, block, at, lane),
-        pick(frame, block, at + 1, lane),
-        pick(frame, block, at + 2, lane),
+        pick(frame, b, at, lane),
+        pick(frame, b, at + 1, lane),
+        pick(frame, b, at + 2, lane),
     )
-    f, r = pick(frame, block, at + 3, lane), pick(frame, block, at + 4, lane)
+    f, r = pick(frame, b, at + 3, lane), pick(frame, b, at + 4, lane)
     return np.float64(a), np.float64(c), np.float64(p), np.float64(f), np.float64(r)
 
 
 @inline
 def _strain_and_stretch(
     s: Sixteen,
-    xm: Modes,
-    tm: Modes,
+    modes: tuple[Modes, Modes],
     frame: tuple[float, float, float, float, float],
     z: float,
-    xi: float,
-    eta: float,
+    place: tuple[float, float],
 ) -> tuple[Vec3, Vec3, Vec3]:
     """Return (E_11, E_22, 2 E_12) as the forces take it, f_1 and f_2 at a point."""
     a, c, p, f, r = frame
+    (xm, tm), (xi, eta) = modes, place
     e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
     lifted = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
     e1, e2, e12 = turn_strain(0.25 * a, 0.25 * c, 0.25 * f, lifted)
@@ -237,11 +230,7 @@ def _strain_and_stretch(
 @kernel
 def _stresses(
     slot: SmallIds,
-    x: Floats,
-    t: Floats,
-    corner: SmallIds,
-    tables: LinearTables,
-    points: PointTables,
+    quads: PointQuads,
     history: Floats,
     share: Floats,
     nominal: bool,
@@ -253,25 +242,26 @@ def _stresses(
     share : (n_place, n_point), of the thickness points in each place.  nominal : S turned with the
     surface instead of sigma.  The other arguments as those of the force kernels.
     """
-    rule, width = points.rule, corner.shape[2]
+    nodes, points = quads.quads, quads.points
+    rule, width = points.rule, nodes.corner.shape[2]
     n_point = rule.place.shape[0]
     trial = np.empty((1, history.shape[1], width))
     for i in range(slot.shape[0]):
         b, lane = slot[i] // width, slot[i] % width
-        flat = b < tables.n_flat
-        xm, tm = quad_modes(x, t, corner, b, lane)
-        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        flat = b < nodes.tables.n_flat
+        xm, tm = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
+        s = strain_of(nodes.tables, flat, b, lane, (xm, tm))
+        at = HistoryStep(history, trial, b, 0, 0.0)
+        after = HistoryStep(trial, trial, 0, 0, 0.0)
         for q in range(4):
             xi, eta = GAUSS[q]
             for j in range(n_point):
-                frame = _frame_at(points, flat, b, b - tables.n_flat, q, j, lane)
-                strain, f1, f2 = _strain_and_stretch(s, xm, tm, frame, rule.place[j], xi, eta)
+                block = b if flat else b - nodes.tables.n_flat
+                frame = _frame_at(points, flat, block, q, j, lane)
+                strain, f1, f2 = _strain_and_stretch(s, (xm, tm), frame, rule.place[j], (xi, eta))
                 first = (q * n_point + j) * rule.n_history
-                kind, p = rule.kind[j], rule.parameters
-                S, _, _ = point_stress(
-                    rule.laws, kind, p, j, strain, history, trial, b, 0, first, lane, 0.0
-                )
-                stretch = point_thickness(rule.laws, kind, p, j, strain, trial, 0, first, lane)
+                S, _, _ = point_stress(rule.laws, j, strain, at, first, lane)
+                stretch = point_thickness(rule.laws, j, strain, after, first, lane)
                 thickness[i] += 0.25 * rule.weight[j] * stretch
                 normal = cross(f1, f2)
                 J = norm(normal)

@@ -15,38 +15,31 @@ from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
 from shellcut.numerics.threads import Workers, in_order
 from shellcut.state import State
 
-from .blocks import QuadBlocks, build_blocks
+from .blocks import build_blocks
 from .centre_stress import CentreStress, FaceStresses
-from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
-from .forces import (
-    LinearTables,
-    PointTables,
+from .element import N_STRAIN
+from .forces import add_flat_quads, add_full_quads
+from .frequency import QuadFrequencies
+from .point_forces import (
     add_flat_point_quads,
-    add_flat_quads,
     add_full_point_quads,
-    add_full_quads,
     write_corner_forces,
     write_point_corner_forces,
-    write_products,
 )
-from .frequency import QuadFrequencies
 from .point_output import PointOutput
-from .section import flat_moduli, flat_quads, flat_stiffness, full_stiffness, lumped_mass
-from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
-from .thickness_points import (
-    N_FLAT_FRAME,
-    N_FULL_FRAME,
-    build_rule,
-    flat_frames,
-    full_frames,
+from .quad_strains import (
+    PointQuads,
+    PointStep,
+    Quads,
+    QuadStep,
 )
+from .section import flat_quads, lumped_mass
+from .table_layout import BLOCKS_AT_A_TIME, build_tables
+from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
 # set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
-
-# Quads whose tables are built at a time: their temporaries stay small beside the film.
-_BLOCKS_AT_A_TIME = 512
 
 Precision: TypeAlias = Literal["double", "single"]
 
@@ -105,14 +98,14 @@ class MITC4Shell:
         self.area = np.empty(mesh.n_quad)
         """Reference area of the quads [mm²], shape (n_quad,)."""
         flat = np.zeros(mesh.n_quad, np.bool_)
-        step = _BLOCKS_AT_A_TIME * block_width(self._whole)
+        step = BLOCKS_AT_A_TIME * block_width(self._whole)
         for first in range(0, mesh.n_quad, step):
             some = slice(first, first + step)
             X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
             flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
-        self.tables, self.points = _build_tables(mesh, material, self.blocks, self._whole)
+        self.tables, self.points = build_tables(mesh, material, self.blocks, self._whole)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated by points, at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
@@ -125,7 +118,7 @@ class MITC4Shell:
             for kernel, start in zip(kernels, starts, strict=True)
             if start[0] < start[-1]
         ]
-        self._lasting: tuple[Any, ...] = ()
+        self._lasting: Quads | PointQuads | None = None
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
@@ -197,23 +190,24 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        node, threads, damped = state.node, self._workers.count, self.damping_beta > 0.0
+        threads, damped = self._workers.count, self.damping_beta > 0.0
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         sums = np.zeros((self.blocks.n_strip, 3))
-        # In the order of the kernels, after what _collect collects.
-        changing: tuple[Any, ...] = (damped, rho, state.strain, state.strain_before)
-        if self.has_points:
-            changing += (state.history, state.dt)
-        changing += (node.force_rows, sums, self._lane)
+        rows = state.node.force_rows
+        damping = QuadStep(damped, rho, state.strain, state.strain_before)
+        points = self.has_points
+        step = PointStep(damping, state.history, state.dt) if points else damping
         if self._state is not state or self._revision != state.revision:
             self._collect(state)
+        quads = self._lasting
 
         # Strips of one parity have no node in common (see quad_blocks).
         for parity in range(min(2, len(sums))):
 
             def part(thread: int, parity: int = parity) -> None:
                 for add, start in self._kernels:
-                    add(parity + 2 * thread, 2 * threads, start, *self._lasting, *changing)
+                    first, stride = parity + 2 * thread, 2 * threads
+                    add(first, stride, start, quads, step, rows, sums, self._lane)
 
             self._workers.run(part)
         if damped:
@@ -225,11 +219,12 @@ class MITC4Shell:
 
     def _collect(self, state: State) -> None:
         """Collect what the kernels are given until the next split."""
-        node, blocks = state.node, self.blocks
-        self._lasting = (node.x, node.t, blocks.corner, blocks.chain, self.tables)
-        if self.has_points:
-            self._lasting += (self.points,)
+        quads = self._quads(state.node.x, state.node.t)
+        self._lasting = PointQuads(quads, self.points) if self.has_points else quads
         self._state, self._revision = state, state.revision
+
+    def _quads(self, x: Floats, t: Floats) -> Quads:
+        return Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].
@@ -248,19 +243,14 @@ class MITC4Shell:
         ndarray, shape (n, 3)
         """
         force = np.empty((quads.size, 3))
+        node = state.node
+        rho = self.damping_beta / dt if dt > 0 else 0.0
+        step = QuadStep(self.damping_beta > 0.0, rho, state.strain, state.strain_before)
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            state.node.x,
-            state.node.t,
-            self.blocks.corner,
-            self.tables,
-            self.points,
-            self.damping_beta > 0.0,
-            self.damping_beta / dt if dt > 0 else 0.0,
-            state.strain,
-            state.history,
-            dt,
+            PointQuads(self._quads(node.x, node.t), self.points),
+            PointStep(step, state.history, dt),
             force,
         )
         return force
@@ -374,10 +364,7 @@ class MITC4Shell:
         node, slot = state.node, self.blocks.slot
         add_tangent_products(
             slot=slot,
-            x=node.x,
-            t=node.t,
-            corner=self.blocks.corner,
-            tables=self.tables,
+            quads=self._quads(node.x, node.t),
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
             dx=np.asfortranarray(displacement),
             dt=np.asfortranarray(turn),
@@ -393,10 +380,7 @@ class MITC4Shell:
             bent = self._point_output.resultants(x, t, quads, self._history)
         make(
             slot=self.blocks.slot[quads],
-            x=x,
-            t=t,
-            corner=self.blocks.corner,
-            tables=self.tables,
+            quads=self._quads(x, t),
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
             tangent=tangent,
         )
@@ -413,62 +397,3 @@ def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> W
     a = p0 - rho * b
     state.strain_forms = a, b
     return Work(0.5 * a, 0.5 * rho * (c + d), 0.0)
-
-
-def _build_tables(
-    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
-) -> tuple[LinearTables, PointTables]:
-    """Lay out what does not change of the quads in blocks."""
-    n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
-    n_full = n_block - n_flat
-    rule = build_rule(material)
-    n_point = rule.place.size
-
-    def table(n_block: int, n: int) -> Numbers:
-        return np.asarray(aligned_zeros((n_block, n, blocks.width), block_dtype(lane)))
-
-    linear = LinearTables(
-        n_flat,
-        table(n_flat, N_FLAT),
-        flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
-        table(n_full, N_STRAIN),
-        table(n_full, N_FULL),
-    )
-    points = PointTables(
-        table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
-        table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
-        rule,
-    )
-    X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
-    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat, lane)
-    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference, lane)
-    for first in range(0, n_block, _BLOCKS_AT_A_TIME):
-        for start, stop, flat in (
-            (first, min(first + _BLOCKS_AT_A_TIME, n_flat), True),
-            (max(first, n_flat), min(first + _BLOCKS_AT_A_TIME, n_block), False),
-        ):
-            if start >= stop:
-                continue
-            quads = mesh.quads[blocks.quad[start:stop].ravel()]
-            X, T = mesh.nodes[quads], mesh.directors[quads]
-
-            def fill(
-                table: Numbers,
-                rows: Floats,
-                start: int = start,
-                stop: int = stop,
-                first: int = 0 if flat else n_flat,
-            ) -> None:
-                some = slice(start - first, stop - first)
-                table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
-
-            # Places that repeat a quad pull at nothing.
-            filled = blocks.filled[start:stop].reshape(-1, 1)
-            if flat:
-                fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
-            else:
-                fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
-            if n_point:
-                frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
-                fill(points.flat_frame if flat else points.full_frame, filled * frames)
-    return linear, points

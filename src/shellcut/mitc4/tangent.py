@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds, Vec3
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import dot, load, norm, sub, tangent_basis
 
@@ -39,7 +39,7 @@ from .element import (
     products,
     quad_modes,
 )
-from .forces import LinearTables, flat_strain, full_strain, stiffness_product, store_strain
+from .quad_strains import Quads, stiffness_product, store_strain, strain_of
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns a node."""
@@ -66,10 +66,7 @@ def _make_tangent_kernel(given: bool) -> Any:
     @kernel
     def quad_tangents(
         slot: Ints,
-        x: Floats,
-        t: Floats,
-        corner: SmallIds,
-        tables: LinearTables,
+        quads: Quads,
         bent: Floats,
         tangent: Floats,
     ) -> None:
@@ -79,6 +76,7 @@ def _make_tangent_kernel(given: bool) -> Any:
         nodes. bent : (n, 16), taken off the strains, or the resultants themselves.  The other
         arguments as the force kernel's.
         """
+        t, corner, tables = quads.t, quads.corner, quads.tables
         basis = np.empty((4, 2, 3))
         along = np.empty((4, 6))
         width = corner.shape[2]
@@ -89,12 +87,8 @@ def _make_tangent_kernel(given: bool) -> Any:
             flat = b < tables.n_flat
             for a in range(4):
                 tangent_basis(t, corner[b, a, lane], basis[a])
-            xm, tm = quad_modes(x, t, corner, b, lane)
-            s = (
-                flat_strain(tables, b, lane, xm, tm)
-                if flat
-                else full_strain(tables, b, lane, xm, tm)
-            )
+            xm, tm = quad_modes(quads.x, t, corner, b, lane)
+            s = strain_of(tables, flat, b, lane, (xm, tm))
             if given:
                 for k in range(N_STRAIN):
                     row[0, k, 0] = bent[i, k]
@@ -154,10 +148,7 @@ stressed_tangents = _make_tangent_kernel(given=True)
 @kernel
 def add_tangent_products(
     slot: Ints,
-    x: Floats,
-    t: Floats,
-    corner: SmallIds,
-    tables: LinearTables,
+    quads: Quads,
     bent: Floats,
     dx: Floats,
     dt: Floats,
@@ -168,15 +159,16 @@ def add_tangent_products(
     dx, dt : (n_node, 3), of nodes and directors, dt normal to t.  The other arguments as those of
     :func:`quad_tangents`, in the same order.
     """
+    t, corner, tables = quads.t, quads.corner, quads.tables
     width = corner.shape[2]
     row = np.empty((1, N_STRAIN, width))
     work = np.empty((2, N_STRAIN, width))
     for i in range(slot.shape[0]):
         b, lane = slot[i] // width, slot[i] % width
         flat = b < tables.n_flat
-        xm, tm = quad_modes(x, t, corner, b, lane)
+        xm, tm = quad_modes(quads.x, t, corner, b, lane)
         xd, td = quad_modes(dx, dt, corner, b, lane)
-        s = flat_strain(tables, b, lane, xm, tm) if flat else full_strain(tables, b, lane, xm, tm)
+        s = strain_of(tables, flat, b, lane, (xm, tm))
         store_strain(row, 0, 0, s)
         for k in range(N_STRAIN):
             row[0, k, 0] -= bent[i, k]

@@ -16,13 +16,12 @@ d = 1: strains are turned once a Gauss point, and the law is asked for e + xi³ 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Number, Vector
-from shellcut.material.law_dispatch import dissipates, point_stress
-from shellcut.material.point_law import PointLaw
+from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.material.law_dispatch import HistoryStep, PointLaws, dissipates, point_stress
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
@@ -38,27 +37,31 @@ N_FLAT_FRAME, N_FULL_FRAME = 4, 7
 class PointRule(NamedTuple):
     """The points through the thickness, the same for all quads."""
 
-    place: Floats
-    """xi³ [mm], shape (n_point,)."""
-    weight: Floats
-    """Of the quadrature [mm], shape (n_point,)."""
-    laws: tuple[PointLaw, ...]
-    """Laws of the layers, each once."""
-    kind: Ints
-    """Which of them each point has, shape (n_point,)."""
-    parameters: Floats
-    """Of each point's law, in rows filled up with zeros, shape (n_point, n_parameter)."""
-    shear: Floats
-    """Transverse shear moduli 11, 12, 22 with the shear factor [MPa], shape (n_point, 3)."""
+    place: Annotated[Floats, "(n_point,)"]
+    """xi³ [mm]."""
+    weight: Annotated[Floats, "(n_point,)"]
+    """Of the quadrature [mm]."""
+    laws: PointLaws
+    """What each point is made of."""
+    shear: Annotated[Floats, "(n_point, 3)"]
+    """Transverse shear moduli 11, 12, 22 with the shear factor [MPa]."""
     n_history: int
     """Numbers kept at a point, those of the law that keeps most."""
+
+
+class Frames(NamedTuple):
+    """Where the frames of a block of quads are."""
+
+    table: Annotated[Numbers, "(n_block, n, width)"]
+    block: int
 
 
 def build_rule(material: ShellMaterial) -> PointRule:
     """Return the points of a material that has ``integration_points``; else there are none."""
     if material.integration_points is None:
         none = np.zeros(0)
-        return PointRule(none, none, (), np.zeros(0, np.int64), np.zeros((0, 1)), none[:, None], 0)
+        nothing = PointLaws((), np.zeros(0, np.int64), np.zeros((0, 1)))
+        return PointRule(none, none, nothing, np.zeros((0, 3)), 0)
     place, weight, layers = material.thickness_points(material.integration_points)
     laws = list(dict.fromkeys(layer.law for layer in layers))
     rows = [np.asarray(layer.parameters(), float) for layer in layers]
@@ -69,9 +72,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
     return PointRule(
         place,
         weight,
-        tuple(laws),
-        np.array([laws.index(layer.law) for layer in layers]),
-        parameters,
+        PointLaws(tuple(laws), np.array([laws.index(layer.law) for layer in layers]), parameters),
         np.array([[s[0, 0], s[0, 1], s[1, 1]] for s in shear]),
         max(len(law.history) for law in laws),
     )
@@ -161,27 +162,24 @@ def _add_resultants(
 @always_inline
 def _flat_gauss_point(
     q: int,
-    xi: float,
-    eta: float,
+    place: tuple[float, float],
     r: Sixteen,
     s: Sixteen,
-    frame: Floats,
+    frame: Frames,
     rule: PointRule,
-    old: Floats,
-    new: Floats,
-    b: int,
-    b_new: int,
+    history: HistoryStep,
     lane: Lane,
-    dt: float,
 ) -> tuple[Sixteen, Number, Number]:
     """Return r with the part of one Gauss point, its stored and just dissipated energy."""
+    xi, eta = place
+    table, b = frame
     n_point = rule.place.shape[0]
     none = zero(lane)
     # A quarter on the frame makes the sixteenth that the strains of the modes carry.
-    a = 0.25 * pick(frame, b, N_FLAT_FRAME * q, lane)
-    c = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 1, lane)
-    f = 0.25 * pick(frame, b, N_FLAT_FRAME * q + 2, lane)
-    volume = pick(frame, b, N_FLAT_FRAME * q + 3, lane)
+    a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
+    c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
+    f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
+    volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
     e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
     k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
     n, m = (none, none, none), (none, none, none)
@@ -190,20 +188,7 @@ def _flat_gauss_point(
         z, w = rule.place[j], rule.weight[j]
         first = (q * n_point + j) * rule.n_history
         strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
-        stress, energy, dissipated = point_stress(
-            rule.laws,
-            rule.kind[j],
-            rule.parameters,
-            j,
-            strain,
-            old,
-            new,
-            b,
-            b_new,
-            first,
-            lane,
-            dt,
-        )
+        stress, energy, dissipated = point_stress(rule.laws, j, strain, history, first, lane)
         n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
         zw = z * w
         m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
@@ -234,49 +219,35 @@ def _flat_gauss_point(
 
 @always_inline
 def flat_point_resultants(
-    s: Sixteen,
-    frame: Floats,
-    rule: PointRule,
-    old: Floats,
-    new: Floats,
-    b: int,
-    b_new: int,
-    lane: Lane,
-    dt: float,
+    s: Sixteen, frame: Frames, rule: PointRule, history: HistoryStep, lane: Lane
 ) -> tuple[Sixteen, Number, Number]:
     """Return the resultants of flat quads, their stored and just dissipated energy [N·mm].
 
-    frame : (n_block, 16, width).  old, new : (n_block, 4 n_point n_history, width), histories at
-    t_{n-1} and t_n, which may be one array; block ``b`` is read, block ``b_new`` written.  dt :
-    length of the step between [s].
+    frame.table : (n_block, 16, width).
     """
     # One call a point, not a loop: with xi and eta known most of their products vanish.
     r = _sixteen(zero(lane))
-    r, w0, d0 = _flat_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, lane, dt)
-    r, w1, d1 = _flat_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, lane, dt)
-    r, w2, d2 = _flat_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, lane, dt)
-    r, w3, d3 = _flat_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, lane, dt)
+    r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, frame, rule, history, lane)
+    r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, frame, rule, history, lane)
+    r, w2, d2 = _flat_gauss_point(2, (G, G), r, s, frame, rule, history, lane)
+    r, w3, d3 = _flat_gauss_point(3, (-G, G), r, s, frame, rule, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)
 
 
 @always_inline
 def _full_gauss_point(
     q: int,
-    xi: float,
-    eta: float,
+    place: tuple[float, float],
     r: Sixteen,
     s: Sixteen,
-    frame: Floats,
+    frame: Frames,
     rule: PointRule,
-    old: Floats,
-    new: Floats,
-    b: int,
-    b_new: int,
-    block: int,
+    history: HistoryStep,
     lane: Lane,
-    dt: float,
 ) -> tuple[Sixteen, Number, Number]:
     """Return r with the part of one Gauss point, its stored and just dissipated energy."""
+    xi, eta = place
+    table, b = frame
     n_point = rule.place.shape[0]
     none = zero(lane)
     stored, lost = none, none
@@ -286,31 +257,20 @@ def _full_gauss_point(
     q1, q2 = none, none
     for j in range(n_point):
         z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
-        a = 0.25 * pick(frame, block, at, lane)
-        c = 0.25 * pick(frame, block, at + 1, lane)
-        p = pick(frame, block, at + 2, lane)
-        f = 0.25 * pick(frame, block, at + 3, lane)
-        t = pick(frame, block, at + 4, lane)
-        d = pick(frame, block, at + 5, lane)
-        w = pick(frame, block, at + 6, lane)
+        a = 0.25 * pick(table, b, at, lane)
+        c = 0.25 * pick(table, b, at + 1, lane)
+        p = pick(table, b, at + 2, lane)
+        f = 0.25 * pick(table, b, at + 3, lane)
+        t = pick(table, b, at + 4, lane)
+        d = pick(table, b, at + 5, lane)
+        w = pick(table, b, at + 6, lane)
         e1, e2, e12 = turn_strain(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
         e13, e23 = d * ag, d * fg
         first = (q * n_point + j) * rule.n_history
         (s1, s2, s12), density, dissipated = point_stress(
-            rule.laws,
-            rule.kind[j],
-            rule.parameters,
-            j,
-            strain,
-            old,
-            new,
-            b,
-            b_new,
-            first,
-            lane,
-            dt,
+            rule.laws, j, strain, history, first, lane
         )
         s13 = rule.shear[j, 0] * e13 + rule.shear[j, 1] * e23
         s23 = rule.shear[j, 1] * e13 + rule.shear[j, 2] * e23
@@ -330,24 +290,15 @@ def _full_gauss_point(
 
 @always_inline
 def full_point_resultants(
-    s: Sixteen,
-    frame: Floats,
-    rule: PointRule,
-    old: Floats,
-    new: Floats,
-    b: int,
-    b_new: int,
-    block: int,
-    lane: Lane,
-    dt: float,
+    s: Sixteen, frame: Frames, rule: PointRule, history: HistoryStep, lane: Lane
 ) -> tuple[Sixteen, Number, Number]:
     """Return the resultants of any quads, their stored and just dissipated energy [N·mm].
 
-    frame : (n_block, 4 n_point 7, width), of which ``block`` is read; the others as for flat quads.
+    frame.table : (n_block, 4 n_point 7, width).
     """
     r = _sixteen(zero(lane))
-    r, w0, d0 = _full_gauss_point(0, -G, -G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
-    r, w1, d1 = _full_gauss_point(1, G, -G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
-    r, w2, d2 = _full_gauss_point(2, G, G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
-    r, w3, d3 = _full_gauss_point(3, -G, G, r, s, frame, rule, old, new, b, b_new, block, lane, dt)
+    r, w0, d0 = _full_gauss_point(0, (-G, -G), r, s, frame, rule, history, lane)
+    r, w1, d1 = _full_gauss_point(1, (G, -G), r, s, frame, rule, history, lane)
+    r, w2, d2 = _full_gauss_point(2, (G, G), r, s, frame, rule, history, lane)
+    r, w3, d3 = _full_gauss_point(3, (-G, G), r, s, frame, rule, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)

@@ -1,0 +1,160 @@
+"""Kernels that add the forces of quads whose thickness is integrated by points, for any material.
+
+Damping is that of :mod:`shellcut.mitc4.forces`, with the stiffness H of the elastic moduli: the
+stress of the law and rho H a_n act together, and H a_n is formed for itself. Below, the forces of
+single quads on single nodes, of either kind, without a change of what is stored.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Number, Numbers
+from shellcut.material.law_dispatch import HistoryStep, dissipates
+from shellcut.numerics.jit import always_inline, kernel
+from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lanes import nth, total, turns, widen, zero
+from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
+
+from .element import N_STRAIN, Sixteen, nodal_forces, pick16, quad_modes
+from .quad_strains import (
+    PointQuads,
+    PointStep,
+    add_to_nodes,
+    dot16,
+    minus,
+    modes_of,
+    plus_scaled,
+    stiffness_product,
+    store_strain,
+    strain_of,
+)
+from .thickness_points import Frames, flat_point_resultants, full_point_resultants
+
+
+@always_inline
+def point_resultants(
+    quads: PointQuads, flat: bool, s: Sixteen, history: HistoryStep, lane: Lane
+) -> tuple[Sixteen, Number, Number]:
+    """Return the resultants of a block, its stored and its just dissipated energy."""
+    points, b = quads.points, history.block
+    if flat:
+        frames = Frames(points.flat_frame, b)
+        return flat_point_resultants(s, frames, points.rule, history, lane)
+    frames = Frames(points.full_frame, b - quads.quads.tables.n_flat)
+    return full_point_resultants(s, frames, points.rule, history, lane)
+
+
+@always_inline
+def _point_block(
+    b: int,
+    lane: Lane,
+    flat: bool,
+    both: PointQuads,
+    now: PointStep,
+    rows: Floats,
+    work: Numbers,
+) -> tuple[Number, Number, Number]:
+    """Add the forces of block ``b``; return its stored energy, (a_n + a_{n-1})·H a_n, dissipated.
+
+    The last is what the material has dissipated since t_{n-1}.
+    """
+    quads, step = both.quads, now.step
+    xm, tm = modes_of(quads, b, lane)
+    s = strain_of(quads.tables, flat, b, lane, (xm, tm))
+    history = HistoryStep(now.history, now.history, b, b, now.dt)
+    r, stored, lost = point_resultants(both, flat, s, history, lane)
+    if not step.damped:
+        add_to_nodes(rows, quads.corner, b, lane, (xm, tm), r)
+        return stored, zero(lane), lost
+    s_last, s_before = pick16(step.last, b, lane), pick16(step.before, b, lane)
+    viscous = stiffness_product(quads.tables, flat, b, lane, minus(s, s_last), work)
+    store_strain(step.before, b, lane, s)
+    add_to_nodes(rows, quads.corner, b, lane, (xm, tm), plus_scaled(r, step.rho, viscous))
+    return stored, dot16(minus(s, s_before), viscous), lost
+
+
+def _make_point_kernel(flat: bool) -> Any:
+    @kernel
+    def add_point_quads(
+        first: int,
+        stride: int,
+        start: Ints,
+        quads: PointQuads,
+        step: PointStep,
+        rows: Floats,
+        sums: Floats,
+        lane: Lane,
+    ) -> None:
+        """Add the forces of quads with thickness points; arguments as of the linear kernel.
+
+        sums : (n_strip, 3), to which the stored energy, (a_n + a_{n-1})·H a_n and what the material
+        dissipated in the step are added.
+        """
+        align_stack()
+        corner, last = quads.quads.corner, step.step.last
+        work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
+        rounding = flush_subnormals()
+        for k in range(first, start.shape[0] - 1, stride):
+            none = widen(zero(lane), lane)
+            p0, p1, p2 = none, none, none
+            for b in range(start[k], start[k + 1]):
+                for turn in range(turns(corner, lane)):
+                    q0, q1, q2 = _point_block(b, nth(lane, turn), flat, quads, step, rows, work)
+                    p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
+                    if dissipates(quads.points.rule.laws):
+                        p2 = p2 + widen(q2, lane)
+            sums[k, 0] += total(p0)
+            sums[k, 1] += total(p1)
+            sums[k, 2] += total(p2)
+        set_rounding(rounding)
+
+    return add_point_quads
+
+
+add_flat_point_quads = _make_point_kernel(flat=True)
+"""Of flat quads."""
+add_full_point_quads = _make_point_kernel(flat=False)
+"""Of quads that are curved, warped or unevenly layered."""
+
+
+def _make_corner_kernel(by_points: bool) -> Any:
+    @kernel
+    def write_corner_forces(
+        slot: Ints, nodes: Ints, quads: PointQuads, step: PointStep, force: Floats
+    ) -> None:
+        """Write minus the force of the quad at slot[i] on its node nodes[i] to force : (n, 3)."""
+        linear, last, history = quads.quads, step.step.last, step.history
+        corner, tables = linear.corner, linear.tables
+        width = corner.shape[2]
+        work = np.empty((2, N_STRAIN, width))
+        trial = np.empty((1, history.shape[1], width))
+        for i in range(slot.shape[0]):
+            b, lane = slot[i] // width, slot[i] % width
+            flat = b < tables.n_flat
+            xm, tm = quad_modes(linear.x, linear.t, corner, b, lane)
+            s = strain_of(tables, flat, b, lane, (xm, tm))
+            if by_points:
+                at = HistoryStep(history, trial, b, 0, step.dt)
+                r, _, _ = point_resultants(quads, flat, s, at, lane)
+            else:
+                r = stiffness_product(tables, flat, b, lane, s, work)
+            if step.step.damped:
+                change = minus(s, pick16(last, b, lane))
+                viscous = stiffness_product(tables, flat, b, lane, change, work)
+                r = plus_scaled(r, step.step.rho, viscous)
+            forces = nodal_forces(xm, tm, r)
+            for a in range(4):
+                if corner[b, a, lane] == nodes[i]:
+                    for c in range(3):
+                        force[i, c] = forces[a][c]
+
+    return write_corner_forces
+
+
+write_corner_forces = _make_corner_kernel(by_points=False)
+"""Of linear material."""
+write_point_corner_forces = _make_corner_kernel(by_points=True)
+"""Of any material."""

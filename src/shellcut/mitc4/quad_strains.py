@@ -1,0 +1,254 @@
+"""Tables of all quads as the kernels take them, and the sixteen strains of a block of quads."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from shellcut.arrays import Bools, Floats, Number, Numbers, SmallIds
+from shellcut.numerics.jit import always_inline, kernel
+from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lanes import pick, put, scatter_add
+
+from .element import (
+    N_STRAIN,
+    FlatModuli,
+    Modes,
+    Sixteen,
+    chain_modes,
+    flat_resultants,
+    full_resultants,
+    nodal_forces,
+    pick16,
+    products,
+    quad_modes,
+)
+from .thickness_points import PointRule
+
+
+class LinearTables(NamedTuple):
+    """What does not change of the quads, in blocks: the flat ones first."""
+
+    n_flat: int
+    """Number of blocks of flat quads."""
+    flat: Annotated[Numbers, "(n_flat, 10, width)"]
+    """The first six products on the reference surface, the others vanish, and four stiffnesses,
+    see :func:`shellcut.mitc4.element.flat_resultants`."""
+    flat_moduli: FlatModuli
+    """What flat quads have in common."""
+    full_reference: Annotated[Numbers, "(n_full, 16, width)"]
+    """The products on the reference surface."""
+    full_stiffness: Annotated[Numbers, "(n_full, 136, width)"]
+
+
+class PointTables(NamedTuple):
+    """Frames of the general path."""
+
+    flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
+    full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
+    """4 n_point 7 numbers a block."""
+    rule: PointRule
+
+
+class Quads(NamedTuple):
+    """Nodes and tables of all quads, until the next split."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    """Positions [mm]."""
+    t: Annotated[Floats, "(n_node, 3)"]
+    """Directors."""
+    corner: Annotated[SmallIds, "(n_block, 4, width)"]
+    """Node ids, and"""
+    chain: Annotated[Bools, "(n_block,)"]
+    """whether they follow each other, of :class:`shellcut.mitc4.blocks.QuadBlocks`."""
+    tables: LinearTables
+
+
+class PointQuads(NamedTuple):
+    """The same where the thickness is integrated by points."""
+
+    quads: Quads
+    points: PointTables
+
+
+class QuadStep(NamedTuple):
+    """What the kernels need of the step to t_n."""
+
+    damped: bool
+    rho: float
+    """beta / dt."""
+    last: Annotated[Numbers, "(n_block, 16, width)"]
+    """s_{n-1}."""
+    before: Annotated[Numbers, "(n_block, 16, width)"]
+    """s_{n-2}; the force kernels replace it by s_n."""
+
+
+class PointStep(NamedTuple):
+    """The same where the thickness is integrated by points."""
+
+    step: QuadStep
+    history: Annotated[Numbers, "(n_block, n_history, width)"]
+    """Of the thickness points, 4 n_point numbers of each kind; taken from t_{n-1} to t_n."""
+    dt: float
+    """Length of the step [s]."""
+
+
+@always_inline
+def modes_of(quads: Quads, b: int, lane: Lane) -> tuple[Modes, Modes]:
+    """Return the modes of positions and directors of a block."""
+    if quads.chain[b]:
+        return chain_modes(quads.x, quads.t, quads.corner, b, lane)
+    return quad_modes(quads.x, quads.t, quads.corner, b, lane)
+
+
+@always_inline
+def strain_of(
+    tables: LinearTables, flat: bool, b: int, lane: Lane, modes: tuple[Modes, Modes]
+) -> Sixteen:
+    """Return the strains of a block."""
+    xm, tm = modes
+    if flat:
+        return flat_strain(tables, b, lane, xm, tm)
+    return full_strain(tables, b, lane, xm, tm)
+
+
+@always_inline
+def flat_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
+    """Return the strains of flat quads."""
+    m = products(x, t)
+    ref = tables.flat
+    membrane = (
+        m[0] - pick(ref, b, 0, lane),
+        m[1] - pick(ref, b, 1, lane),
+        m[2] - pick(ref, b, 2, lane),
+        m[3] - pick(ref, b, 3, lane),
+        m[4] - pick(ref, b, 4, lane),
+        m[5] - pick(ref, b, 5, lane),
+    )
+    return membrane + m[6:16]
+
+
+@always_inline
+def full_strain(tables: LinearTables, b: int, lane: Lane, x: Modes, t: Modes) -> Sixteen:
+    """Return the strains of any quads."""
+    return minus(products(x, t), pick16(tables.full_reference, b - tables.n_flat, lane))
+
+
+@always_inline
+def stiffness_product(
+    tables: LinearTables, flat: bool, b: int, lane: Lane, u: Sixteen, work: Numbers
+) -> Sixteen:
+    """Return H u; work : (2, 16, width) is overwritten."""
+    if flat:
+        return flat_resultants(tables.flat, tables.flat_moduli, b, lane, u)
+    return full_resultants(tables.full_stiffness, b - tables.n_flat, lane, u, work)
+
+
+@always_inline
+def minus(a: Sixteen, b: Sixteen) -> Sixteen:
+    """Return a - b."""
+    return (
+        a[0] - b[0],
+        a[1] - b[1],
+        a[2] - b[2],
+        a[3] - b[3],
+        a[4] - b[4],
+        a[5] - b[5],
+        a[6] - b[6],
+        a[7] - b[7],
+        a[8] - b[8],
+        a[9] - b[9],
+        a[10] - b[10],
+        a[11] - b[11],
+        a[12] - b[12],
+        a[13] - b[13],
+        a[14] - b[14],
+        a[15] - b[15],
+    )
+
+
+@always_inline
+def plus_scaled(a: Sixteen, k: float, b: Sixteen) -> Sixteen:
+    """Return a + k b."""
+    return (
+        a[0] + k * b[0],
+        a[1] + k * b[1],
+        a[2] + k * b[2],
+        a[3] + k * b[3],
+        a[4] + k * b[4],
+        a[5] + k * b[5],
+        a[6] + k * b[6],
+        a[7] + k * b[7],
+        a[8] + k * b[8],
+        a[9] + k * b[9],
+        a[10] + k * b[10],
+        a[11] + k * b[11],
+        a[12] + k * b[12],
+        a[13] + k * b[13],
+        a[14] + k * b[14],
+        a[15] + k * b[15],
+    )
+
+
+@always_inline
+def dot16(a: Sixteen, b: Sixteen) -> Number:
+    """Return a · b in four short sums: one long one would wait for itself."""
+    return (
+        (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3])
+        + (a[4] * b[4] + a[5] * b[5] + a[6] * b[6] + a[7] * b[7])
+    ) + (
+        (a[8] * b[8] + a[9] * b[9] + a[10] * b[10] + a[11] * b[11])
+        + (a[12] * b[12] + a[13] * b[13] + a[14] * b[14] + a[15] * b[15])
+    )
+
+
+@always_inline
+def store_strain(table: Numbers, b: int, lane: Lane, s: Sixteen) -> None:
+    """Write sixteen numbers of a block."""
+    put(table, b, 0, lane, s[0])
+    put(table, b, 1, lane, s[1])
+    put(table, b, 2, lane, s[2])
+    put(table, b, 3, lane, s[3])
+    put(table, b, 4, lane, s[4])
+    put(table, b, 5, lane, s[5])
+    put(table, b, 6, lane, s[6])
+    put(table, b, 7, lane, s[7])
+    put(table, b, 8, lane, s[8])
+    put(table, b, 9, lane, s[9])
+    put(table, b, 10, lane, s[10])
+    put(table, b, 11, lane, s[11])
+    put(table, b, 12, lane, s[12])
+    put(table, b, 13, lane, s[13])
+    put(table, b, 14, lane, s[14])
+    put(table, b, 15, lane, s[15])
+
+
+@always_inline
+def add_to_nodes(
+    rows: Floats, corner: SmallIds, b: int, lane: Lane, modes: tuple[Modes, Modes], r: Sixteen
+) -> None:
+    """Add the nodal forces of the resultants r to the force rows."""
+    f0, f1, f2, f3 = nodal_forces(modes[0], modes[1], r)
+    scatter_add(rows, corner, b, 0, lane, f0)
+    scatter_add(rows, corner, b, 1, lane, f1)
+    scatter_add(rows, corner, b, 2, lane, f2)
+    scatter_add(rows, corner, b, 3, lane, f3)
+
+
+@kernel
+def write_products(
+    first: int, n: int, X: Floats, T: Floats, corner: SmallIds, table: Numbers, lane: Lane
+) -> None:
+    """Write the first n products on the reference surface of the blocks from ``first`` on.
+
+    By the functions that make strains of them, in the same precision, so that what is subtracted
+    at rest is the same to the last bit.  X, T : (n_node, 3).  table : (n_block - first, n or more,
+    width).
+    """
+    for b in range(table.shape[0]):
+        xm, tm = quad_modes(X, T, corner, first + b, lane)
+        m = products(xm, tm)
+        if n == N_STRAIN:
+            store_strain(table, b, lane, m)
+        else:
+            for k in range(n):
+                put(table, b, k, lane, m[k])

@@ -1,0 +1,79 @@
+"""Lay out in blocks all that does not change of the quads: products, stiffness, frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Numbers
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lanes import aligned_zeros, block_dtype
+
+from .blocks import QuadBlocks
+from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
+from .quad_strains import LinearTables, PointTables, write_products
+from .section import flat_moduli, flat_stiffness, full_stiffness
+from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, build_rule, flat_frames, full_frames
+
+BLOCKS_AT_A_TIME = 512
+"""Blocks whose tables are built at a time: their temporaries stay small beside the film."""
+
+
+def build_tables(
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
+) -> tuple[LinearTables, PointTables]:
+    """Lay out what does not change of the quads in blocks."""
+    n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
+    n_full = n_block - n_flat
+    rule = build_rule(material)
+    n_point = rule.place.size
+
+    def table(n_block: int, n: int) -> Numbers:
+        return np.asarray(aligned_zeros((n_block, n, blocks.width), block_dtype(lane)))
+
+    linear = LinearTables(
+        n_flat,
+        table(n_flat, N_FLAT),
+        flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
+        table(n_full, N_STRAIN),
+        table(n_full, N_FULL),
+    )
+    points = PointTables(
+        table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
+        table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
+        rule,
+    )
+    X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
+    write_products(0, N_FLAT_PRODUCT, X, T, blocks.corner, linear.flat, lane)
+    write_products(n_flat, N_STRAIN, X, T, blocks.corner, linear.full_reference, lane)
+    for first in range(0, n_block, BLOCKS_AT_A_TIME):
+        for start, stop, flat in (
+            (first, min(first + BLOCKS_AT_A_TIME, n_flat), True),
+            (max(first, n_flat), min(first + BLOCKS_AT_A_TIME, n_block), False),
+        ):
+            if start >= stop:
+                continue
+            quads = mesh.quads[blocks.quad[start:stop].ravel()]
+            X, T = mesh.nodes[quads], mesh.directors[quads]
+
+            def fill(
+                table: Numbers,
+                rows: Floats,
+                start: int = start,
+                stop: int = stop,
+                first: int = 0 if flat else n_flat,
+            ) -> None:
+                some = slice(start - first, stop - first)
+                table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
+
+            # Places that repeat a quad pull at nothing.
+            filled = blocks.filled[start:stop].reshape(-1, 1)
+            if flat:
+                fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
+            else:
+                fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
+            if n_point:
+                frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
+                fill(points.flat_frame if flat else points.full_frame, filled * frames)
+    return linear, points
