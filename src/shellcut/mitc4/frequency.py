@@ -24,6 +24,9 @@ tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |
   change of the base vectors there has any direction: |B(d, V)|² <= theta² C_max |grad V|², and
   omega grows by at most sqrt(C_max/a) theta.
 
+All this holds for a law that is not linear, too: the stiffness evaluated is that of its moduli C
+with its own stresses, and C bounds its tangent.
+
 Bending strains are carried by the same moduli times h²/12, which the rotary inertia m h²/12 or more
 outweighs, and shear strains by G or less. Epsilon is the largest principal strain and theta the sum
 of the angle bent from the centre to a corner, the shear, and the spread of the strains over the

@@ -201,7 +201,7 @@ class MITC4Shell:
             self._collect(state)
         quads = self._lasting
 
-        # Strips of one parity have no node in common (see quad_blocks).
+        # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(min(2, len(sums))):
 
             def part(thread: int, parity: int = parity) -> None:
@@ -388,7 +388,7 @@ class MITC4Shell:
 
 
 def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
-    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see quad_forces."""
+    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see :mod:`.forces`."""
     a_last, b_last = state.strain_forms
     step, step_before = p0 - p1, p1 - p2
     c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
