@@ -1,4 +1,4 @@
-"""Names for kinds of arrays, for annotations; nothing is imported here but NumPy."""
+"""Type aliases of arrays for annotations; imports only NumPy."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ import numpy.typing as npt
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Numbers: TypeAlias = npt.NDArray[Any]
-"""Of any kind of number."""
+"""Array of any numeric type."""
 Ints: TypeAlias = npt.NDArray[np.integer[Any]]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 SmallIds: TypeAlias = npt.NDArray[np.int32]
 Number: TypeAlias = Any
-"""What the mechanics are written in: a float, or several at once
-(:mod:`shellcut.numerics.lanes`)."""
+"""Number type of the mechanics: a float, or several at once (:mod:`shellcut.numerics.lanes`)."""
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""

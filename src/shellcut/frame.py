@@ -1,7 +1,7 @@
 """One picture of a run: the plain arrays that writers and views share.
 
-Who simulates fills a `Frame`; who writes a file or draws a picture reads it and nothing else.
-Reading results therefore needs no compiler: nothing here imports Numba.
+A simulation fills a `Frame`; file writers and views read only frames. Reading results therefore
+needs no compiler: nothing here imports Numba.
 """
 
 from __future__ import annotations
@@ -30,29 +30,29 @@ SIZED_BY = {
     "crack": "crack_edges",
     "edge": "edge_points",
 }
-"""What a row of an array may belong to, with the array whose length is their number."""
+"""Entities that rows of an array can belong to, with the array whose length is their number."""
 
 
 @dataclass(frozen=True)
 class Rows:
-    """Of an array of :class:`Frame`: what its rows belong to, and how result files keep it."""
+    """Entity of an array's rows in :class:`Frame`, and its form in result files."""
 
     of: str
-    """A key of :data:`SIZED_BY`; "" for an array that is no table."""
+    """A key of :data:`SIZED_BY`; "" for an array that is not a table."""
     shape: tuple[int, ...] = ()
     """Shape of a row."""
     dtype: Any = np.float64
     ids: str = ""
-    """What its numbers are ids of, a key of :data:`SIZED_BY`."""
+    """Entity whose ids the array contains, a key of :data:`SIZED_BY`."""
     arrays: tuple[str, ...] = ()
-    """Names of its arrays in result files (:mod:`shellcut.results.frame_grid`): one, or one for
-    each column."""
+    """Names of its arrays in result files (:mod:`shellcut.results.frame_grid`): one, or one per
+    column."""
     left_out: Any = None
-    """Value of every row where the array is not given; or the name of the field to take then."""
+    """Value of every row if the array is not given; or the name of the field to use instead."""
 
 
 _LEFT_OUT: Any = ()
-"""Given for an array that is left out."""
+"""Default of an array that is left out."""
 
 
 def _principal(place: str) -> tuple[str, str]:
@@ -63,25 +63,25 @@ def _principal(place: str) -> tuple[str, str]:
 class Frame:
     """One picture of the run, everything at one time.
 
-    Arrays are copied, cast and checked on construction and are read-only afterwards, so that a
-    frame stays true while the simulation goes on. What a model does not have (cables, a tool)
-    is left out.
+    Arrays are copied, cast and checked on construction and are read-only afterwards, so a frame
+    stays valid while the simulation continues. Leave out the arrays of parts that a model does not
+    have (cables, a tool).
 
-    A new array is one entry here, with :class:`Rows`; checks and result files follow from it. Fill
-    it in ``recording/frame_capture.py``.
+    To add an array, add one entry here, with :class:`Rows`, and fill it in
+    ``recording/frame_capture.py``; checks and result files follow from the entry.
 
     Raises
     ------
     ValueError
-        If a shape, a node id or a state does not fit, or if a number that will be drawn, or a
-        scalar, is not finite.
+        If a shape, a node id or a state is invalid, or if a number to be drawn, or a scalar, is
+        not finite.
     """
 
     time: float
     """Time [s]."""
 
     coordinate: float
-    """What the curves are drawn over, e.g. the tool's angle of rotation, in ``coordinate_unit``."""
+    """Abscissa of curves, e.g. the tool's angle of rotation, in ``coordinate_unit``."""
 
     coordinate_name: str
     """Name of ``coordinate``, e.g. ``"angle"``."""
@@ -176,7 +176,7 @@ class Frame:
         _LEFT_OUT
     )
     """Tooth of each triangle, counted from 1 as in the history, shape (n_triangle,); left out:
-    0, not told."""
+    0, unknown."""
 
     tool_rotation: Annotated[Floats, Rows("", (3, 3))] = field(default_factory=lambda: np.eye(3))
     """Rotation R of the tool, x = R X + r from its body frame, shape (3, 3)."""
@@ -268,7 +268,7 @@ def _checked(name: str, value: Any, dtype: Any, shape: tuple[int, ...]) -> Any:
     if dtype == np.bool_ and given.dtype != np.bool_:
         raise ValueError(f"{name} must hold bools, got {given.dtype}")
     array = np.array(given, dtype=dtype, order="C")
-    # A nan anywhere would reach the file and the eyes as a hole without a word.
+    # Any nan would silently become a hole in files and pictures.
     if dtype == np.float64 and not np.isfinite(array).all():
         row = int(np.argwhere(~np.isfinite(array))[0, 0])
         raise ValueError(f"{name} must be finite, row {row} is {array[row]}")

@@ -1,9 +1,8 @@
 """State: every array that changes in time.
 
-Rows are appended when a node splits or a cable is born and never renumbered; arrays are allocated
-with rows in reserve and doubled when they run out, so kernels take them whole together with a
-count, and nobody keeps a reference to an array across a split: whatever is cached for one topology
-stores the ``revision`` it was built for.
+A split or a new cable appends rows; rows are never renumbered. Arrays are allocated with spare rows
+and doubled when full, so kernels receive them whole together with a count. Do not keep a reference
+to an array across a split: data cached for one topology store the ``revision`` they belong to.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from .numerics.lanes import aligned_zeros
 
 
 def columns(rows: int, count: int) -> Floats:
-    """Return zeros of shape (rows, count), one column after the other.
+    """Return zeros of shape (rows, count), stored column by column.
 
     Eight consecutive nodes of a column are one vector (:mod:`shellcut.numerics.lanes`).
     """
@@ -31,17 +30,17 @@ RESERVE = 256
 STRAIGHT, JOINTED, BROKEN = 0, 1, 2
 
 NOT_MET = -1
-"""Cutting-edge segment of a cable that none has met."""
+"""Cutting-edge segment of a cable that no edge has met."""
 
 
 @dataclass
 class _Table:
-    """Arrays with one row an entity, the first ``count`` of them in use."""
+    """Arrays with one row per entity, the first ``count`` of them in use."""
 
     count: int
 
     def reserve(self, extra: int) -> None:
-        """Make room for ``extra`` more rows, doubling the arrays if need be."""
+        """Make room for ``extra`` more rows, doubling the arrays if necessary."""
         arrays = [f.name for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)]
         capacity = getattr(self, arrays[0]).shape[0]
         if self.count + extra <= capacity:
@@ -49,7 +48,7 @@ class _Table:
         for name in arrays:
             old = getattr(self, name)
             shape = (max(2 * capacity, self.count + extra), *old.shape[1:])
-            # Arrays whose columns the kernels read by lanes keep one column after the other.
+            # Arrays read by lanes in kernels stay stored column by column.
             by_column = old.ndim == 2 and old.flags.f_contiguous
             grown = columns(*shape) if by_column else aligned_zeros(shape, old.dtype)
             grown[: self.count] = old[: self.count]
@@ -86,7 +85,7 @@ class _Table:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Take over the rows of :meth:`saved`, of no fewer entities than there are now."""
+        """Load the rows of :meth:`saved`, at least as many entities as there are now."""
         count = len(next(iter(saved.values())))
         self.reserve(count - self.count)
         self.count = count
@@ -120,14 +119,14 @@ class NodeTable(_Table):
     spin_half: Floats
     """Angular velocity of the director [rad/s], normal to it, shape (n, 3)."""
     force_rows: Floats
-    """Total nodal force [N], force conjugate to the director [N·mm], and two numbers that fill the
-    cache line, shape (n, 8)."""
+    """Total nodal force [N], force conjugate to the director [N·mm], and two padding numbers that
+    fill the cache line, shape (n, 8)."""
     mass: Floats
     """Lumped mass [t], shape (n,)."""
     inertia: Floats
     """Scaled rotary inertia [t·mm²], shape (n,)."""
     push: Floats
-    """1 / mass and 1 / inertia, zero at supported nodes, which move otherwise, shape (n, 2)."""
+    """1 / mass and 1 / inertia, zero at supported nodes, which move separately, shape (n, 2)."""
     contact_area: Floats
     """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
     origin: Ints
@@ -145,17 +144,17 @@ class NodeTable(_Table):
     support_rate: Floats
     """Their prescribed values [mm/s, rad/s] at t_{n+1/2}, shape (n, 6)."""
     reaction: Floats
-    """Reaction that holds them [N, N·mm] at t_n, shape (n, 6)."""
+    """Reaction force and moment at t_n [N, N·mm], shape (n, 6)."""
     load_force: Floats
     """Following load on the node at the last evaluation [N], shape (n, 3)."""
     contact_side: SmallInts
-    """Side of the blade the node lies on: +1, -1, or 0 while it is not known, shape (n,)."""
+    """Side of the blade on which the node lies: +1, -1, or 0 while unknown, shape (n,)."""
     contact_depth: Floats
     """Penetration at the last search [mm], 0 outside, shape (n,)."""
     contact_offset: Floats
     """Part of the penetration that is being absorbed [mm], shape (n,)."""
     contact_work: Floats
-    """Work put into the contact of the node since it came in [N·mm], shape (n,)."""
+    """Work put into the contact of the node since it began [N·mm], shape (n,)."""
     contact_force: Floats
     """Contact force on the node [N], shape (n, 3)."""
 
@@ -170,7 +169,7 @@ class NodeTable(_Table):
         return self.force_rows[:, 3:6]
 
     def weigh(self, node: int, mass: float, inertia: float) -> None:
-        """Give a node its mass [t] and rotary inertia [t·mm²]."""
+        """Set the mass [t] and rotary inertia [t·mm²] of a node."""
         self.mass[node], self.inertia[node] = mass, inertia
         self.push[node] = (0.0, 0.0) if self.supported[node] else (1.0 / mass, 1.0 / inertia)
 
@@ -225,7 +224,7 @@ class CableTable(_Table):
 
 @dataclass(frozen=True)
 class SplitRecord:
-    """What is kept of one split."""
+    """Record of one split."""
 
     time: float
     """[s]"""
@@ -238,14 +237,14 @@ class SplitRecord:
     kind: str
     """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`."""
     measure: float
-    """Of the criterion; due at 1."""
+    """Value of the criterion; a split is due at 1."""
     force_jump: float
-    """Size of the difference between what the node carried and the new cable's force [N]."""
+    """Magnitude of the difference between the node's load and the new cable's force [N]."""
 
 
 @dataclass
 class State:
-    """All that changes in time; what does not is in the mesh, the sections and the tool."""
+    """Everything that changes in time; mesh, sections and tool are constant."""
 
     node: NodeTable
     cable: CableTable
@@ -254,7 +253,7 @@ class State:
     strain: Floats
     """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, width)."""
     strain_before: Floats
-    """Those of the evaluation before, likewise."""
+    """Strains of the evaluation before, likewise."""
     history: Floats
     """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, width)."""
     strain_forms: tuple[float, float] = (0.0, 0.0)
@@ -265,9 +264,9 @@ class State:
     """Length of the step that led to t_n [s]."""
     step: int = 0
     revision: int = 0
-    """Counts the splits: topology is that of this number."""
+    """Number of splits; identifies the topology."""
     crack_length: float = 0.0
-    """Sum of the half-edges that carry or carried a cable [mm]."""
+    """Sum of the half-edges that have or had a cable [mm]."""
     split_log: list[SplitRecord] = field(default_factory=list)
     """Every split, in order."""
 
@@ -286,7 +285,7 @@ class State:
         return QuadsAtNodes(quads=self.quads, at=self.node.quads, n_at=self.node.n_quad_at)
 
     def saved(self) -> dict[str, Any]:
-        """Return all of it as arrays and numbers by name, in nested dictionaries."""
+        """Return the state as arrays and numbers by name, in nested dictionaries."""
         splits = [asdict(record) for record in self.split_log]
         saved = {f.name: getattr(self, f.name) for f in fields(self)}
         return saved | {
@@ -299,7 +298,7 @@ class State:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved` of a state of the same mesh; the arrays stay where they are."""
+        """Load :meth:`saved` of a state of the same mesh; the arrays keep their addresses."""
         for name in ("quads", "strain", "strain_before", "history"):
             getattr(self, name)[:] = saved[name]
         for name in ("time", "dt", "step", "revision", "crack_length"):

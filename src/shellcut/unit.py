@@ -1,4 +1,4 @@
-"""All units that the library reads: their sizes, how people write them, the factors between.
+"""All units that the library reads: sizes, spellings, conversion factors.
 
 ::
 
@@ -82,7 +82,7 @@ DIMENSIONS: Mapping[str, Sizes] = {
     "time": TIME,
     "ratio": RATIO,
 }
-"""What a history holds."""
+"""Unit of each dimension in a history."""
 LIBRARY_UNITS = {
     "length": "mm",
     "angle": "deg",
@@ -91,7 +91,7 @@ LIBRARY_UNITS = {
     "time": "s",
     "ratio": "-",
 }
-"""The unit in which histories hold each dimension."""
+"""The unit in which histories store each dimension."""
 
 _WORDS = {
     "inch": "in",
@@ -118,7 +118,7 @@ _WORDS = {
 _SPELLINGS = {
     **{name: name for sizes in DIMENSIONS.values() for name in sizes},
     **{name.replace("*", ""): name for name in TORQUE},
-    # Torques of pounds and ounces are said either way round, and often without the f of force.
+    # Torques of pounds and ounces are written in either order, and often without the f of force.
     **{
         spelling: f"{force}*{arm}"
         for force in ("ozf", "lbf")
@@ -129,7 +129,7 @@ _SPELLINGS = {
 
 
 def canonical(unit: str) -> str | None:
-    """Return how the library writes a unit, or None if it does not know it.
+    """Return the library's spelling of a unit, or None if it is unknown.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def canonical(unit: str) -> str | None:
 
 
 def dimension(unit: str) -> str | None:
-    """Return what a unit measures, "length", "torque" ..., or None if it is not known.
+    """Return the dimension of a unit, "length", "torque" ..., or None if it is unknown.
 
     Examples
     --------
@@ -157,19 +157,19 @@ def dimension(unit: str) -> str | None:
 
 
 def conversion(unit: str, to: str) -> float:
-    """Return the factor that takes numbers in ``unit`` to numbers in ``to``.
+    """Return the factor that converts numbers in ``unit`` to numbers in ``to``.
 
     Parameters
     ----------
     unit : str
-        As people write it.
+        In any common spelling.
     to : str
-        A unit that the library knows; its dimension is the one wanted.
+        A unit that the library knows; it sets the required dimension.
 
     Raises
     ------
     ValueError
-        If ``unit`` is unknown or of another dimension, with the known units of the one wanted.
+        If ``unit`` is unknown or has another dimension; the message lists the valid units.
 
     Examples
     --------

@@ -375,7 +375,7 @@ def test_all_differences_are_named_at_once(saved):
 def test_a_simulation_that_has_run_is_refused(saved):
     sim = cutting()
     sim.step()
-    with pytest.raises(ValueError, match="just built, this one is at step 1: build it again"):
+    with pytest.raises(ValueError, match="not run yet, but this one is at step 1: build it again"):
         load_checkpoint(sim, saved)
 
 
@@ -403,7 +403,7 @@ def one_bit_flipped(content):
 def test_a_damaged_file_is_refused(saved, tmp_path, spoil):
     (tmp_path / "c.h5").write_bytes(spoil(saved.read_bytes()))
     sim = cutting()
-    with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or no checkpoint"):
+    with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or not a checkpoint"):
         load_checkpoint(sim, tmp_path / "c.h5")
     assert sim.state.step == 0
 
@@ -411,7 +411,7 @@ def test_a_damaged_file_is_refused(saved, tmp_path, spoil):
 def test_a_foreign_hdf5_file_and_another_format_are_refused(saved, tmp_path):
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0
-    with pytest.raises(CheckpointError, match="is none, or of an older format; this version of"):
+    with pytest.raises(CheckpointError, match="has no or an older format number; this version of"):
         load_checkpoint(cutting(), tmp_path / "foreign.h5")
     newer = tmp_path / "newer.h5"
     newer.write_bytes(re.sub(rb"format \d+", b"format 99", saved.read_bytes(), count=1))
@@ -421,7 +421,7 @@ def test_a_foreign_hdf5_file_and_another_format_are_refused(saved, tmp_path):
 
 def test_what_is_no_regular_file_is_refused_without_waiting(tmp_path):
     for path in (tmp_path, *([Path("/dev/zero")] if Path("/dev/zero").exists() else [])):
-        with pytest.raises(CheckpointError, match="no regular file"):
+        with pytest.raises(CheckpointError, match="not a regular file"):
             load_checkpoint(cutting(), path)
 
 
@@ -659,7 +659,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     Case("cut", cutting(), 8e-6).run(whole, **records)
     first = cutting()
     recorder = Recorder(first, part, until=8e-6, name="cut", **records)
-    recorder._mark.drawing = 500.0
+    recorder._schedule.drawing = 500.0
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
     # The last one shows where it stopped, and is drawn again in its turn.
     assert sorted(p.name for p in part.glob("*.png")) == [
@@ -689,7 +689,7 @@ def test_a_run_that_has_ended_is_left_as_it_is(tmp_path, caplog):
     short.run(tmp_path, **RECORDS)
     before = {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
     Case("cut", cutting(), 2e-6).run(tmp_path, resume=True, progress=False)
-    assert "ended already, at path" in caplog.text
+    assert "has already ended, at path" in caplog.text
     assert before == {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
     with pytest.raises(RunEnded):
         Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)

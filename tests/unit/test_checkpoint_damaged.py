@@ -59,7 +59,7 @@ def test_content_that_is_another_is_told_by_name(saved, tmp_path, spoil):
         with h5py.File(path, "r+") as file:
             spoil(file, name)
         as_if_written_so(path)
-        told = f"{re.escape(name.replace('/', '.'))}|cannot be taken over"
+        told = f"{re.escape(name.replace('/', '.'))}|cannot be loaded"
         with pytest.raises(CheckpointError, match=told):
             load_checkpoint(cutting(), path)
 

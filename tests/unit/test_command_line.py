@@ -114,9 +114,9 @@ def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     assert any(line.startswith("crack length [mm]") for line in said)
     assert any(line.startswith("edges  ") for line in said)
     assert "shown  force along (1, 0, 0), over the path" in said
-    none = next(line for line in said if line.startswith("no steady window, hence no mean: "))
+    none = next(line for line in said if line.startswith("no steady window, so there is no mean: "))
     assert none.endswith("no cable was bent around a cutting edge")
-    verdict = said.index("what may be trusted:")
+    verdict = said.index("how far the results can be trusted:")
     assert "history.csv" in said[verdict - 1]
 
 
@@ -230,14 +230,17 @@ def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, mon
 def test_what_no_run_wrote_is_not_replaced(tmp_path, capsys):
     (tmp_path / "energy.png").write_text("mine")
     assert main(["run", "guillotine", "-o", str(tmp_path), "--overwrite", *SHORT]) == 2
-    assert "has energy.png, which no run is known to have written" in capsys.readouterr().err
+    assert (
+        "has energy.png, which this run would replace although no run wrote it"
+        in capsys.readouterr().err
+    )
     assert [path.name for path in tmp_path.iterdir()] == ["energy.png"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run"], "name a MODEL: a file, or one of guillotine, opening"),
+        (["run"], "give a MODEL: a file, or one of guillotine, opening"),
         (["run", "opening"], "-o OUT"),
         (["run", "openign", "-o", "out"], "did you mean opening?"),
         (["run", "opening", "-o", "out", "--set", "tool.teehs=3"], "did you mean teeth?"),
@@ -245,7 +248,7 @@ def test_what_no_run_wrote_is_not_replaced(tmp_path, capsys):
         (["run", "opening", "-o", "out", "--set", "file=3"], "one of membrane.file, tool.file"),
         (["run", "opening", "-o", "out", "--frames", "0"], "[output].frames must be 1 or more"),
         (["run", "opening", "-o", "file"], "-o must name a folder"),
-        (["run", "opening", "--write-model", "file"], "is there already"),
+        (["run", "opening", "--write-model", "file"], "already exists"),
         (["run", "opening", "--write-model", "none/model.toml"], "No such file or directory"),
         (["resume", "nowhere"], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
@@ -272,7 +275,7 @@ def test_a_run_that_blows_up_ends_with_three(tmp_path, capsys):
     assert "lower Stepping.safety, or leave Stepping.fixed unset" in said
     log = (tmp_path / "run.log").read_text()
     # What there is of it is judged, after the message.
-    told, verdict = log.split("what may be trusted:\n")
+    told, verdict = log.split("how far the results can be trusted:\n")
     assert "stopped: " in told
     assert "distrust: The run broke off within a step, at " in verdict
     assert "distrust: Before the run: a fixed step must not exceed the safe one" in verdict
@@ -299,7 +302,7 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(tmp_path, capsys, monkeypatc
 
     monkeypatch.setattr(Case, "go", interrupted)
     assert main(["run", "guillotine", "-o", str(tmp_path), *SHORT]) == 130
-    assert f"to go on: shellcut resume {tmp_path}" in capsys.readouterr().err
+    assert f"to continue: shellcut resume {tmp_path}" in capsys.readouterr().err
     assert "shellcut resume" in (tmp_path / "run.log").read_text()
 
 
@@ -339,13 +342,13 @@ def test_resume_builds_the_same_model_and_asks_to_go_on(out, tmp_path, capsys):
 def test_a_run_that_has_ended_is_left_as_it_is(out, capsys):
     before = {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in out.iterdir()}
     assert main(["resume", str(out)]) == 0
-    assert "ended already, at path 1.5 mm; nothing was changed" in capsys.readouterr().err
+    assert "has already ended, at path 1.5 mm; nothing was changed" in capsys.readouterr().err
     assert before == {
         path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in out.iterdir()
     }
 
 
-def test_nobody_needs_to_listen(tmp_path, monkeypatch):
+def test_a_closed_pipe_is_ignored(tmp_path, monkeypatch):
     # A pipe that is closed at the other end: the run goes on, and run.log has all lines.
     monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
     reading, writing = os.pipe()

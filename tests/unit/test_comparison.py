@@ -20,9 +20,7 @@ DISCRETISATION = 2e-4
 
 
 # Of a history with no more than a torque.
-NO_MEAN = (
-    "no steady window, hence no mean: the history does not say what each cutting edge has cut",
-)
+NO_MEAN = ("no steady window, so no mean: the history lacks the cut length of each cutting edge",)
 
 
 def sine(angle, shift=0.0):
@@ -65,7 +63,7 @@ def test_the_work_is_the_integral(run):
     assert found.work_simulated == pytest.approx(2.0 * 140.0 / WAVE, rel=DISCRETISATION)
     assert found.work_error == pytest.approx(1.0, rel=DISCRETISATION)
     assert found.notes == (
-        "the ranges overlap in part: measured 0 to 45 deg, simulated 0 to 90 deg",
+        "the ranges overlap only partly: measured 0 to 45 deg, simulated 0 to 90 deg",
         *NO_MEAN,
     )
 
@@ -186,7 +184,7 @@ def test_the_command_writes_table_json_and_picture(run, german, tmp_path, capsys
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ([], "say which are meant"),
+        ([], "needs a choice of columns"),
         (["--x", "angle=Winkl", "--y", "torque=3"], "did you mean 'Winkel'?"),
         (["--x", "way=2", "--y", "=3"], "no 'way' in the history"),
         (["--x", "=2", "--y", "=3", "--units", "deg, furlong"], "got 'furlong'"),

@@ -31,7 +31,7 @@ def test_units(tmp_path, scale, unit):
 def test_a_size_between_units_is_refused_with_the_file(tmp_path):
     path = written(tmp_path, {"quad": QUADS}, NODES / 25.4)
     with pytest.raises(
-        FileError, match=rf"{path}: the unit must be given, the film is 0.1969 units"
+        FileError, match=rf"{path}: the unit must be given, because the film is 0.1969 units"
     ):
         read_film(path)
 

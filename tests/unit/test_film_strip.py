@@ -42,5 +42,5 @@ def test_one_frame_is_a_strip_too(tmp_path):
 
 @pytest.mark.parametrize(("frames", "columns"), [([], 3), (FRAMES, 0)])
 def test_nothing_to_draw_is_refused(tmp_path, frames, columns):
-    with pytest.raises(ValueError, match="a frame and a column"):
+    with pytest.raises(ValueError, match="at least one frame and one column"):
         draw_film_strip(tmp_path / "strip.png", frames, columns=columns)

@@ -43,7 +43,7 @@ def test_what_is_turned_or_repeated_is_said(caplog):
     told = [record.getMessage().split(": ", 1)[1] for record in caplog.records]
     assert told == [
         "groups without a name, though others have one, are called curve_4",
-        "4 cells stand once for each of their groups, kept once",
+        "4 cells are listed once per group, kept once",
         'no unit given: taken as mm, the film is 5 mm across; unit="..." says otherwise',
         "4 of 10 quads are turned over to agree with their neighbours",
     ]
@@ -61,8 +61,8 @@ TEXT_41 = (DATA / "gmsh_4.1.msh").read_text()
         (TEXT_22.replace("2.2 0 8", "2.2 0 4"), "must read 'version 0|1 8'"),
         (TEXT_22[: TEXT_22.index("$Elements")], r"a section \$Elements: cut short"),
         (TEXT_22.replace("$Nodes\n18", "$Nodes\n17"), "must hold as much as it declares"),
-        (TEXT_22.replace("$Nodes\n18", "$Nodes\n19"), "ends before what it declares"),
-        (TEXT_22.replace("\n18 4 ", "\n17 4 "), "each node id must stand once, got 17"),
+        (TEXT_22.replace("$Nodes\n18", "$Nodes\n19"), "ends before its declared content"),
+        (TEXT_22.replace("\n18 4 ", "\n17 4 "), "each node id must occur once, got 17"),
         (TEXT_22.replace("14 13 6", "14 13 99").replace("16 13 6", "16 13 99"), "got 99"),
         (TEXT_22.replace("6 3 2 1", "6 77 2 1"), "known ones of Gmsh, got 77"),
         (TEXT_22.replace("3 5 0 0\n", "3 5 0 zero\n"), "coordinates must be numbers, got 'zero'"),

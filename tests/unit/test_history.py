@@ -103,7 +103,7 @@ def test_other_columns_are_not_appended_to(tmp_path):
 def test_a_foreign_file_is_not_read(tmp_path):
     path = tmp_path / "other.csv"
     path.write_text("a;b\n1;2\n")
-    with pytest.raises(ValueError, match="is no history file"):
+    with pytest.raises(ValueError, match="is not a history file"):
         read_history(path)
 
 

@@ -22,7 +22,7 @@ def test_a_safe_guess_is_said(extent, factor, words):
 
 @pytest.mark.parametrize("extent", [0.803, 20400.0, 1e-5, 0.0])
 def test_what_may_be_several_units_must_be_given(extent):
-    with pytest.raises(ValueError, match="the unit must be given, the film is"):
+    with pytest.raises(ValueError, match="the unit must be given, because the film is"):
         unit_in_mm(None, extent, "the film")
 
 

@@ -123,7 +123,7 @@ OBJ, PLY = samples.obj(), samples.ply().decode()
         (lambda text: text.replace(".", ". ", 1), "the weight of a vertex must be 1, got '0.0200"),
         (lambda text: text.replace(".", ". ", 2), "v must have three numbers"),
         (lambda text: "v 1 2 3 0.5\n" + text, "the weight of a vertex must be 1, got '0.5'"),
-        (lambda text: "v 1 2 3 1\n" + text, "in each v alike"),
+        (lambda text: "v 1 2 3 1\n" + text, "the same for all v"),
         (lambda text: "v 1_0 2 3\n" + text, "v must have three numbers"),
     ],
 )

@@ -70,7 +70,7 @@ def test_a_mark_behind_the_keyword_sets_its_layout(tmp_path):
 
 def test_another_layout_than_declared_is_refused(tmp_path):
     told = refusal(tmp_path, deck("LONG=Y").replace("LONG=Y", ""))
-    assert "is it of another layout" in told
+    assert "is it in another layout" in told
 
 
 def test_keywords_in_lower_case_and_blank_fields(tmp_path):
@@ -166,7 +166,7 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
 @pytest.mark.parametrize(
     ("add", "words"),
     [
-        ("*NODE_TRANSFORM\n", "*NODE_TRANSFORM: makes or moves nodes"),
+        ("*NODE_TRANSFORM\n", "*NODE_TRANSFORM: generates or moves nodes"),
         ("*INCLUDE_TRANSFORM\nx.k\n", "*INCLUDE_TRANSFORM: is not read"),
         ("*INCLUDE\nnone.k\n", "'none.k' must lie beside"),
         ("*INCLUDE\nfilm.k\n", "must not include itself"),
@@ -175,7 +175,7 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
         ("*ELEMENT_SHELL_COMPOSITE\n", "options must be among THICKNESS"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 0, 0], 8), "must have 3 or 4 nodes"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 24, 3], 8), "shells must name nodes"),
-        ("*ELEMENT_SHELL\n" + card([QUAD_ID[0], 1, 10, 17, 24, 31], 8), "must stand once"),
+        ("*ELEMENT_SHELL\n" + card([QUAD_ID[0], 1, 10, 17, 24, 31], 8), "must occur once"),
         (
             "*ELEMENT_SHELL\n" + card([5, 1, 10, "1x", 24, 31], 8),
             "must be a whole number, got '1x'",

@@ -68,7 +68,7 @@ def test_units_given_win_over_those_written_and_this_is_said(tmp_path):
     text = "Weg [mm];Kraft [N]\n0;0\n1;2\n"
     found = curve(tmp_path, text, units="in, N")
     np.testing.assert_allclose(found.x, [0.0, 25.4], rtol=1e-15)
-    assert found.notes == ("Weg is headed mm, taken as in as told",)
+    assert found.notes == ("Weg has the heading unit mm, but is read as in as given",)
 
 
 def test_without_headings_units_are_given(tmp_path):
@@ -120,11 +120,11 @@ def test_falling_standing_and_jittering_coordinates():
         (WIDE, (2, 5), ["the unit of Status must be given"]),
         ("a;b [furlong]\n0;0\n1;1\n", (), ["unit of a must", "force: mN, N,", "got 'furlong'"]),
         ("a [mm];b [N]\na;b\n", (), ["line 2"]),
-        ("a [mm];a [N]\n0;0\n1;1\n", ("a", "a"), ["'a' stands above columns 1 and 2"]),
-        ("a [mm];b [N]\n0;0\n5;1\n9;2\n4;1\n0;0\n10;1\n", (), ["turns round at 4", "in line 5"]),
-        ("a [mm];b [N]\n10;1\n0;0\n4;1\n3;0\n", (), ["turns round at", "in line"]),
+        ("a [mm];a [N]\n0;0\n1;1\n", ("a", "a"), ["'a' is the heading of columns 1 and 2"]),
+        ("a [mm];b [N]\n0;0\n5;1\n9;2\n4;1\n0;0\n10;1\n", (), ["reverses at 4", "in line 5"]),
+        ("a [mm];b [N]\n10;1\n0;0\n4;1\n3;0\n", (), ["reverses at", "in line"]),
         ("a [mm];b [N]\n1;0\n1;1\n", (), ["all 2 points are at 1"]),
-        ("a [mm];b [N]\n1;0\n", (), ["two points or more"]),
+        ("a [mm];b [N]\n1;0\n", (), ["same length of two or more"]),
         ("a [mm];b [N]\n1;0\n2;nan\n", (), ["must be finite, they are not in lines 3"]),
     ],
 )

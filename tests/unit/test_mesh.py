@@ -257,7 +257,7 @@ ARROW = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.5, 1.0]]
 @pytest.mark.parametrize(
     ("nodes", "quads", "words"),
     [
-        ([0.0, 1.0], QUADS, ["nodes must have shape (n_node, 3)", "(2,)", "one row a node"]),
+        ([0.0, 1.0], QUADS, ["nodes must have shape (n_node, 3)", "(2,)", "one row per node"]),
         ("abc", QUADS, ["array of numbers"]),
         (NODES, [[0, 1, 4]], ["shape (n_quad, 4)", "(1, 3)", "triangles are not supported"]),
         (NODES, [[0, 1, 4, 3], [1, 2, 5]], ["shape (n_quad, 4)"]),

@@ -46,9 +46,9 @@ STRIP = 'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0
             r"\[output\].rows must be a whole number up to 1,000,00",
         ),
         (f"[output]\nrows = {10**400}", "must hold whole numbers up to 9223372036854775807"),
-        (f"[output]\nrows = 1{'0' * 5000}", "is no TOML: Exceeds the limit"),
-        (f"x = {'[' * 3000}{']' * 3000}", "must hold tables and arrays within each other to 8 lev"),
-        (f"x.{'y.' * 3000}z = 1", "must hold tables and arrays within each other to 8 levels"),
+        (f"[output]\nrows = 1{'0' * 5000}", "is not valid TOML: Exceeds the limit"),
+        (f"x = {'[' * 3000}{']' * 3000}", "must nest tables and arrays to 8 lev"),
+        (f"x.{'y.' * 3000}z = 1", "must nest tables and arrays to 8 levels"),
     ],
     ids=lambda text: text[:24],
 )
@@ -75,7 +75,7 @@ def test_sizes_are_refused_before_the_work(tmp_path, capsys):
 
 @pytest.mark.parametrize("value", [10**5000, [[[[[[[[[[1]]]]]]]]]]], ids=["long", "deep"])
 def test_overrides_of_a_script_are_refused_too(value):
-    with pytest.raises(ModelFileError, match=r"set tool\.radius: the value must hold"):
+    with pytest.raises(ModelFileError, match=r"set tool\.radius: the value must nest"):
         read_model("opening", {"tool.radius": value})
 
 
@@ -85,4 +85,4 @@ def test_more_memory_than_there_is_is_told(monkeypatch, capsys):
 
     monkeypatch.setattr(sys.modules["shellcut.model_file.model"].Model, "build", build)
     assert main(["preview", "opening"]) == 2
-    assert "memory is too small for it: Unable to allocate 112. GiB" in capsys.readouterr().err
+    assert "does not have enough memory: Unable to allocate 112. GiB" in capsys.readouterr().err

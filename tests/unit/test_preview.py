@@ -53,12 +53,12 @@ def test_the_legend_hides_nothing(tmp_path, monkeypatch, pitch):
     assert box.x1 < figure.bbox.x1
     assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
     assert not any(box.overlaps(text.get_window_extent()) for text in figure.texts)
-    # The cutting edges lie on their way, as seen from above.
+    # The cutting edges lie above their path, as seen from above.
     drawn = {artist.get_label(): artist for artist in figure.axes[0].get_children()}
-    edges, way = (
-        next(drawn[name] for name in drawn if part in name) for part in ("cutting", "way")
+    edges, path = (
+        next(drawn[name] for name in drawn if part in name) for part in ("cutting", "path")
     )
-    assert edges.get_zorder() > way.get_zorder()
+    assert edges.get_zorder() > path.get_zorder()
 
 
 @pytest.mark.parametrize("fixed", [None, 1e-8])
@@ -67,9 +67,9 @@ def test_every_step_says_what_it_is_of(tmp_path, fixed):
     sim = opening_test("quick", stepping=stepping).simulation
     report = preview(sim, tmp_path / "model.svg")
     said = re.search(
-        r"step   (\S+) s is stable for the median quad by itself,\n"
-        r" +(\S+) s for the worst quad by itself.*\n"
-        r" +(\S+) s for the film with what contact and cables hold at the start;\n"
+        r"step   (\S+) s is stable for the median quad alone,\n"
+        r" +(\S+) s for the worst quad alone.*\n"
+        r" +(\S+) s for the film with contact and cables at the start;\n"
         r" +(\S+) s is (.*)\n",
         report,
     )

@@ -193,11 +193,11 @@ class TestWhatIsMissing:
     def test_what_is_shown_and_where_it_is_steady_is_said(self, out, tmp_path):
         whole = report(out).read_text(encoding="utf-8")
         killed = report(copy_without(out, tmp_path, "summary.json")).read_text(encoding="utf-8")
-        assert "Shown is the force along (1, 0, 0); positive resists." in whole
+        assert "Shown is the force along (1, 0, 0); positive resists the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
         for page in (whole, killed):
-            assert f"There is no steady window, hence no mean: {reason}." in page
+            assert f"There is no steady window, so there is no mean: {reason}." in page
 
     def test_a_broken_file_is_no_end(self, out, tmp_path):
         folder = copy_without(out, tmp_path)
@@ -216,7 +216,9 @@ class TestWhatIsMissing:
         page = report(folder).read_text(encoding="utf-8")
         said = [text for _, text in sentences(page) if "cannot be shown" in text]
         assert len(said) == 1
-        assert said[0].startswith("The force cannot be shown: there is no &#x27;force_contact")
+        assert said[0].startswith(
+            "The force cannot be shown: the files contain no &#x27;force_contact"
+        )
         lost = {"Force", "Measured curve"}
         assert Outline(page).titles == [title for title in SECTIONS if title not in lost]
 

@@ -214,7 +214,7 @@ def test_what_is_not_there_is_said(tmp_path):
     (tmp_path / "out" / "history.csv").unlink()
     results = shellcut.read(tmp_path / "out" / "other.vtkhdf")
     assert results.coordinate_name == "angle"
-    with pytest.raises(ValueError, match=r"must hold the run's history.csv"):
+    with pytest.raises(ValueError, match=r"must contain the run's history.csv"):
         _ = results.resistance_name
 
 

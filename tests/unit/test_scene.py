@@ -195,7 +195,7 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
     assert main(["view", str(folder), "--frame", "9"]) == 2
     assert "0 to 0, got 9" in capsys.readouterr().err
     assert main(["view", str(folder), "--movie", "a.gif", "-o", "b.png"]) == 2
-    assert "leave one" in capsys.readouterr().err
+    assert "give only one" in capsys.readouterr().err
     assert main(["view", str(tmp_path / "none")]) == 2
     assert "none" in capsys.readouterr().err
 

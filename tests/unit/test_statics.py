@@ -466,7 +466,7 @@ def test_what_statics_cannot_do_is_refused():
         lambda: full.load_steps([1.0]),
         lambda: full.arc_length(0.1, until=lambda e: True),
     ):
-        with pytest.raises(ValueError, match="nothing is left to move"):
+        with pytest.raises(ValueError, match="no freedom is left"):
             ask()
 
 

@@ -113,7 +113,7 @@ def why(edges, x=X):
 
 
 def test_where_there_is_none_the_reason_is_said():
-    assert why([]) == "the history does not say what each cutting edge has cut"
+    assert why([]) == "the history lacks the cut length of each cutting edge"
     assert why([(0.0 * X,) * 4]) == "no cable was bent around a cutting edge"
     short = X[X < 10.0]
     assert why([edge(short)], short) == (
@@ -121,7 +121,7 @@ def test_where_there_is_none_the_reason_is_said():
     )
     short = X[X < 20.0]
     assert why([edge(short)], short) == (
-        "cutting edge 1 has cut 3.2 mm; its process zone is renewed after 4.8 mm only"
+        "cutting edge 1 has cut 3.2 mm; its process zone is renewed only after 4.8 mm"
     )
     assert why([edge(X, arc=4.9)] * 12) == (
         "when the process zones had been renewed, at 26.7 deg, cutting edge 1 had 0 mm to go to "

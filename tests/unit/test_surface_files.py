@@ -80,10 +80,13 @@ class TestStl:
             (binary_stl()[:-1], "12 declared and room for 11.98; is it cut short"),
             (binary_stl() + b"x", "12 declared and room for 12.02"),
             (b"\0" * 84, "0 declared"),
-            (text_stl()[:-20].encode(), "cut short|must come"),
-            (text_stl().replace("endfacet", "endfact", 1).encode(), "line 8: after 'endloop'"),
+            (text_stl()[:-20].encode(), "cut short|must be followed"),
+            (
+                text_stl().replace("endfacet", "endfact", 1).encode(),
+                "line 8: 'endloop' must be followed",
+            ),
             (text_stl().replace("e+00", "e+zz", 1).encode(), "line 4: a vertex must have three"),
-            (b"solid x\nvertex 1 2\n", "after 'solid' must come 'facet or endsolid'"),
+            (b"solid x\nvertex 1 2\n", "'solid' must be followed by 'facet or endsolid'"),
             (b"hello", "must begin with 'solid'"),
         ],
     )
@@ -122,10 +125,10 @@ class TestObj:
             ("f 1 2\n", "f must have three corners"),
             ("f 1 2 x\n", "must name a vertex, got 'x'"),
             ("f 1 2 0\n", "must name a vertex, got '0'"),
-            ("f 1 2 99\n", "name vertices that are there, not so faces 0"),
+            ("f 1 2 99\n", "name existing vertices, but faces 0"),
             ("f 1 2 -9\n", "must name a vertex, got '-9'"),
-            ("v 0 1 0.5\nf 1 2 9 4 3\n", "faces must be convex, not so faces 0"),
-            ("f 1 2 3 \\\n", "must not go on"),
+            ("v 0 1 0.5\nf 1 2 9 4 3\n", "faces must be convex, but faces 0"),
+            ("f 1 2 3 \\\n", "must not continue"),
             ("v 1 2\n", "v must have three numbers"),
             ("surf 0 1 0 1\n", "'surf' is not read"),
         ],
@@ -159,8 +162,11 @@ class TestPly:
         path.write_bytes(head.encode() + b"end_header\n" + body)
         surface = read_ply(path)
         assert volume(surface) == 8.0
-        assert surface.notes == ["6 faces of more than three corners are cut in triangles"]
-        for damaged, words in ((body[:-1], "cut short"), (body + b"x", "no more than the header")):
+        assert surface.notes == ["6 faces with more than three corners are triangulated"]
+        for damaged, words in (
+            (body[:-1], "cut short"),
+            (body + b"x", "must end after the content"),
+        ):
             path.write_bytes(head.encode() + b"end_header\n" + damaged)
             with pytest.raises(FileError, match=words):
                 read_ply(path)
@@ -171,11 +177,11 @@ class TestPly:
             ("ply\n", "plx\n", "from 'ply' to 'end_header'"),
             ("ascii", "asciii", "format must be one of"),
             ("double x", "double a", "vertex with x, y and z"),
-            ("double x", "quad x", "header is not understood: 'property quad x'"),
+            ("double x", "quad x", "this line of the header is invalid: 'property quad x'"),
             ("element face 12", "element face 13", "cut short"),
-            ("element face", "element face 0\nelement face", "each element must stand once"),
+            ("element face", "element face 0\nelement face", "each element must occur once"),
             ("double x", "list uchar double x", "vertex with x, y and z"),
-            ("element face 12", "element face 11", "no more than the header"),
+            ("element face 12", "element face 11", "must end after the content"),
             ("element vertex 8", "element vertex 7", "values must be numbers|faces must name"),
             ("4.0 2.0 1.0", "4.0 2.0 one", "values must be numbers"),
         ],

@@ -63,7 +63,7 @@ def test_a_run_is_not_replaced_unasked(tmp_path):
     run_before(out, "history.csv", "energy.png")
     before = left(out)
     taken = TakenFolder(out)
-    with pytest.raises(FileExistsError, match=r"holds a run already, with history\.csv"):
+    with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
         taken.begin(["history.csv"], replace=False)
     taken.close()
     assert left(out) == before
@@ -75,7 +75,9 @@ def test_what_no_run_wrote_is_not_replaced_either(tmp_path, replace):
     out.mkdir()
     fill(out, "history.csv", "snapshot_01.png", "notes.txt")
     taken = TakenFolder(out)
-    wanted = r"has history\.csv, snapshot_01\.png, which no run is known to have written"
+    wanted = (
+        r"has history\.csv, snapshot_01\.png, which this run would replace although no run wrote it"
+    )
     with pytest.raises(FileExistsError, match=wanted):
         taken.begin(["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
     taken.close()
@@ -127,7 +129,7 @@ def test_a_run_gone_on_with_keeps_its_list(tmp_path):
     out = tmp_path / "out"
     run_before(out, "history.csv", "snapshot_00.png")
     taken = TakenFolder(out)
-    taken.go_on(["history.csv", "summary.json"])
+    taken.resume(["history.csv", "summary.json"])
     assert taken.names == ["history.csv", "snapshot_00.png", "summary.json"]
     fill(out, "summary.json", "mine.png")
     taken.remove(["summary.json", "mine.png"])

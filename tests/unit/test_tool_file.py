@@ -90,7 +90,7 @@ class TestTheDefaultToothOutAndBack:
 
     def test_inches_are_not_guessed(self, cap):
         write_stl(cap, RING.vertices / 25.4, RING.triangles, header="inch")
-        with pytest.raises(FileError, match=r"unit must be given, the tool is 0\.7"):
+        with pytest.raises(FileError, match=r"unit must be given, because the tool is 0\.7"):
             read_tool(cap)
 
     def test_a_guess_is_said(self, cap, caplog):

@@ -93,7 +93,7 @@ def test_other_counts_than_declared_are_refused(tmp_path):
 def test_cells_beyond_the_points_are_refused(tmp_path):
     path = tmp_path / "film.vtu"
     meshio.Mesh(NODES[:-1], {"quad": QUADS}).write(path)
-    with pytest.raises(FileError, match="name points that are there"):
+    with pytest.raises(FileError, match="name existing points"):
         read_film(path)
 
 

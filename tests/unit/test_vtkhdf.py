@@ -194,7 +194,7 @@ def test_a_file_names_the_version_that_wrote_it(tmp_path):
 
 def test_a_foreign_or_damaged_file_is_not_read(tmp_path):
     (tmp_path / "text.vtkhdf").write_text("no HDF5 at all")
-    with pytest.raises(ValueError, match=r"text.vtkhdf must be a result file of shellcut, and wh"):
+    with pytest.raises(ValueError, match=r"text.vtkhdf must be a complete result file of shellcut"):
         VtkHdfReader(tmp_path / "text.vtkhdf")
     h5py.File(tmp_path / "other.vtkhdf", "w").close()
     with pytest.raises(ValueError, match="was not written by shellcut"):

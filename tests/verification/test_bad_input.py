@@ -66,7 +66,7 @@ Case = tuple[Callable[[], object], tuple[str, ...]]
 MESH_CASES: dict[str, Case] = {
     "nodes by columns": (
         lambda: Mesh.from_arrays(X.T, QUADS),
-        ("nodes must have shape", "got (3, 25)", "one row a node"),
+        ("nodes must have shape", "got (3, 25)", "one row per node"),
     ),
     "node not a number": (
         lambda: Mesh.from_arrays(_moved_node(2, np.array([2.0, NAN, 0.0])), QUADS),

@@ -1,7 +1,7 @@
-"""Checks of a model before its run: what must hold, what came, what to do.
+"""Checks of a model before its run; each finding says what must hold, what came, what to do.
 
-:func:`check_model` gathers them; :class:`Sweep` tells where and when the cutting edges pass through
-the film, which the guards at the end of a run ask as well.
+:func:`check_model` runs them all; :class:`Sweep` finds where and when the cutting edges pass
+through the film, which the verdict at the end of a run also uses.
 
 May import the physics (``fracture``, ``imprinting`` and rows below).
 """

@@ -1,4 +1,4 @@
-"""What a check found."""
+"""The result of a check."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ REFUSE, DOUBT, NOTE = "refuse", "doubt", "note"
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a check found before the run.
+    """One finding of a check before the run.
 
     Attributes
     ----------
     severity : {"refuse", "doubt", "note"}
-        Refused is what nothing sensible can come of; doubted what is likely a mistake; noted what
-        one should know.
+        A refusal: no sensible result is possible; a doubt: likely a mistake; a note: worth
+        knowing.
     holds : str
-        What must hold, and why; nothing of a note.
+        What must hold, and why; empty for a note.
     came : str
         What came instead.
     remedy : str
         What to do.
     forcible : bool
-        Whether a refusal can be forced, because a run may make sense to who knows why.
+        Whether a refusal can be overridden, because the run may make sense to an expert.
     """
 
     severity: str
@@ -40,7 +40,7 @@ class Finding:
 
 
 class RefusedModel(ValueError):
-    """A model whose run nothing sensible can come of; the message lists every reason.
+    """No sensible result is possible with this model; the message lists every reason.
 
     Attributes
     ----------

@@ -1,9 +1,9 @@
-"""What holds the film: every piece of it must be kept from moving away as a rigid body.
+"""Check that supports keep every piece of the film from moving as a rigid body.
 
-A rigid body moves with six numbers, a velocity a and an angular velocity w: a node at x with
-v = a + w × (x - c), its director with the part of w normal to it, as a director has no drilling.
-Supports make linear conditions on the six; what they leave free, the tool sets in motion. Loads
-hold nothing: they push on.
+A rigid motion has six parameters, a velocity a and an angular velocity w: a node at x moves with
+v = a + w × (x - c), its director with the part of w normal to it, because a director has no
+drilling rotation. Supports give linear conditions on the six parameters; the tool sets the
+remaining motions going. Loads do not count as support.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from shellcut.numerics.connected_parts import connected_parts
 
 from .finding import DOUBT, Finding
 
-_FREE = 1e-8  # of the mean square of what a motion does at held nodes: round-off, not leverage
+_FREE = 1e-8  # relative to the mean square motion of held nodes: round-off, not leverage
 _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 
@@ -30,7 +30,7 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
     mesh : Mesh
         Pieces are quads that share nodes.
     support : ndarray of bool, shape (n_node, 6)
-        Held components of each node, three of the position and three of the director's spin.
+        Held components of each node, three of position and three of director spin.
     """
     piece = connected_parts(np.repeat(mesh.quads[:, 0], 3), mesh.quads[:, 1:].ravel(), mesh.n_node)
     of_quad = piece[mesh.quads[:, 0]]
@@ -86,7 +86,7 @@ def free_motions(mesh: Mesh, support: Bools, nodes: Ints) -> list[str]:
 
 
 def _conditions(mesh: Mesh, support: Bools, nodes: Ints) -> Floats:
-    """Return the supports as rows on (a, w size), shape (n, 6)."""
+    """Return the supports as rows acting on (a, w size), shape (n, 6)."""
     centre = mesh.nodes[nodes].mean(axis=0)
     size = float(np.linalg.norm(np.ptp(mesh.nodes[nodes], axis=0))) or 1.0
     rows = []

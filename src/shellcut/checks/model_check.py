@@ -1,4 +1,4 @@
-"""All checks of a model, gathered."""
+"""All checks of a model."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class ModelCheck:
-    """What the checks of a model found.
+    """Findings of the checks of a model.
 
     Attributes
     ----------
     findings : tuple of Finding
         Refusals first, then doubts, then notes.
     sweep : Sweep or None
-        The way of the cutting edges; None without a tool.
+        Path of the cutting edges; None without a tool.
     """
 
     findings: tuple[Finding, ...]
@@ -42,17 +42,17 @@ class ModelCheck:
         return tuple(finding for finding in self.findings if finding.severity == severity)
 
     def enforce(self, *, force: bool = False) -> None:
-        """Raise what is refused.
+        """Raise the refusals.
 
         Parameters
         ----------
         force : bool
-            Let pass what can be forced.
+            Ignore refusals that can be overridden.
 
         Raises
         ------
         RefusedModel
-            With every refusal.
+            Lists every refusal.
         """
         refused = [f for f in self.of(REFUSE) if not (force and f.forcible)]
         if refused:
@@ -60,7 +60,7 @@ class ModelCheck:
 
     @property
     def doubts(self) -> tuple[Finding, ...]:
-        """What is doubted, and refusals that were forced."""
+        """Doubts, and refusals that were overridden."""
         return (*self.of(REFUSE), *self.of(DOUBT))
 
     def say(self) -> None:
@@ -77,8 +77,8 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     Parameters
     ----------
     simulation : Simulation
-        Before its first step. :class:`Recorder`, :meth:`Case.run` and ``shellcut run`` call this by
-        themselves; a loop of one's own over :meth:`Simulation.run` may.
+        Before its first step. :class:`Recorder`, :meth:`Case.run` and ``shellcut run`` call this
+        themselves; call it yourself before your own loop over :meth:`Simulation.run`.
     until : float
         End of the run [s].
 

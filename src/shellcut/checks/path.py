@@ -1,20 +1,21 @@
-"""What lies on the way of the cutting edges through the film.
+"""Check the path of the cutting edges through the film.
 
-What a right cut needs, and why:
+Conditions for a correct cut, with reasons:
 
-* An edge that meets the film. Where it runs out, the tool has nothing to cut with.
+* An edge that meets the film. Where the edge ends, the tool has nothing to cut with.
 * The edge in front of the tool: it must move within 60° of the direction in which it points, in
-  the plane normal to it. A blunt back does not part the film, and joints made as a back comes by
+  the plane normal to it. A blunt back does not part the film, and joints made by a passing back
   lie up to 1.5 mm behind the edge.
-* A row of mesh edges under it: cracks follow edges. At 0.05 edge lengths beside the row the cut
-  costs 3.5 % more, at 0.25 of them 6.5 % (h = 0.4 mm); farther off than 0.3 no node is pierced.
+* A row of mesh edges under it: cracks follow edges. At 0.05 edge lengths beside the row the cutting
+  force is 3.5 % higher, at 0.25 of them 6.5 % (h = 0.4 mm); beyond 0.3 the edge pierces no node.
 * No held nodes under it: they never split.
 * Film that is not cut yet.
-* A process zone longer than an edge. The blade drags a cable by its two branches, so that the
-  cable breaks when the edge has moved on by half of ``opening_u``; the next one is born an edge
-  length h farther on. With h <= opening_u / 2 the blade always drags one; with a longer h it runs
-  from rung to rung of a ladder: between two of them nothing holds the flanks, and what opens them
-  goes into vibration and damping. Measured, work of the tool over that of the cables in steady
+* A process zone longer than an edge. The blade drags a cable by its two branches, so the cable
+  breaks when the edge has moved on by half of ``opening_u``; the next one is made an edge length h
+  farther on. With h <= opening_u / 2 the blade always drags a cable; with a longer h there are
+  stretches without cables on which nothing holds the flanks, and the work that opens them is
+  dissipated in vibration and damping. Measured ratio of the tool's work to that of the cables in
+  steady cutting:
   cutting:
 
   ================  =====  =========  =========  =========  =========
@@ -24,9 +25,9 @@ What a right cut needs, and why:
   ================  =====  =========  =========  =========  =========
 
   (h = 0.8 and 0.4 mm; moduli from 420 to 6712 MPa, strengths of 18 and 72 MPa, half the speed and
-  a tenth of the damping leave the guillotine within 1.04-1.08 at 2 and 1.08-1.37 at 0.5.) So it is
-  the opening that counts here; Irwin's length E G / strength² is 0.6 opening_u over the strain at
-  which the film tears, more than ten edges wherever the other two limits are kept.
+  a tenth of the damping keep the guillotine within 1.04-1.08 at 2 and 1.08-1.37 at 0.5.) So only
+  the opening matters here; Irwin's length E G / strength² is 0.6 opening_u over the strain at
+  which the film tears, more than ten edges if the other two limits are kept.
 """
 
 from __future__ import annotations
@@ -45,23 +46,23 @@ from .finding import DOUBT, NOTE, Finding
 from .sweep import Fate, Sweep
 
 ATTACK = np.radians(60.0)
-"""By so much may the motion of a cutting edge turn from where it points."""
+"""Largest angle between the motion of a cutting edge and the direction in which it points."""
 OFF_ROW = 0.1
-"""So near must a row of mesh edges lie, in edge lengths: chords of a path that turns by a right
-angle within six edges are off it by as much."""
+"""Largest distance of a row of mesh edges, in edge lengths: the chords of a path that turns by a
+right angle within six edges deviate by as much."""
 ALONG_ROW = np.cos(np.radians(30.0))
 NEAR_HELD = 0.5
-"""Held nodes nearer than this to the path, in edge lengths, are in the way."""
+"""Held nodes closer than this to the path, in edge lengths, are in the way."""
 SHARE = 0.05
-"""Share of the crossed quads, or of the way, from which on it is said."""
+"""Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
-"""Least opening_u in edge lengths, see above."""
+"""Smallest opening_u in edge lengths, see above."""
 
 
 def check_path(
     mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, *, imprint_helps: bool = True
 ) -> Iterator[Finding]:
-    """Yield what is in the way of a right cut.
+    """Yield findings on the path of the cutting edges.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ def check_path(
     sweep : Sweep
         Of the tool's whole motion.
     imprint_helps : bool
-        Whether the path could be put into the mesh, which it can be in flat films.
+        Whether the path can be imprinted in the mesh, as in flat films.
     """
     yield from _fates(sweep)
     if not sweep.within.any():
@@ -87,16 +88,16 @@ def check_path(
         yield Finding(
             DOUBT,
             f"the process zone must be longer than the film's edges, opening_u more than "
-            f"{RUNGS:g} of them, so that the blade always drags a cable; else the tool's work "
-            "grows to 1.1 and more times that of the cables",
+            f"{RUNGS:g} of them, so that the blade always drags a cable; otherwise the tool's work "
+            "grows to 1.1 times that of the cables or more",
             f"opening_u {law.opening_u:.4g} mm and {h:.3g} mm from node to node of the path, "
             f"{law.opening_u / h:.2g} edges",
-            "take a finer film along the path; openings are in mm",
+            "use a finer film along the path; openings are in mm",
         )
 
 
 class Rows:
-    """The sides of the crossed quads that run along the blade, one a place of the sweep."""
+    """Sides of the crossed quads along the blade's path, one per place of the sweep."""
 
     def __init__(self, mesh: Mesh, sweep: Sweep) -> None:
         corner = mesh.nodes[mesh.quads[sweep.quad]]
@@ -112,7 +113,7 @@ class Rows:
         best = off.argmin(axis=1)
         at = np.arange(len(best))
         self.off: Floats = off[at, best] / sweep.edge_length
-        """Distance of the nearest row, in edge lengths; infinite where none runs along the blade,
+        """Distance of the nearest row, in edge lengths; infinite if none runs along the blade,
         shape (n_place,)."""
         ends = mesh.quads[sweep.quad]
         ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
@@ -121,7 +122,7 @@ class Rows:
         found = length[at, best][np.isfinite(self.off) & sweep.within]
         size = sweep.edge_length[sweep.within]
         self.spacing = float(np.median(found if len(found) else size))
-        """From node to node of the path [mm]."""
+        """Node spacing along the path [mm]."""
 
 
 def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
@@ -187,7 +188,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     edge = np.cross(sweep.normal, sweep.back)
     across = sweep.velocity - (sweep.velocity * edge).sum(axis=1)[:, None] * edge
     speed = np.linalg.norm(across, axis=1)
-    # An edge that moves along itself slices and points nowhere; one at rest does nothing.
+    # An edge that moves along itself slices and has no direction; one at rest does nothing.
     whole = np.linalg.norm(sweep.velocity, axis=1)
     moving = sweep.within & (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
     forward = -(across * sweep.back).sum(axis=1)
@@ -213,7 +214,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
 
 
 def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
-    """Return whether an edge that moved ahead has been at a place before: the way back is free."""
+    """Return whether an edge was at a place before while moving ahead: the way back is free."""
     back = np.zeros(len(ahead), np.bool_)
     if not ahead.any():
         return back

@@ -1,7 +1,7 @@
-"""Numbers that a film, its law and its tool can hardly have: mostly a unit that was mistaken.
+"""Plausible ranges of the numbers of film, law and tool; a wrong unit is the usual cause.
 
-Each limit says where it comes from. Only what leaves no shell, no elastic film or no motion that
-the steps can follow is refused.
+Each limit gives its source. A refusal needs more: no shell, no elastic film, or a motion too fast
+for the time step.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from shellcut.tool.tool import Tool
 from .finding import DOUBT, REFUSE, Finding
 
 THINNEST = 1e-4
-"""[mm]; films for capacitors, the thinnest that are sold, have 5e-4 mm."""
+"""[mm]; capacitor films, the thinnest on the market, have 5e-4 mm."""
 SLENDER = 0.1
-"""Thickness over the film's size up to which first-order shear theory is taken for good."""
+"""Thickness over film size up to which first-order shear theory is assumed valid."""
 STIFFEST, SOFTEST = 1.3e6, 1e-3
-"""[MPa]; diamond has 1.2e6, the softest gels some 1e-3."""
+"""[MPa]; diamond has 1.2e6, the softest gels about 1e-3."""
 LIGHTEST, HEAVIEST = 1e-11, 2.3e-8
 """[t/mm³]; foams have 1e-11 and more, osmium has 2.26e-8."""
 FASTEST_WAVE, SLOWEST_WAVE = 2e7, 1e4
-"""[mm/s], root of modulus over density; diamond has 1.8e7, soft rubber some 2e4."""
+"""[mm/s], root of modulus over density; diamond has 1.8e7, soft rubber about 2e4."""
 LARGEST_STRAIN, SMALLEST_STRAIN = 0.1, 1e-4
-"""Strength over modulus: beyond 0.1 the elastic law, St.Venant-Kirchhoff, is out of its range, and
-no material has torn below 1e-4."""
+"""Strength over modulus: above 0.1 the elastic law, St.Venant-Kirchhoff, is out of its range, and
+no material is known to tear below 1e-4."""
 RUPTURED = 1.0
-"""Strength over modulus from which on the film would have to double its length before it tears."""
+"""Strength over modulus above which the film would double its length before it tears."""
 
 
 def check_numbers(
     mesh: Mesh, material: ShellMaterial, law: CohesiveLaw | None, tool: Tool | None
 ) -> Iterator[Finding]:
-    """Yield what is out of range in film, material, law and size of the tool."""
+    """Yield implausible values of film, material, law and tool size."""
     yield from _thickness(mesh, material)
     yield from _layers(material)
     if law is not None:
@@ -48,7 +48,7 @@ def check_numbers(
 
 
 def film_size(mesh: Mesh) -> float:
-    """Return the side of a square of the film's area [mm]."""
+    """Return the side of a square with the film's area [mm]."""
     return math.sqrt(float(mesh.quad_areas().sum()))
 
 

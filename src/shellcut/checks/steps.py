@@ -1,9 +1,9 @@
-"""Whether the time step can follow the tool, and what the steps come to.
+"""Check that the time step can follow the tool, and estimate the number of steps.
 
-A node that the edge pierces is found within 0.3 edge lengths of it
-(:mod:`shellcut.fracture.blade_cut`), by a look every ``check_every`` steps. So between two looks
-the edge must move by less; and by less than half an edge in one step, or the tool is on the other
-side of a node before contact or cables have seen it.
+A node pierced by the edge is found within 0.3 edge lengths of it
+(:mod:`shellcut.fracture.blade_cut`), by a check every ``check_every`` steps. So between two checks
+the edge must move by less; and by less than half an edge in one step, or the tool passes a node
+before contact or cables notice it.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from collections.abc import Iterator
 from .finding import DOUBT, NOTE, REFUSE, Finding
 
 FOUND_WITHIN = 0.3
-"""Way of the edge between two looks for splits, in edge lengths."""
+"""Travel of the edge between two checks for splits, in edge lengths."""
 SEEN_WITHIN = 0.5
-"""Way of the edge in one step, in edge lengths."""
+"""Travel of the edge in one step, in edge lengths."""
 OF_WAVE = 0.1
-"""Speed of the edge over that of membrane waves: beyond, the film tears before it can give way."""
+"""Speed of the edge over that of membrane waves: above this the film tears before it gives way."""
 MANY_STEPS = 5e6
-"""A hundred times as many as the opening test on M1 takes."""
+"""A hundred times the number of steps of the opening test on M1."""
 
 
 def check_steps(
@@ -33,14 +33,14 @@ def check_steps(
     wave: float,
     edge_length: float,
 ) -> Iterator[Finding]:
-    """Yield what is wrong between the step and the tool's speed.
+    """Yield findings on the time step and the tool's speed.
 
     Parameters
     ----------
     dt, fixed, bound : float
-        First step, that of the user's own, and the safe bound at the start [s].
+        First step, user's fixed step, and safe bound at the start [s].
     check_every : int
-        Steps between two looks for splits.
+        Steps between two checks for splits.
     duration : float
         Of the run [s].
     speed : float
@@ -48,7 +48,7 @@ def check_steps(
     wave : float
         Speed of membrane waves [mm/s].
     edge_length : float
-        Of the film along the cut, else of all of it [mm].
+        Of the film along the cut, or of the whole film [mm].
     """
     if fixed is not None and fixed > bound:
         yield Finding(

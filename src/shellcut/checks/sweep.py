@@ -1,12 +1,12 @@
-"""Where and when the cutting edges of a tool pass through a film in its reference state.
+"""Find where and when the cutting edges of a tool pass through a film in its reference state.
 
-A point of a cutting edge stands at the height f over the film. The edge passes through the film
-where f changes sign: along the edge at a time, and at a point of the edge in time, which finds an
-edge that comes down flat. Over a flat film f is the height over its plane, over a curved one that
-over the plane of the nearest quad. A place counts if it lies in a quad; so holes do not.
+A point of a cutting edge is at a height f above the film. The edge passes through the film where f
+changes sign: along the edge at a given time, and at a given point in time, which finds an edge that
+comes down flat. Over a flat film f is the height over its plane, over a curved one that over the
+plane of the nearest quad. A place counts only if it lies in a quad; so holes do not count.
 
-This knows the reference film only. A film that gives way is met later and elsewhere, by as much as
-it gives way.
+Only the reference film is used. A film that gives way is met later and elsewhere, depending on how
+much it gives way.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
-_FINEST = 0.1  # of an edge length: vertices of a cutting edge that are nearer are not all asked
-_MOST_HEIGHTS = 2_000_000  # points of edges times times: fractions of a second
-_FLATNESS = 1e-6  # as of imprinting.film_plane
-_NEAREST_QUADS = 16  # among which that under a place is sought, by their centres
-_BORDER = 1e-3  # of an edge length, by which a place may miss its quad: chords of the rim
-_OFF_QUAD = 0.25  # of an edge length; a change of sign farther off is between two sheets
+_FINEST = 0.1  # edge lengths: of cutting-edge vertices closer together only some are sampled
+_MOST_HEIGHTS = 2_000_000  # points of edges times number of times: fractions of a second
+_FLATNESS = 1e-6  # as in imprinting.film_plane
+_NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
+_BORDER = 1e-3  # edge lengths by which a place may miss its quad: chords of the rim
+_OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sheets
 AHEAD = 3.0
-"""Cracks run ahead of the blade by up to so much [mm], as in ``imprinting.blade_path``."""
+"""Cracks run ahead of the blade by up to this distance [mm], as in ``imprinting.blade_path``."""
 
 
 @dataclass(frozen=True)
 class Fate:
-    """What becomes of one cutting edge, a chain of segments.
+    """Contact of one cutting edge, a chain of segments, with the film over the motion.
 
     Attributes
     ----------
@@ -50,8 +50,8 @@ class Fate:
     stays : bool
         Whether it is in the film when the motion ends.
     passed_out : bool
-        Whether its end went through the film to the other side, and the tool goes on along the
-        film by more than an edge length: what follows has no edge there.
+        Whether its end passed through the film to the other side while the tool moves on along
+        the film by more than an edge length: there is no edge for that part.
     """
 
     chain: int
@@ -68,7 +68,7 @@ class Fate:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """The places where cutting edges pass through the film, in the order of chains and times.
+    """Places where cutting edges pass through the film, in the order of chains and times.
 
     Examples
     --------
@@ -82,9 +82,9 @@ class Sweep:
 
     mesh: Mesh
     duration: float
-    """End of the motion [s]; places beyond are where cracks may run ahead."""
+    """End of the motion [s]; later places show where cracks may run ahead."""
     n_time: int
-    """Times looked at up to ``duration``."""
+    """Times sampled up to ``duration``."""
     chain: Ints
     """Chain of each place, shape (n,)."""
     time: Floats
@@ -92,33 +92,33 @@ class Sweep:
     place: Floats
     """[mm], shape (n, 3)."""
     quad: Ints
-    """Quad in which it lies, shape (n,)."""
+    """Quad of each place, shape (n,)."""
     velocity: Floats
-    """Of the edge's own point [mm/s], shape (n, 3)."""
+    """Velocity of the edge's own point [mm/s], shape (n, 3)."""
     back: Floats
     """Unit vector of the mid-plane from the edge into the solid, shape (n, 3)."""
     normal: Floats
     """Unit normal of the mid-plane, shape (n, 3)."""
     along_edge: Bools
-    """Whether it was found along the edge at one of the times looked at, shape (n,)."""
+    """Whether it was found along the edge at one of the sampled times, shape (n,)."""
     fates: tuple[Fate, ...]
-    """Of every chain of the tool."""
+    """One per chain of the tool."""
     top_speed: float
     """Largest speed of any point of the cutting edges during the motion [mm/s]."""
 
     @classmethod
     def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
-        """Find the places up to ``duration`` [s] and a crack's way beyond."""
+        """Find the places up to ``duration`` [s], and ahead of it by the reach of a crack."""
         return _Search(mesh, tool, motion, duration).sweep()
 
     @cached_property
     def within(self) -> Bools:
-        """Whether a place is of the motion proper, not beyond its end, shape (n,)."""
+        """Whether a place belongs to the motion, not beyond its end, shape (n,)."""
         return np.asarray(self.time <= self.duration)
 
     @cached_property
     def edge_length(self) -> Floats:
-        """Local edge length, the root of the quad's area, at each place, shape (n,), [mm]."""
+        """Local edge length (root of the quad's area) at each place, shape (n,), [mm]."""
         return np.asarray(np.sqrt(self.mesh.quad_areas())[self.quad])
 
     @cached_property
@@ -127,10 +127,10 @@ class Sweep:
         return _quad_normals(self.mesh)[self.quad]
 
     def distance(self, points: Floats) -> Floats:
-        """Return how far points of the reference film lie from the path, shape (n,), [mm].
+        """Return the distance of points of the reference film from the path, shape (n,), [mm].
 
-        Infinite if no edge passes through the film. Between two moments the path is straight;
-        beyond the end it goes on as the motion does, or straight on where that stops.
+        Infinite if no edge passes through the film. Between two sampled times the path is straight;
+        beyond the end it follows the motion, or a straight line if the motion stops.
         """
         path = [self.place]
         for k in range(len(self.fates)):
@@ -138,7 +138,7 @@ class Sweep:
         return np.asarray(scipy.spatial.cKDTree(np.concatenate(path)).query(points)[0])
 
     def _between(self, k: int) -> Iterator[Floats]:
-        """Yield dense points of the path of one edge between its places, and ahead of the last."""
+        """Yield closely spaced points of the path of one edge, also ahead of its last place."""
         mine = np.flatnonzero((self.chain == k) & self.along_edge)
         if not len(mine):
             return
@@ -147,8 +147,8 @@ class Sweep:
         tick = self.duration / self.n_time
         way: dict[int, Floats] = {}
         for one, two in pairwise(moments):
-            # As many places a moment later: an edge that goes through the film at two places at
-            # once is met by both again, in the same order along the edge.
+            # Same number of places at the next time: an edge that passes through the film at two
+            # places does so again, in the same order along the edge.
             if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * tick:
                 continue
             for n, (a, b) in enumerate(zip(self.place[one], self.place[two], strict=True)):
@@ -156,14 +156,14 @@ class Sweep:
                 if length > 0.0:
                     way[n] = (b - a) / length
                 yield a + np.arange(0.0, length, fine)[1:, None] * ((b - a) / (length or 1.0))
-        # A motion that goes on has places beyond its end.
+        # A motion that continues has places beyond its end.
         if abs(self.time[mine[-1]] - self.duration) < 0.5 * tick:
             for n, a in enumerate(self.place[moments[-1]]):
                 yield a + np.arange(0.0, AHEAD, fine)[:, None] * way.get(n, np.zeros(3))
 
 
 def edge_line(sweep: Sweep) -> str:
-    """Return how many of the cutting edges meet the film and stay in it, in a line."""
+    """Return in one line how many cutting edges meet the film and stay in it."""
     fates, n = sweep.fates, len(sweep.fates)
     n_meeting = sum(fate.meets for fate in fates)
     n_staying = sum(fate.stays for fate in fates)
@@ -194,7 +194,7 @@ class _Places(NamedTuple):
 
 
 class _Search:
-    # one search for the places, chain by chain
+    # search for the places, chain by chain
 
     def __init__(self, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> None:
         self._mesh, self._tool, self._motion = mesh, tool, motion
@@ -237,7 +237,7 @@ class _Search:
         )
 
     def _moments(self) -> tuple[Floats, int]:
-        """Return the times to look at: the tool moves by half an edge length between two."""
+        """Return the times to sample: the tool moves by half an edge length between two."""
         points = np.concatenate([points for points, _ in self._chains])
         corners = points[np.unique([points.argmin(axis=0), points.argmax(axis=0)])]
         rough = np.linspace(0.0, self._duration, _FEWEST_TIMES + 1)
@@ -246,7 +246,7 @@ class _Search:
         most = int(np.clip(_MOST_HEIGHTS // len(points), 20, _MOST_TIMES))
         least = min(_FEWEST_TIMES, most)
         n = int(np.clip(np.ceil(way / (0.5 * self._edge_length)), least, most))
-        # beyond the end until the tool has moved on by as much as a crack may run ahead
+        # beyond the end until the tool has moved by the distance that a crack may run ahead
         tick = self._duration / n
         x = self._moved(corners, rough[-1] + np.array([0.0, tick]))
         a_tick = float(np.linalg.norm(x[1] - x[0], axis=1).max())
@@ -301,7 +301,7 @@ class _Search:
         return part, self._fate(k, at, ends, above, p, x), self._top_speed(x[: self.n_time + 1])
 
     def _top_speed(self, x: Floats) -> float:
-        # in the mean from time to time too: a table may jump between two
+        # include mean speeds between samples: a table may jump between two
         mean = np.linalg.norm(np.diff(x, axis=0), axis=2).max() / self._times[1]
         arm = x - self._translation[: len(x), None]
         velocity = self._velocity[: len(x), None] + np.cross(self._spin[: len(x), None], arm)
@@ -321,7 +321,7 @@ class _Search:
         side, before = above[after], above[int(np.floor(first))]
         through = bool(ends[proper][-1]) and (side == side[0]).all()
         withdrawn = (before == side).all()
-        # how far the tool goes on along the film after it has left
+        # distance that the tool moves along the film after the edge has left it
         normal = self._normals[int(self._tree.query(place[proper][-1])[1])]
         way = np.diff(x[after : self.n_time + 1, 0], axis=0)
         way -= (way @ normal)[:, None] * normal
@@ -330,7 +330,7 @@ class _Search:
         return Fate(k, first * tick, last * tick, stays=False, passed_out=out)
 
     def _taken_over(self, fate: Fate, parts: list[_Places]) -> Fate:
-        """Return the fate of an edge that passed out, unless another of its tooth goes on there."""
+        """Return the fate of an edge that passed out, unless another of its tooth continues."""
         if not fate.passed_out or fate.last is None:
             return fate
         body = self._body_of_chain
@@ -342,7 +342,7 @@ class _Search:
         return fate
 
     def _quad_under(self, p: Floats) -> Ints:
-        """Return the quad in which each place lies, -1 where there is none, shape (n,)."""
+        """Return the quad of each place, -1 outside, shape (n,)."""
         mesh = self._mesh
         if not len(p):
             return np.zeros(0, np.int64)
@@ -371,7 +371,7 @@ def _quad_normals(mesh: Mesh) -> Floats:
 def _refined(tool: Tool, k: int, spacing: float) -> tuple[Floats, Ints]:
     """Return points along a chain, and the segment after each.
 
-    No two are farther apart than ``spacing``; of vertices much nearer than that some stand for all.
+    Neighbours are at most ``spacing`` apart; of vertices much closer than that only some are used.
     """
     segments = np.flatnonzero(tool.edge_chain == k)
     ends = tool.vertices[tool.edges[segments]]

@@ -1,4 +1,4 @@
-"""The ``shellcut`` command: one file a subcommand, each of them calls of the Python face.
+"""The ``shellcut`` command: one file per subcommand; each calls the public Python interface.
 
 May import everything.
 """

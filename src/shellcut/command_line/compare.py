@@ -1,4 +1,4 @@
-"""``shellcut compare``: a run beside a measured curve."""
+"""``shellcut compare``: compare a run with a measured curve."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .exit_code import BAD_INPUT, DONE, refuse
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "compare",
         help="compare a run with a measured curve",
@@ -25,7 +25,7 @@ def add_to(commands: Any) -> None:
         '--units "deg, N*cm"',
     )
     parser.add_argument("out", metavar="OUT", help="folder of the run")
-    parser.add_argument("measured", metavar="FILE", help="table of text with the measured curve")
+    parser.add_argument("measured", metavar="FILE", help="text table with the measured curve")
     add_columns_to(parser)
     parser.add_argument("--json", metavar="FILE", type=Path, help="instead of OUT/comparison.json")
     parser.add_argument(
@@ -35,14 +35,14 @@ def add_to(commands: Any) -> None:
 
 
 def add_columns_to(parser: argparse.ArgumentParser) -> None:
-    """Add what tells which columns are meant, and how they are compared."""
+    """Add the options that select columns and set the comparison."""
     for option, what in (("--x", "coordinate"), ("--y", "quantity")):
         parser.add_argument(
             option,
             metavar="NAME[=COLUMN]",
             default="",
-            help=f"the {what} as the run's history names it; behind '=' the file's column, by "
-            "heading or number, where it is called otherwise",
+            help=f"the {what} by its name in the run's history; after '=' the file's column, by "
+            "heading or number, if its name differs",
         )
     parser.add_argument("--units", help='units of the file\'s columns, as "deg, N*mm"')
     parser.add_argument(
@@ -51,12 +51,12 @@ def add_columns_to(parser: argparse.ArgumentParser) -> None:
 
 
 def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
-    """Compare a run with the measured curve that the arguments tell of.
+    """Compare a run with the measured curve given by the arguments.
 
     Raises
     ------
     ValueError, OSError
-        As :func:`shellcut.compare`.
+        Like :func:`shellcut.compare`.
     """
     (x, x_column), (y, y_column) = _parted(arguments.x), _parted(arguments.y)
     return compare(
@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
             written.append(comparison.plot(arguments.picture or folder / "comparison.png"))
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
-            # Only who asked for a picture gets an error for its absence.
+            # A missing picture is an error only if one was asked for.
             if arguments.picture:
                 return BAD_INPUT
     except (ValueError, OSError) as problem:
@@ -95,6 +95,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _parted(text: str) -> tuple[str | None, str | None]:
-    """Part ``angle=Winkel`` into the history's name and the file's."""
+    """Split ``angle=Winkel`` into the history's name and the file's."""
     name, _, column = text.partition("=")
     return name or None, column or None

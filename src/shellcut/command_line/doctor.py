@@ -1,4 +1,4 @@
-"""``shellcut doctor``: what this machine can do, one line each, and the remedy where it cannot."""
+"""``shellcut doctor``: check this machine, one line per finding, with a remedy for each problem."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from shellcut.view import why_not_pyvista
 from .exit_code import BAD_INPUT, DONE
 
 _LARGE_FILM = 10**6
-"""Quads of a film for which all threads are used."""
+"""Number of quads from which all threads are used."""
 _LITTLE_SPACE = 1e9
-"""Bytes; a run on the finest shipped mesh leaves some hundred megabytes."""
+"""Bytes; a run on the finest shipped mesh writes some hundred megabytes."""
 _FIRST_RIGHT_VTK = (9, 3)
-"""Older ones show all frames of a temporal VTKHDF file at once, without a word."""
+"""Older versions silently show all frames of a temporal VTKHDF file at once."""
 
-# What the packages that are not required are for, and the extra that brings them.
+# Purpose of the optional packages, and the extra that installs them.
 _EXTRAS = {
     "matplotlib": ("pictures", "pip install shellcut[plot]"),
     "pyvista": ("3-D scenes and movies", "pip install shellcut[view]"),
@@ -53,7 +53,7 @@ class Finding:
     value: str
     remedy: str = ""
     stops: bool = False
-    """Whether the main job, running a model, is impossible."""
+    """Whether no model can be run."""
 
     def __str__(self) -> str:
         """Return the line."""
@@ -62,18 +62,18 @@ class Finding:
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "doctor",
-        help="say what this machine can do",
-        description="Say what this machine can do, one line each, with the remedy where there is "
-        "one. Exit code 2 only if no model can be run.",
+        help="check this machine",
+        description="Check this machine, one line per finding, with a remedy where there is one. "
+        "Exit code 2 only if no model can be run.",
     )
     parser.set_defaults(run=run)
 
 
 def run(_: argparse.Namespace) -> int:
-    """Print the findings as they come."""
+    """Print the findings one by one."""
     stopped = False
     for check in CHECKS:
         for finding in check():
@@ -95,13 +95,13 @@ def _cores() -> Iterator[Finding]:
     most = Workers(_LARGE_FILM).count
     yield Finding("ok", "cores", f"{cores}; 1 thread for small films, {most} for large ones")
     features = llvmlite.binding.get_host_cpu_features()
-    # widest first: numbers of 8 bytes that one instruction takes
+    # widest first: number of doubles per instruction
     for feature, lanes in (("avx512f", 8), ("avx", 4), ("sse2", 2), ("neon", 2)):
         if features.get(feature):
-            value = f"{lanes} numbers an instruction ({feature})"
+            value = f"{lanes} numbers per instruction ({feature})"
             yield Finding("ok", "SIMD", value)
             return
-    yield Finding("note", "SIMD", "no vector instructions known to LLVM here", "runs are slow")
+    yield Finding("note", "SIMD", "LLVM knows no vector instructions here", "runs are slow")
 
 
 def _compiler() -> Iterator[Finding]:
@@ -111,7 +111,7 @@ def _compiler() -> Iterator[Finding]:
         return
     try:
         right = numba.njit(lambda x: 2.0 * x)(21.0) == 42.0
-    except Exception as reason:  # whatever breaks a compiler
+    except Exception as reason:  # any failure of the compiler
         yield Finding(
             "PROBLEM", "compiler", f"Numba fails: {reason}", "pip install -U numba", stops=True
         )
@@ -122,16 +122,16 @@ def _compiler() -> Iterator[Finding]:
 
 
 def _cache() -> Finding:
-    """Report where Numba keeps machine code, by way of the kernels that are imported."""
+    """Report where Numba stores machine code, from the imported kernels."""
     folders = _cache_folders()
-    remedy = "set NUMBA_CACHE_DIR to a folder you may write to"
+    remedy = "set NUMBA_CACHE_DIR to a folder you can write to"
     for folder in folders:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=folder):
                 pass
         except OSError as reason:
-            value = f"{folder} cannot be written ({reason.strerror}): each run compiles anew"
+            value = f"{folder} cannot be written ({reason.strerror}): every run compiles again"
             return Finding("note", "compiled code", value, remedy)
     entries = (entry for folder in folders for entry in folder.iterdir())
     held = [entry.stat() for entry in entries if entry.suffix in (".nbi", ".nbc")]
@@ -146,7 +146,7 @@ def _cache() -> Finding:
 
 
 def _cache_folders() -> list[Path]:
-    # The kernels of one room share one folder of machine code.
+    # The kernels of one package folder share one folder of machine code.
     rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
     kernels = [
         k.stats for room in rooms for k in vars(room).values() if isinstance(k, CPUDispatcher)
@@ -178,7 +178,7 @@ def _files() -> Iterator[Finding]:
     free = shutil.disk_usage(os.getcwd()).free
     value = f"{free / 1e9:.1f} GB free in {os.getcwd()}"
     if free < _LITTLE_SPACE:
-        yield Finding("note", "disk", value, "a fine run leaves some hundred megabytes")
+        yield Finding("note", "disk", value, "a fine run writes some hundred megabytes")
     else:
         yield Finding("ok", "disk", value)
 
@@ -195,10 +195,10 @@ def _extras() -> Iterator[Finding]:
 
 def _extra(package: str, found: str) -> Finding:
     if package == "vtk" and _numbers(found)[:2] < _FIRST_RIGHT_VTK:
-        value = f"{found} reads shellcut's files wrongly, without a word"
+        value = f"{found} silently misreads shellcut's files"
         return Finding("PROBLEM", package, value, 'pip install "vtk>=9.3"')
     if package == "gmsh":
-        # The package may be there without the libraries of the system that it wants.
+        # The package may be installed without the system libraries it needs.
         try:
             importlib.import_module("gmsh")
         except (ImportError, OSError) as reason:

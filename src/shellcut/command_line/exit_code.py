@@ -1,4 +1,4 @@
-"""What the command ends with."""
+"""Exit codes of the command."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ DONE, BUG, BAD_INPUT, STOPPED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 MEANINGS = {
     DONE: "done",
     BUG: "an error of shellcut itself, with a traceback; please report it",
-    BAD_INPUT: "nothing was run: a wrong argument, model, file or folder, or a folder that another "
-    "run writes in. All that is wrong is told at once, on standard error",
-    STOPPED: "a guard stopped the run, because its numbers were no longer right; what was there is "
-    "saved",
-    FAILED: "the run failed on the way: disk full, folder gone, an error in a hook. What was there "
-    "is saved as far as possible; remove the cause, as by freeing space, then `shellcut resume`",
-    INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` goes on. After SIGTERM, which does the "
-    "same, a shell counts 143",
+    BAD_INPUT: "nothing was run: an argument, model, file or folder is wrong, or another run uses "
+    "the folder. Standard error lists everything wrong at once",
+    STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
+    "is saved",
+    FAILED: "the run failed on the way: disk full, folder gone, an error in a hook. The output is "
+    "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`",
+    INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
+    "happens, but a shell reports 143",
 }
-"""What each exit code means."""
+"""Meaning of each exit code."""
 
 
 def in_lines() -> str:
-    """Return all codes with their meanings, for a terminal."""
+    """Return all codes with their meanings, formatted for a terminal."""
     lines = ["exit codes:"]
     for code, meaning in MEANINGS.items():
         lines += textwrap.wrap(
@@ -33,6 +33,6 @@ def in_lines() -> str:
 
 
 def refuse(problem: object) -> int:
-    """Say on standard error what is wrong with the input; return the code for it."""
+    """Print the problem with the input on standard error; return its exit code."""
     print(problem, file=sys.stderr)
     return BAD_INPUT

@@ -1,4 +1,4 @@
-"""``shellcut keys``: look for keys of model files."""
+"""``shellcut keys``: search the keys of model files."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .exit_code import DONE, refuse
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "keys",
-        help="look for keys of model files",
-        description="Print the keys of model files in which all the words are, in name, section, "
-        "unit or meaning; all keys without a word.",
+        help="search the keys of model files",
+        description="Print the keys of model files that contain all the words in name, section, "
+        "unit or meaning; without words, all keys.",
         epilog="example: shellcut keys notch",
     )
     parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
@@ -25,7 +25,7 @@ def add_to(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the sections and keys that were found."""
+    """Print the sections and keys found."""
     try:
         chosen = found(arguments.words)
     except ValueError as problem:

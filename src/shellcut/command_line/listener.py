@@ -1,7 +1,7 @@
-"""Standard output that nobody needs to read: a command does its work to the end all the same.
+"""Standard output that may be closed early: the command still completes its work.
 
-``shellcut compare ... | head -1`` closes the pipe after the first line. What is said after that
-goes nowhere, the files are written.
+``shellcut compare ... | head -1`` closes the pipe after the first line. Later lines are dropped;
+the files are still written.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any, TextIO, cast
 
 
 @contextmanager
-def nobody_needs_to_listen() -> Iterator[None]:
-    """Drop what is printed once the pipe behind standard output is closed."""
+def ignore_closed_pipe() -> Iterator[None]:
+    """Drop printed text once the pipe behind standard output is closed."""
     output = _Output(sys.stdout)
     with redirect_stdout(cast("TextIO", output)):
         try:
@@ -25,7 +25,7 @@ def nobody_needs_to_listen() -> Iterator[None]:
 
 
 class _Output:
-    """A stream that turns to nothing when nobody reads it any more."""
+    """A stream that drops its text once its pipe is closed."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -47,7 +47,7 @@ class _Output:
         return getattr(self._stream, name)
 
     def _turn_away(self) -> None:
-        # Under the stream, which has lines of its own to be rid of when the process ends.
+        # Redirect the file descriptor: the stream still flushes its own lines at exit.
         with suppress(OSError):
             nothing = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nothing, self._stream.fileno())

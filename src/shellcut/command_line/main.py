@@ -1,4 +1,4 @@
-"""The parser, made of the subcommands, and what a run of the command ends with."""
+"""The parser with all subcommands, and the exit code of a command."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib.metadata import version
 
 from . import compare, doctor, keys, preview, report, resume, run, view, warmup
 from .exit_code import INTERRUPTED, in_lines, refuse
-from .listener import nobody_needs_to_listen
+from .listener import ignore_closed_pipe
 
 _COMMANDS = (run, resume, preview, keys, compare, report, view, doctor, warmup)
 
@@ -20,15 +20,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code, one of :data:`shellcut.command_line.exit_code.MEANINGS`; argparse leaves by
-        itself, with that of bad input.
+        Exit code, one of :data:`shellcut.command_line.exit_code.MEANINGS`; argparse exits by
+        itself, with the code for bad input.
     """
     arguments = parser_of_all().parse_args(argv)
     try:
-        with nobody_needs_to_listen():
+        with ignore_closed_pipe():
             code: int = arguments.run(arguments)
     except MemoryError as problem:
-        return refuse(f"this machine's memory is too small for it: {problem}; mesh coarser")
+        return refuse(f"this machine does not have enough memory: {problem}; use a coarser mesh")
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED

@@ -1,4 +1,4 @@
-"""``shellcut preview``: look at a model before its run."""
+"""``shellcut preview``: draw and check a model before its run."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "preview",
         help="draw a model before its run",
-        description="Draw film, held nodes, tool and cutting edges of a model, check it, run "
-        "nothing. Of a model that is refused what there is of it is drawn.",
+        description="Draw film, held nodes, tool and cutting edges of a model and check it, "
+        "without running it. If the model is refused, its valid parts are drawn.",
     )
-    parser.add_argument("model", metavar="MODEL", help="a file in TOML, or a name")
+    parser.add_argument("model", metavar="MODEL", help="a TOML file, or a name")
     parser.add_argument(
-        "-o", "--out", metavar="PICTURE", type=Path, default=Path("model.png"), help="what to write"
+        "-o", "--out", metavar="PICTURE", type=Path, default=Path("model.png"), help="output file"
     )
     add_settings_to(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Build the model, draw it, print what it has."""
+    """Build the model, draw it, print its contents."""
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.models.preview import preview
 
@@ -52,13 +52,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _draw_refused(model: Model | None, path: Path, problem: ValueError) -> int:
-    """Draw what there is of a model, say what is wrong with it; return the code for that."""
+    """Draw the valid parts of a model, print its errors; return the code for bad input."""
     from shellcut.models.preview import preview_parts
 
     parts = None if model is None else model.parts()
     if parts is not None and not (parts.mesh is None and parts.tool is None):
         try:
-            print(f"{preview_parts(parts, path)}\nwrote {path}: what there is of the model")
+            print(f"{preview_parts(parts, path)}\nwrote {path}: the valid parts of the model")
         except (ValueError, ImportError, OSError) as other:
             print(f"it cannot be drawn: {other}", file=sys.stderr)
     return refuse(problem)

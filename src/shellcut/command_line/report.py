@@ -1,4 +1,4 @@
-"""``shellcut report``: one HTML file on a run."""
+"""``shellcut report``: one HTML file about a run."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .exit_code import DONE, refuse
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "report",
         help="write an HTML report of a run",
-        description="Write one self-contained HTML file on a run: verdict, figures, curves, "
-        "pictures. A run that was interrupted is reported as far as it came.",
+        description="Write one self-contained HTML file about a run: verdict, figures, curves, "
+        "pictures. An interrupted run is reported up to its last record.",
     )
     parser.add_argument("folder", metavar="OUT", type=Path, help="result folder of the run")
     parser.add_argument(
@@ -27,15 +27,15 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--measured",
         metavar="FILE",
-        help="table of text with a measured curve, shown and compared; what follows is as for "
-        "shellcut compare",
+        help="text table with a measured curve, to show and compare; the following options are "
+        "those of shellcut compare",
     )
     add_columns_to(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the report and say where it is; 2 if the folder is of no run."""
+    """Write the report and print its path; 2 if the folder holds no run."""
     try:
         found = compared(arguments, arguments.folder) if arguments.measured else None
         path = report(arguments.folder, arguments.output, measured=found)

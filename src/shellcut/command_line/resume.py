@@ -1,4 +1,4 @@
-"""``shellcut resume``: go on with an interrupted run."""
+"""``shellcut resume``: continue an interrupted run."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any
 
 from .exit_code import refuse
 from .run_log import RunLog
-from .run_model import USED, carry_out
+from .run_model import USED, run_model
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "resume",
-        help="go on with an interrupted run",
-        description="Go on with an interrupted run, bit for bit, appending to its files.",
+        help="continue an interrupted run",
+        description="Continue an interrupted run, bit for bit, appending to its files.",
     )
     parser.add_argument("out", metavar="OUT", type=Path, help="the folder of the run")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Build the model that the folder tells, and go on from its checkpoint."""
+    """Build the model stored in the folder and continue from its checkpoint."""
     from shellcut.files.folder_lock import refuse_if_in_use
     from shellcut.model_file import ModelFileError, read_model
     from shellcut.model_file.writer import is_as_written
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.out
     used = folder / USED
     if not used.is_file():
-        return refuse(f"{folder} holds no {USED}: it is no folder of shellcut run")
+        return refuse(f"{folder} holds no {USED}: it is not a folder of shellcut run")
     try:
         refuse_if_in_use(folder)
         model = read_model(used)
@@ -44,6 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
     if wrong:
         return refuse(
             "\n".join(f"{text} since the run began" for text in wrong)
-            + "\nput it back, or run the model anew into another folder"
+            + "\nput it back, or run the model again into another folder"
         )
-    return carry_out(model, folder, RunLog(), resume=True)
+    return run_model(model, folder, RunLog(), resume=True)

@@ -8,22 +8,22 @@ from typing import Any
 
 from .exit_code import DONE, refuse
 from .run_log import RunLog
-from .run_model import carry_out
+from .run_model import run_model
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "run",
         help="run a model",
         description="Run a model file, or a model of the package by its name.",
     )
-    parser.add_argument("model", metavar="MODEL", nargs="?", help="a file in TOML, or a name")
+    parser.add_argument("model", metavar="MODEL", nargs="?", help="a TOML file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
     add_settings_to(parser)
     parser.add_argument("--frames", metavar="N", type=int, help="frames of the result file")
     parser.add_argument(
-        "--pvd", action="store_true", help="frames as PVD + VTU too, for ParaView before 5.12"
+        "--pvd", action="store_true", help="also write PVD + VTU, for ParaView before 5.12"
     )
     parser.add_argument(
         "--no-pictures", action="store_true", help="no pictures of the film during the run"
@@ -31,16 +31,16 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--overwrite",
         action="store_true",
-        help="replace the run in the folder: what it wrote is removed, nothing else",
+        help="replace the run in the folder: only files written by that run are removed",
     )
     parser.add_argument(
         "--force",
         action="store_true",
-        help="run what a check refuses, where that can make sense",
+        help="run a model that a check refuses, where that can make sense",
     )
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
-        "--write-model", metavar="FILE", type=Path, help="write the model file to edit; no run"
+        "--write-model", metavar="FILE", type=Path, help="write a model file to edit; run nothing"
     )
     parser.set_defaults(run=run)
 
@@ -63,7 +63,7 @@ def settings_of(arguments: argparse.Namespace) -> dict[str, object]:
     Raises
     ------
     ModelFileError
-        If one is not of the form key=value.
+        If an argument is not of the form key=value.
     """
     from shellcut.model_file.errors import ModelFileError, Problem
     from shellcut.model_file.source import parse_value
@@ -91,11 +91,11 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{name:<12} {text.splitlines()[0].lstrip('# ')}")
         return DONE
     if arguments.model is None:
-        return refuse("name a MODEL: a file, or one of " + ", ".join(shipped_models()))
+        return refuse("give a MODEL: a file, or one of " + ", ".join(shipped_models()))
     if arguments.write_model is not None:
         return _write_model(arguments.model, arguments.write_model)
     if arguments.out is None:
-        return refuse("say where the results go: -o OUT")
+        return refuse("give a folder for the results: -o OUT")
     try:
         settings = settings_of(arguments)
         if arguments.frames is not None:
@@ -118,9 +118,9 @@ def run(arguments: argparse.Namespace) -> int:
     if earlier and not arguments.overwrite:
         return refuse(
             f"{folder} holds a run ({earlier[0]}): --overwrite replaces it, "
-            f"shellcut resume {folder} goes on with it"
+            f"shellcut resume {folder} continues it"
         )
-    return carry_out(model, folder, RunLog(), overwrite=arguments.overwrite, force=arguments.force)
+    return run_model(model, folder, RunLog(), overwrite=arguments.overwrite, force=arguments.force)
 
 
 def _write_model(name: str, path: Path) -> int:
@@ -128,12 +128,12 @@ def _write_model(name: str, path: Path) -> int:
 
     shipped = shipped_models()
     if name not in shipped:
-        return refuse(f"{name}: the models to write are {', '.join(shipped)}")
+        return refuse(f"{name}: the models that can be written are {', '.join(shipped)}")
     if path.exists():
-        return refuse(f"{path} is there already: choose another name")
+        return refuse(f"{path} already exists: choose another name")
     try:
         path.write_text(shipped[name], encoding="utf-8")
     except OSError as problem:
         return refuse(problem)
-    print(f"wrote {path}; run it by: shellcut run {path} -o OUT")
+    print(f"wrote {path}; run it with: shellcut run {path} -o OUT")
     return DONE

@@ -1,4 +1,4 @@
-"""What a command says about a run: on the terminal at once, and in ``run.log``."""
+"""Messages of a command about its run: on the terminal, and in ``run.log``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shellcut.results.verdict import LOGGER as VERDICT
 
 
 class RunLog:
-    """Lines of a run, kept until its folder is there and then written to a file, flushed."""
+    """Lines about a run; kept until its folder exists, then written to a file and flushed."""
 
     def __init__(self) -> None:
         self._kept: list[str] = []
@@ -21,14 +21,14 @@ class RunLog:
         self._file: TextIO | None = None
 
     def open(self, path: Path) -> None:
-        """Append to a file from now on, with what was said before."""
+        """Append to a file from now on, starting with the lines kept so far."""
         self._file = path.open("a", encoding="utf-8")
         for line in self._kept:
             self.keep(line)
 
     def say(self, text: str, *, stream: TextIO | None = None) -> None:
-        """Print and keep, on standard output by default; nobody needs to listen there."""
-        with suppress(OSError):  # a closed pipe, or a full disk behind it
+        """Print a line, on standard output by default, and log it; a closed pipe is ignored."""
+        with suppress(OSError):  # a closed pipe, or output redirected to a full disk
             print(text, file=stream or sys.stdout, flush=True)
         self.keep(text)
 
@@ -37,34 +37,34 @@ class RunLog:
         if self._file is None:
             self._kept.append(text)
             return
-        with suppress(OSError):  # a full disk: the log is not worth a run
+        with suppress(OSError):  # a full disk must not stop the run here
             self._file.write(text + "\n")
             self._file.flush()
 
     def keep_for_last(self, line: str) -> None:
-        """Keep a line of the verdict, which is said after everything else."""
+        """Keep a line of the verdict, which is printed last."""
         self._verdict.append(line)
 
     def say_verdict(self) -> None:
-        """Say the verdict, once."""
+        """Print the verdict, once."""
         lines, self._verdict = self._verdict, []
         if lines:
-            self.say("\n".join(["what may be trusted:", *lines]))
+            self.say("\n".join(["how far the results can be trusted:", *lines]))
 
     @property
     def has_verdict(self) -> bool:
-        """Whether there is a verdict to say."""
+        """Whether there is a verdict to print."""
         return bool(self._verdict)
 
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
-            with suppress(OSError):  # what it could not write before
+            with suppress(OSError):  # a pending write failed
                 self._file.close()
 
     @contextmanager
     def library_said(self) -> Iterator[None]:
-        """Say what the library warns of: what a reader assumed, turned or left out."""
+        """Print the library's warnings, such as a reader's assumptions and omissions."""
         logger, handler = logging.getLogger("shellcut"), _Said(self)
         logger.addHandler(handler)
         try:

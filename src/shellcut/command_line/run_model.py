@@ -1,4 +1,4 @@
-"""Carry a model out in a folder: say what is done, run, say what came of it."""
+"""Run a model into a folder, with messages on its progress and outcome."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _FIGURES = (
     *("force_plateau_N", "force_peak_N", "tool_work_Nmm", "cohesive_work_Nmm", "crack_length_mm"),
     *("n_cable_created", "n_cable_jointed", "n_cable_broken", "imbalance_rel", "kinetic_rel"),
 )
-"""The figures of ``summary.json`` that are said at the end."""
+"""Figures of ``summary.json`` that are printed at the end."""
 
 
-def carry_out(
+def run_model(
     model: Model,
     folder: Path,
     log: RunLog,
@@ -49,17 +49,17 @@ def carry_out(
     Parameters
     ----------
     model : Model
-        What to run.
+        The model to run.
     folder : Path
-        Where to; nothing in it is touched before the model has been built.
+        Output folder; nothing in it is changed before the model has been built.
     log : RunLog
-        Takes every line.
+        Receives every line.
     resume : bool
-        Go on with the run in the folder.
+        Continue the run in the folder.
     overwrite : bool
         Whether an earlier run in the folder may be removed.
     force : bool
-        Run what a check refuses, where that can make sense.
+        Run a model that a check refuses, where that can make sense.
     """
     options = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):
@@ -78,14 +78,14 @@ def carry_out(
 def _ready(
     model: Model, folder: Path, log: RunLog, options: dict[str, bool]
 ) -> tuple[Case, Recorder] | int:
-    """Return a case and the recorder of its run, or the exit code of what is not to be run."""
+    """Return a case and the recorder of its run, or the exit code if it cannot run."""
     from shellcut.checks import RefusedModel
     from shellcut.model_file import ModelFileError
     from shellcut.recording.recorder import RunEnded
 
     try:
         case = _built(model, log, options)
-    except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are the library's own
+    except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are bugs
         log.say(str(problem), stream=sys.stderr)
         return BAD_INPUT
     try:
@@ -100,7 +100,7 @@ def _ready(
 
 
 def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
-    """Build, check and compile, and say what there is."""
+    """Build, check and compile the model, and print its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation
     from shellcut.recording.status_line import start_lines
@@ -132,7 +132,7 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
 def _recorder(
     case: Case, model: Model, folder: Path, log: RunLog, options: dict[str, bool]
 ) -> Recorder:
-    """Take the folder and open the files of the run, those of the command among them."""
+    """Lock the folder and open the files of the run, including the command's own."""
     from shellcut.model_file.model import digest_of
     from shellcut.recording.recorder import Recorder
 
@@ -159,7 +159,7 @@ def _recorder(
 
 
 def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
-    """Run to the end; say what came of it, or why there is no end and what to do."""
+    """Run to the end; print the outcome, or why the run stopped and what to do."""
     from shellcut.simulation.instability import UnstableStep
 
     folder = recorder.folder
@@ -168,13 +168,13 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
         _say_end(folder, log)
     except UnstableStep as problem:
         log.say(f"stopped: {problem}", stream=sys.stderr)
-        log.say(f"what there was up to this step is in {folder}", stream=sys.stderr)
+        log.say(f"the output up to this step is in {folder}", stream=sys.stderr)
         return STOPPED
     except KeyboardInterrupt:
-        log.say(f"interrupted; to go on: shellcut resume {folder}", stream=sys.stderr)
+        log.say(f"interrupted; to continue: shellcut resume {folder}", stream=sys.stderr)
         return INTERRUPTED
     except Exception as problem:
-        if not isinstance(problem, OSError):  # unlike a full disk it is to be looked into
+        if not isinstance(problem, OSError):  # unlike a full disk, this needs a traceback
             log.say(traceback.format_exc().rstrip(), stream=sys.stderr)
         log.say(f"failed at {recorder.place()}: {problem}", stream=sys.stderr)
         log.say(_remedy(problem, folder), stream=sys.stderr)
@@ -190,7 +190,7 @@ def _remedy(problem: Exception, folder: Path) -> str:
     cause = "free space" if full else "remove the cause"
     if (folder / CHECKPOINT).exists():
         return f"{cause}, then: shellcut resume {folder}"
-    return f"{cause}, then run it again with --overwrite: there is no checkpoint to go on from"
+    return f"{cause}, then run it again with --overwrite: there is no checkpoint to resume from"
 
 
 def _say_end(folder: Path, log: RunLog) -> None:
@@ -200,8 +200,8 @@ def _say_end(folder: Path, log: RunLog) -> None:
     for label, value in plain_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>12,.6g}")
     if "no_window" in summary:
-        log.say(f"no steady window, hence no mean: {summary['no_window']}")
+        log.say(f"no steady window, so there is no mean: {summary['no_window']}")
     log.say(f"in {folder}: {', '.join(sorted(files_there(folder)))}")
-    if not log.has_verdict:  # it had ended before
+    if not log.has_verdict:  # the run had already ended
         for line in summary.get("verdict", ()):
             log.keep_for_last(str(Line(**line)))

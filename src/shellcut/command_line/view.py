@@ -1,4 +1,4 @@
-"""``shellcut view``: a frame of a run as a picture in space, or all of them as a movie."""
+"""``shellcut view``: one frame of a run as a 3-D picture, or all frames as a movie."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .exit_code import DONE, refuse
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "view",
-        help="draw a frame of a run in space, or all of them as a movie",
-        description="Draw a frame of a run in space, or all frames as a movie, by one camera and "
-        "on one stress scale: a picture is that of the movie. PyVista draws where it is installed "
-        "(shellcut[view]), Matplotlib else. An MP4 needs shellcut[movie], a GIF does not.",
+        help="draw a frame of a run in 3-D, or all frames as a movie",
+        description="Draw a frame of a run in 3-D, or all frames as a movie, with the same camera "
+        "and stress scale: a picture matches its frame in the movie. PyVista draws if installed "
+        "(shellcut[view]), otherwise Matplotlib. An MP4 needs shellcut[movie], a GIF does not.",
         epilog="example: shellcut view out --movie out/cut.gif",
     )
     parser.add_argument("out", metavar="OUT", type=Path, help="folder of the run")
@@ -29,7 +29,7 @@ def add_to(commands: Any) -> None:
         metavar="N",
         type=int,
         default=-1,
-        help="which frame, counted from 0, or from the end: -1 [the last]",
+        help="frame number, counted from 0, or from the end: -1 [the last]",
     )
     what.add_argument(
         "--movie", metavar="FILE", type=Path, help="all frames, .mp4 or .gif, instead of a picture"
@@ -37,29 +37,29 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="the picture [OUT/frame_N.png]"
     )
-    parser.add_argument("--fps", type=float, default=12.0, help="frames of the movie a second")
+    parser.add_argument("--fps", type=float, default=12.0, help="frames per second of the movie")
     parser.add_argument(
         "--stress",
         default="largest principal",
-        help=f"what the film is coloured by: {', '.join(STRESSES)}",
+        help=f"stress shown as colour: {', '.join(STRESSES)}",
     )
     parser.add_argument(
         "--limits",
         nargs=2,
         type=float,
         metavar=("LOW", "HIGH"),
-        help="ends of the colour scale in MPa; those of the frames by default",
+        help="limits of the colour scale in MPa [from the frames]",
     )
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Draw, with progress on standard error, and say where the picture or the movie is."""
+    """Draw, with progress on standard error, and print the path of the picture or movie."""
     limits = tuple(arguments.limits) if arguments.limits else None
     try:
         results = read(arguments.out)
         if arguments.movie is None:
-            frame = results.frame(arguments.frame)  # refused here if there is none
+            frame = results.frame(arguments.frame)  # raises if there is none
             number = arguments.frame % results.n_frame
             path = arguments.output or arguments.out / f"frame_{number:04d}.png"
             draw_scene(
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
                 together_with=list(results.frames()),
             )
         elif arguments.output is not None:
-            raise ValueError("--output is of a picture, --movie names its file itself: leave one")
+            raise ValueError("--output names a picture, --movie names its own file: give only one")
         else:
             path = arguments.movie
             draw_movie(

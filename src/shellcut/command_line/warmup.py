@@ -11,7 +11,7 @@ from shellcut.models.warmup import warmup
 
 
 def add_to(commands: Any) -> None:
-    """Add the subcommand to the parser's."""
+    """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "warmup",
         help="compile all kernels into the cache",
@@ -26,7 +26,7 @@ def add_to(commands: Any) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compile, say how long it took and where the cache is."""
+    """Compile; print how long it took and where the cache is."""
     print("compiling the kernels (half a minute, on the first run only) ...", flush=True)
     start = time.perf_counter()
     warmup(precisions=("double", "single") if arguments.single else ("double",))

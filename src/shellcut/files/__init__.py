@@ -1,5 +1,5 @@
-"""Files of a run that nobody can damage: whole or not at all, one run a folder, only what is ours.
+"""Safe files of a run: complete or absent, one run per folder, only the run's own files replaced.
 
-Imports no other room. What a file holds is the business of :mod:`shellcut.formats` and
-:mod:`shellcut.results`; here is how it gets onto the disk: in one piece, locked, listed.
+Imports no other room. :mod:`shellcut.formats` and :mod:`shellcut.results` know the contents; the
+files here write them to disk completely, lock the folder and list the files.
 """

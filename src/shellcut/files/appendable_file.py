@@ -1,4 +1,4 @@
-"""A file that grows during a run, and may be gone on with after an interruption."""
+"""A file that grows during a run and can be reopened after an interruption."""
 
 from __future__ import annotations
 
@@ -11,24 +11,23 @@ _File = TypeVar("_File", bound="GrowingFile")
 
 
 class GrowingFile:
-    """What the writers of a run share: begin anew or go on, and close however it ends.
+    """Common part of a run's writers: create or reopen a file, and close it in any case.
 
     Parameters
     ----------
     path : str or Path
         The file.
     mode : {"w", "a"}
-        ``"w"`` replaces an existing file: a run owns its output folder and overwrites what an
-        earlier run left there. ``"a"`` goes on with the file of an interrupted run; without a file
-        it begins one.
+        ``"w"`` replaces an existing file of an earlier run. ``"a"`` appends to the file of an
+        interrupted run, or creates the file if there is none.
     until : float, optional
-        Only with ``"a"``: what is later than this is dropped first, so that a run that restarts
-        from a checkpoint writes nothing twice.
+        Only with ``"a"``: records later than this are dropped first, so that a run resumed from a
+        checkpoint writes nothing twice.
 
     Raises
     ------
     ValueError
-        If ``mode`` is neither, or ``until`` is given without a file to go on with.
+        If ``mode`` is neither, or ``until`` is given without an existing file.
     """
 
     def __init__(
@@ -40,15 +39,15 @@ class GrowingFile:
         if mode == "w" and until is not None:
             raise ValueError("until needs mode 'a'")
         self.goes_on = mode == "a" and self.path.exists()
-        """Whether there is an interrupted run's file to go on with."""
+        """Whether the file of an interrupted run exists."""
 
     def sync(self) -> None:
-        """Wait until all that was written is on the disk, where a power cut does not reach it.
+        """Wait until everything written is on the disk, safe from a power cut.
 
         Raises
         ------
         OSError
-            If it cannot be.
+            If that fails.
         """
         raise NotImplementedError
 

@@ -1,8 +1,7 @@
-"""``run.files``: the names of the files that a run has written in its folder, one a line.
+"""``run.files``: the names of the files that a run has written in its folder, one per line.
 
-A name comes into the list before its file is there, so that none is missed whenever the run is
-killed. What is to make room for another run is removed by this list: what anybody else has put into
-the folder stays, whatever its name.
+A name is listed before its file is created, so that none is missed if the run is killed. A new run
+removes exactly the files of this list; other files in the folder stay, whatever their names.
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ _HEADING = (
 
 
 class FileList:
-    """The list in a folder; only who holds the folder may change it.
+    """The list in a folder; only the run that holds the folder's lock may change it.
 
     Parameters
     ----------
     folder : Path
-        The folder; the list need not be there.
+        The folder; the list need not exist.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,18 +53,18 @@ class FileList:
         Raises
         ------
         OSError
-            If it cannot be written; then it is as it was.
+            If it cannot be written; the old list then stays.
         """
         self.names = list(dict.fromkeys(names))
         with written_whole(self._folder / FILES) as aside:
             aside.write_text("".join(f"{line}\n" for line in (_HEADING, *self.names)), "utf-8")
 
     def there(self) -> list[str]:
-        """Return the names whose files are there."""
+        """Return the names of the listed files that exist."""
         return _there(self._folder, self.names)
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove files of the list, also half-written ones, and folders that are empty then."""
+        """Remove listed files, including partly written ones, and folders left empty."""
         for name in names:
             path = self._folder / name
             path.unlink(missing_ok=True)
@@ -73,15 +72,14 @@ class FileList:
             if path.parent != self._folder:
                 try:
                     path.parent.rmdir()
-                except OSError:  # gone already, or something else is in it
+                except OSError:  # already gone, or not empty
                     continue
 
 
 def names_in(folder: Path) -> list[str]:
-    """Return the names in the list of a folder; none without one.
+    """Return the names in the list of a folder; none without a list.
 
-    A last line that was not finished names nothing yet, and what leads out of the folder was not
-    written by a run.
+    An unfinished last line is ignored, as are paths outside the folder, which no run writes.
     """
     try:
         text = (folder / FILES).read_bytes().decode("utf-8", errors="replace")
@@ -94,7 +92,7 @@ def names_in(folder: Path) -> list[str]:
 
 
 def files_there(folder: Path) -> list[str]:
-    """Return the names of the files that a run has written in a folder and that are there."""
+    """Return the names of the files in a folder that a run has written and that still exist."""
     return _there(folder, names_in(folder))
 
 

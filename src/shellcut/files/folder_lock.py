@@ -1,12 +1,12 @@
-"""One run at a time in a folder, by a lock that the operating system keeps for the process.
+"""One run at a time in a folder, by an operating-system lock.
 
-The lock is on the file ``run.lock``, which tells for people who holds it. The system gives the lock
-back when the process ends, also by ``kill -9``; what is left of the file then holds nothing. It is
-the lock of a file that was opened, not of a process: a second one in the same process, of whatever
-thread, is refused too, and a fork of the process has no part in it.
+The lock is on the file ``run.lock``, whose text names the holder. The system releases the lock when
+the process ends, even by ``kill -9``; the file left behind then locks nothing. The lock belongs to
+an open file, not to a process: a second run in the same process, in any thread, is refused too, and
+a fork of the process does not share it.
 
-Readers never look at it. A file system that has no locks, as some network ones, is told of, and the
-run goes on without.
+Readers ignore the lock. On a file system without locks, such as some network ones, the run logs a
+warning and proceeds without.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ LOCK = "run.lock"
 
 _log = logging.getLogger(__name__)
 
-# Windows lets nobody read what is locked: a byte that is not there, far behind the text.
+# On Windows a locked byte cannot be read: lock one far behind the text.
 _LOCKED_BYTE = 1 << 20
 
-# Times that a lock file may vanish between opening and locking it, before it is taken for one of a
-# file system that cannot tell files apart.
+# Attempts, if the lock file vanishes between opening and locking it; after that the file system is
+# assumed unable to tell files apart.
 _MOST_TRIES = 100
 
 _HELD_BY_ANOTHER = {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}
@@ -52,14 +52,14 @@ class FolderLock:
     Parameters
     ----------
     folder : Path
-        The folder, which is there.
+        The folder; it must exist.
 
     Raises
     ------
     FolderInUse
-        If another holds it, of this or of another process.
+        If another run, of this or another process, holds it.
     OSError
-        If nothing can be written in the folder.
+        If the folder cannot be written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -69,45 +69,45 @@ class FolderLock:
         _all.add(self)
 
     def hold(self) -> None:
-        """Make sure of the lock: if somebody has removed its file, take it again.
+        """Check the lock: if somebody has removed its file, lock again.
 
         Raises
         ------
         FolderInUse
-            If another has taken it meanwhile.
+            If another run has locked it meanwhile.
         OSError
-            If nothing can be written in the folder.
+            If the folder cannot be written.
         """
         if self._file is not None and self._is_in_place(self._file):
             return
         self.let_go()
         file = self._opened()
-        # If its holder has removed it just now, the next one is another file.
+        # If the holder has just removed the file, the next attempt opens another one.
         for _ in range(_MOST_TRIES):
             if self._is_in_place(file):
                 break
             file.close()
             file = self._opened()
         self._file = file
-        with suppress(OSError):  # of a full disk: it is locked all the same
+        with suppress(OSError):  # full disk: the folder is locked all the same
             file.truncate(0)
             file.write(json.dumps(_myself()).encode())
 
     def close(self) -> None:
-        """Give the lock back; a second call does nothing."""
+        """Release the lock; a second call does nothing."""
         file, self._file = self._file, None
         if file is None:
             return
         in_place = self._is_in_place(file)
-        if sys.platform == "win32":  # where an open file cannot be removed
+        if sys.platform == "win32":  # an open file cannot be removed there
             file.close()
         if in_place:
-            with suppress(OSError):  # it may be open for another who asks for it
+            with suppress(OSError):  # another process may have it open
                 self._path.unlink()
         file.close()
 
     def let_go(self) -> None:
-        """Close the file alone, as in a fork, whose parent goes on holding the lock."""
+        """Close the file only, as in a fork whose parent keeps the lock."""
         file, self._file = self._file, None
         if file is not None:
             file.close()
@@ -137,15 +137,15 @@ class FolderLock:
                     "another folder"
                 ) from None
             _log.warning(
-                "%s lies on a file system that has no locks (%s): see to it that no second run "
-                "writes there; the last one to begin was that of %s",
+                "%s lies on a file system without locks (%s): make sure that no second run writes "
+                "there; the last run to start there was %s",
                 self._path.parent,
                 refusal.strerror,
                 _holder(file)[0],
             )
 
     def _is_in_place(self, file: Any) -> bool:
-        """Whether the file that was opened is the one that the folder has now."""
+        """Whether the open file is still the one in the folder."""
         try:
             return os.path.samestat(os.fstat(file.fileno()), self._path.stat())
         except FileNotFoundError:
@@ -153,12 +153,12 @@ class FolderLock:
 
 
 def refuse_if_in_use(folder: Path) -> None:
-    """Raise if a run writes in a folder now; whoever waits may come first all the same.
+    """Raise if a run is writing in a folder; a run that starts later is not excluded.
 
     Raises
     ------
     FolderInUse
-        If so.
+        If a run is writing there.
     """
     if (folder / LOCK).exists():
         FolderLock(folder).close()
@@ -170,13 +170,13 @@ def _myself() -> dict[str, Any]:
 
 
 def _holder(file: Any) -> tuple[str, str]:
-    """Return in words whom the file names, and what frees the folder."""
+    """Return the holder named in the file, in words, and how to free the folder."""
     wait = "wait until that run ends, or stop it"
     try:
         file.seek(0)
         told = json.loads(file.read())
         process, host, since = (told[name] for name in ("process", "host", "since"))
-    except (OSError, ValueError, KeyError, TypeError):  # just being written, or not to be read
+    except (OSError, ValueError, KeyError, TypeError):  # being written just now, or unreadable
         return "another process", wait
     me = _myself()
     if (process, host) == (me["process"], me["host"]):

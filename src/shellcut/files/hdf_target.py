@@ -1,11 +1,10 @@
-"""The file that HDF5 writes to, of which HDF5 does not see it fail.
+"""A file object for HDF5 that hides write failures from it.
 
-HDF5 that cannot write can neither go on nor close its file: it raises again when the file is
-closed, and then the process ends by a segmentation fault (h5py 3.16, at half of 20 sizes of a full
-disk), whatever its program had to say. What it has written by then may not fit together. So HDF5
-writes to an object of ours. Once the system refuses bytes, the file is put back to where it was
-when all was well, and what has come since and still comes is kept in memory, where HDF5 finds it
-again; the error is told to whoever asks.
+If HDF5 cannot write, it can neither continue nor close its file: it raises again on closing, and
+the process then ends with a segmentation fault (h5py 3.16, at half of 20 sizes of a full disk). The
+file may also be inconsistent. HDF5 therefore writes to this object. Once the system refuses bytes,
+the file is restored to its last consistent state, and everything written since then and later is
+kept in memory, where HDF5 can read it back; :meth:`HdfTarget.check` raises the error.
 """
 
 from __future__ import annotations
@@ -20,14 +19,14 @@ from .whole_file import write_all
 
 
 class HdfTarget(io.RawIOBase):
-    """A binary file to be given to ``h5py.File``, and to be closed after it.
+    """A binary file to pass to ``h5py.File``; close it after that.
 
     Parameters
     ----------
     path : Path
         The file.
     mode : {"w", "r+"}
-        Begin it anew, or go on with what is there.
+        Create it, or open the existing file.
 
     Raises
     ------
@@ -39,26 +38,26 @@ class HdfTarget(io.RawIOBase):
         self._path = path
         self._file: Any = path.open({"w": "w+b", "r+": "r+b"}[mode], buffering=0)
         self._at = 0
-        self._kept = self._file.seek(0, os.SEEK_END)  # size when all was well
-        self._replaced: list[tuple[int, bytes]] = []  # since then: where, and what was there
+        self._kept = self._file.seek(0, os.SEEK_END)  # size when last consistent
+        self._replaced: list[tuple[int, bytes]] = []  # overwritten since then: offset, old bytes
         self._in_memory: list[tuple[int, bytes]] = []
         self._failure: OSError | None = None
         self._told = False
 
     def check(self) -> None:
-        """Tell whether the file has failed.
+        """Raise if writing has failed.
 
         Raises
         ------
         OSError
-            If it has, with the system's number and reason.
+            With the system's number and reason.
         """
         if self._failure is not None:
             self._told = True
             raise OSError(*self._failure.args[:2], str(self._path)) from self._failure
 
     def keep(self) -> None:
-        """Declare that the file fits together now: a later failure puts it back to this.
+        """Mark the file as consistent now: a later failure restores this state.
 
         Raises
         ------
@@ -70,24 +69,24 @@ class HdfTarget(io.RawIOBase):
         self._replaced.clear()
 
     def sync(self) -> None:
-        """Wait until all that was written is on the disk.
+        """Wait until everything written is on the disk.
 
         Raises
         ------
         OSError
-            If it cannot be.
+            If that fails.
         """
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Close the file; raise its failure if nobody has been told."""
+        """Close the file; raise its failure if it has not been raised yet."""
         if not self.closed:
             super().close()
             self._file.close()
             if not self._told:
                 self.check()
 
-    # ------------------------------------------------------------------ what h5py calls
+    # ------------------------------------------------------------------ called by h5py
 
     def readable(self) -> bool:
         """Return True."""
@@ -102,7 +101,7 @@ class HdfTarget(io.RawIOBase):
         return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place [bytes]; return it."""
+        """Go to an offset [bytes]; return it."""
         if whence == os.SEEK_CUR:
             offset += self._at
         elif whence == os.SEEK_END:
@@ -111,11 +110,11 @@ class HdfTarget(io.RawIOBase):
         return offset
 
     def tell(self) -> int:
-        """Return the place [bytes]."""
+        """Return the offset [bytes]."""
         return self._at
 
     def readinto(self, buffer: Any) -> int:
-        """Read as much as there is, on the disk or in memory."""
+        """Read what is there, from disk or memory."""
         room = memoryview(buffer).cast("B")
         end = min(self._at + len(room), self._size())
         n = max(end - self._at, 0)
@@ -129,7 +128,7 @@ class HdfTarget(io.RawIOBase):
         return n
 
     def write(self, data: Any) -> int:
-        """Write all of it, to the disk or to memory."""
+        """Write all bytes, to disk or memory."""
         view = memoryview(data).cast("B")
         if self._failure is None:
             try:
@@ -146,7 +145,7 @@ class HdfTarget(io.RawIOBase):
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
-        """Cut or lengthen the file [bytes]; not one that has failed."""
+        """Shorten or extend the file [bytes], unless it has failed."""
         size = self._at if size is None else size
         if self._failure is None:
             try:
@@ -162,7 +161,7 @@ class HdfTarget(io.RawIOBase):
     # ------------------------------------------------------------------ parts
 
     def _put_back(self, failure: OSError) -> None:
-        """Make the file what it was when all was well; HDF5 shall find its own in memory."""
+        """Restore the last consistent file; keep HDF5's newer bytes in memory."""
         self._failure = failure
         with suppress(OSError):
             now = [(first, self._stored(first, len(old))) for first, old in self._replaced]

@@ -1,7 +1,7 @@
-"""Read a file that someone named: a regular one, of a size that can be meant.
+"""Read a file given by a user: it must be a regular file of plausible size.
 
-A pipe is waited for without end until somebody writes, and a device such as ``/dev/zero`` has no
-end at all. Both are told before they are opened.
+Opening a pipe blocks until somebody writes to it, and a device such as ``/dev/zero`` never ends.
+Both are refused before they are opened.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ def read_regular(path: str | os.PathLike[str], most: int) -> bytes:
     ----------
     path : path
     most : int
-        Bytes that it may hold.
+        Largest size allowed [bytes].
 
     Raises
     ------
     OSError
-        If it is not there, cannot be read, is no regular file, or holds more.
+        If it does not exist, cannot be read, is not a regular file, or is larger.
     """
     path = Path(path)
     _check_kind(path.stat().st_mode)
-    # Whatever may have taken the file's place by now: opening it must not wait for a writer.
+    # The file may have been replaced by a pipe meanwhile: opening it must not block.
     with open(os.open(path, os.O_RDONLY | _FLAGS), "rb") as file:
         found = os.fstat(file.fileno())
         _check_kind(found.st_mode)
-        # One byte more than allowed is enough to tell, also where the system knows no size (/proc).
+        # One byte too many shows the excess, even where the system reports no size (/proc).
         content = b"" if found.st_size > most else file.read(most + 1)
         size = max(found.st_size, len(content))
     if size > most:
         raise OSError(
             f"must hold {most / 1e6:,.0f} MB at most, got {size / 1e6:,.0f} MB or more; is it "
-            "the file that is meant?"
+            "the right file?"
         )
     return content
 

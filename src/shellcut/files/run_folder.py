@@ -1,13 +1,13 @@
-"""What a run leaves in its folder, by name.
+"""Names of the files of a run in its folder.
 
 ======================  ===========================================================================
-``run.files``           the names of all of them, :mod:`shellcut.files.file_list`
-``run.lock``            while the run goes on, :mod:`shellcut.files.folder_lock`
+``run.files``           list of all of them, :mod:`shellcut.files.file_list`
+``run.lock``            during the run, :mod:`shellcut.files.folder_lock`
 ``history.csv``         a row at equal intervals of time, :mod:`shellcut.recording.history_row`
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
-``NAME.pvd``            them too if asked for, with ``NAME_frames``, :mod:`shellcut.results.pvd`
+``NAME.pvd``            again, in ``NAME_frames``, if asked for, :mod:`shellcut.results.pvd`
 ``snapshot_00.png`` ..  pictures of the film during the run
-``checkpoint.h5``       where to go on from, :mod:`shellcut.recording.checkpoint`
+``checkpoint.h5``       state to resume from, :mod:`shellcut.recording.checkpoint`
 ``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
 ``splits.csv``          every split, when it ends, :mod:`shellcut.results.splits_csv`
 ``torque.png``          or ``force.png``, and ``energy.png``: curves, when it ends
@@ -50,9 +50,9 @@ def snapshot(folder: Path, number: int) -> Path:
 
 
 def snapshots(folder: Path, first: int = 0) -> list[Path]:
-    """Return the pictures of the film that are there, from a number on, in their order.
+    """Return the existing pictures of the film, in order, starting with a number.
 
-    They are those that the run has listed; where there is no list, all of such names.
+    These are the pictures listed by the run; without a list, all files with such names.
     """
     numbered = [
         (int(number), path)
@@ -70,18 +70,18 @@ def snapshots(folder: Path, first: int = 0) -> list[Path]:
 def planned_names(
     name: str, resistance: str, *, n_snapshot: int, n_frame: int, pvd: bool
 ) -> tuple[list[str], list[str]]:
-    """Return the names of the files that a run always writes, and of those it may come to write.
+    """Return the names of the files that a run always writes, and of those it may write.
 
     Parameters
     ----------
     name : str
-        Of the run.
+        Name of the run.
     resistance : str
-        Name of its curve.
+        Name of its torque or force.
     n_snapshot, n_frame : int
-        How many pictures and frames are wanted; there may be one more of each, at the end.
+        Number of pictures and frames wanted; each may get one more at the end.
     pvd : bool
-        Whether frames are written as PVD + VTU too.
+        Whether frames are also written as PVD + VTU.
     """
     here = Path()
     always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]

@@ -1,4 +1,4 @@
-"""A folder that one run has for itself: locked, and with a list of what the run writes there."""
+"""A folder reserved for one run: locked, with a list of the files that the run writes there."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class TakenFolder:
     Parameters
     ----------
     path : path
-        The folder; made if need be.
+        The folder; created if missing.
 
     Raises
     ------
     FolderInUse
         If another run writes there.
     OSError
-        If it cannot be made or written.
+        If it cannot be created or written.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -40,28 +40,28 @@ class TakenFolder:
         return self._list.names
 
     def begin(self, names: Iterable[str], later: Iterable[str] = (), *, replace: bool) -> None:
-        """Make room for a run that begins.
+        """Prepare the folder for a new run.
 
         Parameters
         ----------
         names : iterable of str
-            Of the files that the run will write, listed at once.
+            Files that the run will write, listed at once.
         later : iterable of str
-            Of those that it may come to write: :meth:`add` lists them.
+            Files that it may write; :meth:`add` lists them when it does.
         replace : bool
-            Whether the run before may be removed.
+            Whether the previous run may be removed.
 
         Raises
         ------
         FileExistsError
-            If there is a run that shall not be replaced, or a file of another origin has one of the
-            names; then nothing has been touched.
+            If there is a run that must not be replaced, or one of the names belongs to a file of
+            another origin; nothing has been changed then.
         OSError
             If the folder cannot be written.
         """
         earlier, names = self._list.there(), list(names)
         if earlier and not replace:
-            raise FileExistsError(f"{self.path} holds a run already, with {earlier[0]}")
+            raise FileExistsError(f"{self.path} already holds a run, with {earlier[0]}")
         known = {*self._list.names, FILES} if self._list.names else set()
         foreign = [
             name
@@ -71,15 +71,15 @@ class TakenFolder:
         if foreign:
             more = f" and {n} more" if (n := len(foreign) - _MOST_NAMED) > 0 else ""
             raise FileExistsError(
-                f"{self.path} has {', '.join(foreign[:_MOST_NAMED])}{more}, which no run is known "
-                f"to have written ({FILES} does not list it) and this run would replace: move it "
-                "away, or choose another folder"
+                f"{self.path} has {', '.join(foreign[:_MOST_NAMED])}{more}, which this run would "
+                f"replace although no run wrote it ({FILES} does not list it): move it away, or "
+                "choose another folder"
             )
         self._list.remove(self._list.names)
         self._list.write(names)
 
-    def go_on(self, names: Iterable[str]) -> None:
-        """Go on with the run in the folder, which may write these files besides.
+    def resume(self, names: Iterable[str]) -> None:
+        """Resume the run in the folder, which may write these further files.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class TakenFolder:
         self._list.add(path.relative_to(self.path).as_posix())
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove those of these files that are of the run."""
+        """Remove those of these files that belong to the run."""
         known = set(self._list.names)
         self._list.remove(name for name in names if name in known)
 
@@ -109,9 +109,9 @@ class TakenFolder:
         (self.path / FILES).unlink(missing_ok=True)
 
     def hold(self) -> None:
-        """Make sure that the folder is still ours, see :meth:`FolderLock.hold`."""
+        """Make sure that this run still holds the folder, see :meth:`FolderLock.hold`."""
         self._lock.hold()
 
     def close(self) -> None:
-        """Give the folder back; a second call does nothing."""
+        """Release the folder; a second call does nothing."""
         self._lock.close()

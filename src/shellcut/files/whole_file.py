@@ -1,8 +1,8 @@
-"""Files that are whole or not there, and bytes that are written to the last.
+"""Complete files: replaced atomically, with all bytes written.
 
-A file is made beside its place and put into it when it is complete: a kill or a full disk leaves
-what was there before. Raw files may take a part of what they are given, without an error, as when
-a disk fills up; :func:`write_all` goes on until all is written or the system says why it is not.
+A file is written under a temporary name and moved into place when complete: after a kill or on a
+full disk the old file is still there. Unbuffered files may accept only part of the bytes without an
+error, as when a disk fills up; :func:`write_all` repeats until all are written or an error shows.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import BinaryIO
 
 
 def aside_of(path: Path) -> Path:
-    """Return where a file is made before it takes its place.
+    """Return the temporary path of a file while it is written.
 
     Examples
     --------
@@ -27,10 +27,10 @@ def aside_of(path: Path) -> Path:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a path to write to; what is there after the block takes the place of ``path``.
+    """Give a temporary path to write to; after the block that file replaces ``path``.
 
-    If the block fails, its file is removed and the former one stays. A link is followed; what is no
-    ordinary file, as ``/dev/stdout``, is written to as it is.
+    If the block fails, the temporary file is removed and the old one stays. A link is followed; a
+    path that is not a regular file, such as ``/dev/stdout``, is written directly.
     """
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
@@ -40,7 +40,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     try:
         yield aside
         os.replace(aside, path)
-    except BaseException:  # also of a second Ctrl-C
+    except BaseException:  # including a second Ctrl-C
         aside.unlink(missing_ok=True)
         raise
 
@@ -51,7 +51,7 @@ def write_all(file: BinaryIO, data: bytes | memoryview) -> None:
     Raises
     ------
     OSError
-        If the system takes no more of them, with the file's name.
+        If the system accepts no more of them, with the file's name.
     """
     rest = memoryview(data)
     try:

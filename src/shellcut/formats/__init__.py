@@ -1,8 +1,8 @@
-"""Files of meshes, surfaces and tables, read as they are: ids, groups and numbers, no physics.
+"""Readers of mesh, surface and table files: ids, groups and numbers as they are, no physics.
 
-A reader returns what the file holds, or raises :class:`FileError`. What is declared (counts, ends
-of sections) is compared with what is read, so that a truncated file is refused. What a film or a
-tool makes of it is decided in :mod:`shellcut.mesh.film_file` and :mod:`shellcut.tool.tool_file`.
+A reader returns the content of a file, or raises :class:`FileError`. Declared counts and ends of
+sections are compared with the content, so that a truncated file is refused.
+:mod:`shellcut.mesh.film_file` and :mod:`shellcut.tool.tool_file` build films and tools from it.
 
 May import ``arrays``, ``unit`` and ``files``.
 """

@@ -1,9 +1,9 @@
 """The syntax of Abaqus input files: keyword lines with parameters, data lines, comments, includes.
 
 Follows the Abaqus Analysis User's Manual, "Input syntax rules": ``**`` begins a comment; a keyword
-line that ends in a comma goes on in the next line; keywords, parameters and labels do not tell
-upper from lower case; blanks count in quoted labels only; ``*INCLUDE, INPUT=`` and
-``INPUT=`` of a data keyword put another file in place.
+line that ends in a comma continues in the next line; keywords, parameters and labels ignore case;
+blanks count only in quoted labels; ``*INCLUDE, INPUT=`` and ``INPUT=`` of a data keyword insert
+another file.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from . import numerals
 from .errors import FileError, read_lines
 from .losses import comment_note, end_note, is_numbers
 
-_DEEPEST = 20  # includes within includes; more is a circle
-_DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # without a blank behind the stars
-_CLOSE = 0.75  # likeness of an unknown keyword to a misspelt one: of NSET with one letter changed
+_DEEPEST = 20  # nested includes; more means a cycle
+_DATA = frozenset(["NODE", "ELEMENT", "NSET", "ELSET"])  # keywords with no blank after the star
+_CLOSE = 0.75  # similarity to a known keyword: that of NSET with one letter changed
 
 
 @dataclass
@@ -29,7 +29,7 @@ class DataLine:
     path: Path
     line: int
     entries: list[str]
-    """Without the blanks around them; a trailing comma leaves no empty entry."""
+    """Entries without outer blanks; a trailing comma adds no empty entry."""
     continues: bool
     """Whether the line ends in a comma."""
 
@@ -58,12 +58,12 @@ class DataLine:
 
 @dataclass
 class Keyword:
-    """A keyword line with the data lines below it."""
+    """A keyword line and the data lines below it."""
 
     path: Path
     line: int
     name: str
-    """In upper case, single blanks, without the star."""
+    """In upper case, with single blanks, without the star."""
     parameters: dict[str, str]
     """By upper-case name; a parameter without a value has an empty one."""
     data: list[DataLine] = field(default_factory=list)
@@ -73,7 +73,7 @@ class Keyword:
         return FileError(self.path, f"*{self.name}: {problem}", line=self.line)
 
     def required(self, parameter: str) -> str:
-        """Return the value of a parameter that must be there."""
+        """Return the value of a required parameter."""
         value = self.parameters.get(parameter, "")
         if not value:
             raise self.error(f"the parameter {parameter} must be given")
@@ -81,22 +81,22 @@ class Keyword:
 
 
 def read_deck(path: Path, known: frozenset[str], notes: list[str]) -> Iterator[Keyword]:
-    """Return the keywords of a file and of those that it includes, in order.
+    """Return the keywords of a file and of the files it includes, in order.
 
     Parameters
     ----------
     path : Path
-        The main file; included ones are looked for beside it and beside the including one.
+        The main file; included files are searched beside it and beside the including file.
     known : frozenset of str
-        Keywords the caller acts upon. Others are passed on too, unless they look like one of these
-        misspelt.
+        Keywords that the caller uses. Others are passed on too, unless they look like a misspelt
+        one of these.
     notes : list of str
-        Takes what may have been lost: data that are comments, a last line without an end.
+        Receives signs of lost data: data in comments, an unfinished last line.
 
     Raises
     ------
     FileError
-        For what is no input file, for misspelt keywords and for files not found.
+        For a file that is no input file, for misspelt keywords and for missing files.
     """
     if not any(line.lstrip().startswith("*") for line in read_lines(path)):
         raise FileError(path, "an Abaqus input file must hold *KEYWORD lines, got none")
@@ -145,12 +145,12 @@ def _find(keyword: Keyword, name: str, folder: Path) -> Path:
     for place in (keyword.path.parent, folder):
         if (found := place / name).is_file():
             return found
-    raise keyword.error(f"the file {name!r} must lie beside {keyword.path}, it is not there")
+    raise keyword.error(f"the file {name!r} must lie beside {keyword.path}, but is not there")
 
 
 def _lines(path: Path, notes: list[str]) -> Iterator[tuple[Keyword | None, DataLine | None]]:
-    # each line as one of the two; blank lines and comments are left out
-    off: list[int] = []  # comments that were data
+    # yield each line as one of the two; skip blank lines and comments
+    off: list[int] = []  # comments that look like data
     pending: tuple[int, str] | None = None
     for number, line in enumerate(read_lines(path), start=1):
         text = line.strip()
@@ -170,7 +170,7 @@ def _lines(path: Path, notes: list[str]) -> Iterator[tuple[Keyword | None, DataL
             yield _keyword(path, number, text), None
     if pending is not None:
         raise FileError(
-            path, "a keyword line that ends in a comma must go on: cut short?", line=pending[0]
+            path, "a keyword line that ends in a comma must continue: cut short?", line=pending[0]
         )
     notes += comment_note(off) + end_note(path)
 
@@ -194,7 +194,7 @@ def _data_line(path: Path, number: int, text: str) -> DataLine:
 
 
 def _split(text: str) -> list[str]:
-    # at commas outside quotes
+    # split at commas outside quotes
     if '"' not in text:
         return text.split(",")
     parts, inside = [""], False

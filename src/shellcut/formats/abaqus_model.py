@@ -1,7 +1,7 @@
-"""Parts, instances and sets of an Abaqus model put in place, as one mesh.
+"""Combine parts, instances and sets of an Abaqus model into one mesh.
 
-Part sets of an instance keep their name if only one instance brings it and the assembly does not;
-otherwise they are called ``instance.set``.
+Part sets of an instance keep their name if it is unique among instances and assembly; otherwise
+they are called ``instance.set``.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ KINDS: dict[str, tuple[str, int]] = {
     ),
     **dict.fromkeys(["T3D2", "T2D2"], (LINE, 2)),
 }
-"""Three- and four-node sheets of any formulation, and the trusses that mesh programs write for
-curves, with kind and number of nodes; the film replaces the formulation."""
+"""Three- and four-node shells of any formulation, and the trusses that mesh programs write for
+curves, with kind and number of nodes; the film's formulation replaces theirs."""
 
 Transform = tuple[Floats, Floats]
 """Rotation R, shape (3, 3), and translation t, shape (3,): x = R X + t."""
@@ -57,7 +57,7 @@ Transform = tuple[Floats, Floats]
 
 @dataclass
 class Scope:
-    """The nodes, elements and sets of a part, of an instance's own or of the assembly."""
+    """The nodes, elements and sets of a part, an instance or the assembly."""
 
     name: str
     nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
@@ -65,12 +65,12 @@ class Scope:
     sets: dict[tuple[str, str], list[Entry]] = field(default_factory=dict)
     """By kind ("node" or "element") and upper-case name."""
     spelling: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Of the sets to be handed on."""
+    """Names of the sets to pass on."""
 
 
 @dataclass
 class Entry:
-    """One entry of a set: ids, or the name of another set, perhaps of one instance."""
+    """One entry of a set: ids, or the name of another set, possibly of another instance."""
 
     line: DataLine
     ids: range | None = None
@@ -78,12 +78,12 @@ class Entry:
     kind: str = ""
     instance: str = ""
     text: str = ""
-    """As written, where a dot was taken to part instance and name."""
+    """The original text, if a dot was read as separator of instance and name."""
 
 
 @dataclass
 class Instance:
-    """A part put in place, with what the assembly adds to it."""
+    """A placed part, with the assembly's additions."""
 
     name: str
     part: str
@@ -92,14 +92,14 @@ class Instance:
 
 
 class Model:
-    """All scopes put in place; nodes and elements are numbered in order of their appearance.
+    """All placed scopes; nodes and elements are numbered in order of appearance.
 
     Parameters
     ----------
     path : Path
-        For messages.
+        Named in messages.
     notes : list of str
-        Takes what may have been lost.
+        Receives signs of lost data.
     """
 
     def __init__(self, path: Path, notes: list[str]):
@@ -112,12 +112,12 @@ class Model:
         self.scopes: dict[str, list[Scope]] = defaultdict(list)
 
     def add(self, key: str, scope: Scope, transform: Transform | None) -> None:
-        """Add a scope of an instance, by its upper-case name, or with "" of the assembly.
+        """Add a scope: an instance by its upper-case name, or the assembly with "".
 
         Raises
         ------
         FileError
-            For what is defined twice, and for elements of nodes that are not there.
+            For repeated definitions, and for elements with undefined nodes.
         """
         self.scopes[key].append(scope)
         prefix = f"{scope.name}." if scope.name else ""
@@ -147,7 +147,7 @@ class Model:
             self.elements.append((f"{prefix}{label}", kind, members))
 
     def mesh(self, instance_names: dict[str, str]) -> FileMesh:
-        """Return the mesh; names of instances as they are spelt, by their upper-case names."""
+        """Return the mesh; ``instance_names``: original spelling by upper-case name."""
         by_kind: dict[str, list[int]] = defaultdict(list)
         for i, (_, kind, _) in enumerate(self.elements):
             by_kind[kind].append(i)
@@ -202,7 +202,7 @@ class Model:
         for scope in self.scopes[key]:
             for entry in scope.sets.get((kind, upper), []):
                 at = entry.instance.upper() or key
-                if at not in self.scopes and entry.text:  # the dot belongs to the name
+                if at not in self.scopes and entry.text:  # the dot is part of the name
                     entry = Entry(entry.line, other=entry.text, kind=kind)
                     at = key
                 if at not in self.scopes:
@@ -221,7 +221,7 @@ class Model:
             raise entry.line.error(f"{kind} {entry.ids[0]} must be defined; is the file cut short?")
         if not found:
             raise entry.line.error(f"no {kind} is defined from {entry.ids[0]} to {entry.ids[-1]}")
-        if len(found) < len(entry.ids):  # a generated range may run over gaps in the ids
+        if len(found) < len(entry.ids):  # a generated range may include gaps in the ids
             self.notes.append(
                 f"line {entry.line.line}: {len(entry.ids) - len(found)} of the {len(entry.ids)} "
                 f"{kind}s from {entry.ids[0]} to {entry.ids[-1]} are not defined"
@@ -240,4 +240,4 @@ class Model:
                 if of == kind:
                     return [int(i) for i in rows]
                 return sorted({n for i in rows for n in self.elements[i][2]})
-        raise entry.line.error(f"there must be {of} set {entry.other!r}, it is not defined")
+        raise entry.line.error(f"there must be {of} set {entry.other!r}, but it is not defined")

@@ -1,4 +1,4 @@
-"""The error of all readers, and how messages list what they are about."""
+"""The error of all readers, and lists in messages."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 from shellcut.files.regular_file import read_regular
 
 LARGEST_FILE = 1_000_000_000
-"""Bytes of the largest mesh, surface or table that is read: some ten million quads as text."""
+"""Largest size of a mesh, surface or table file [bytes]: about ten million quads as text."""
 
 _NAMED = 5  # offenders named in a message
 
 
 class FileError(ValueError):
-    """A file that cannot be read as what it should be; the message says where and why."""
+    """The file is not readable as expected; the message says where and why."""
 
     def __init__(self, path: str | Path, problem: str, *, line: int | None = None):
         place = f"{path}, line {line}" if line is not None else f"{path}"
@@ -23,7 +23,7 @@ class FileError(ValueError):
 
 
 def named(items: Iterable[Any]) -> str:
-    """List the first few items, with the number of those left out."""
+    """List the first few items, and the number of the others."""
     listed = list(items)
     more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
     return ", ".join(str(item) for item in listed[:_NAMED]) + more
@@ -35,8 +35,8 @@ def read_bytes(path: str | Path) -> bytes:
     Raises
     ------
     FileError
-        If there is no such file, it cannot be read, it is empty, no regular file (a pipe, a
-        device), or larger than :data:`LARGEST_FILE`.
+            If the file does not exist, cannot be read, is empty, is not a regular file (but a
+            pipe, a device), or is larger than :data:`LARGEST_FILE`.
     """
     try:
         content = read_regular(path, LARGEST_FILE)
@@ -48,7 +48,7 @@ def read_bytes(path: str | Path) -> bytes:
 
 
 def read_lines(path: str | Path) -> list[str]:
-    """Return the lines of a text file, without their ends; odd bytes become a replacement mark."""
+    """Return the lines of a text file, without line ends; invalid bytes become U+FFFD."""
     content = read_bytes(path)
     if b"\0" in content:
         raise FileError(path, "a text file must hold no zero bytes; is this another format?")

@@ -1,7 +1,7 @@
-"""What a mesh file holds, in one form for all formats.
+"""Content of a mesh file, in one form for all formats.
 
-Nodes and cells are numbered from 0 in the order of the file; the numbers the file itself gives them
-are kept as labels, for messages.
+Nodes and cells are numbered from 0 in the order of the file; the file's own numbers are kept as
+labels for messages.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from shellcut.arrays import Floats, Ints
 from .errors import FileError, named
 
 POINT, LINE, TRIANGLE, QUAD = "point", "line", "triangle", "quad"
-"""The kinds of cell that a film is made of; any other kind goes by the file's own name."""
+"""Kinds of cell that a film can have; other kinds have the file's own name."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class CellBlock:
     """Cells of one kind."""
 
     kind: str
-    """One of the names above, or the file's own name for what a film cannot use."""
+    """One of the names above, or the file's own name for other kinds."""
     labels: Sequence[Any] | Ints
-    """What the file calls each cell, length n."""
+    """Labels of the cells in the file, length n."""
     nodes: Ints
-    """Node numbers, shape (n, k); (n, 0) for a kind that is only counted."""
+    """Node numbers, shape (n, k); (n, 0) for kinds that are only counted."""
 
 
 @dataclass
@@ -42,14 +42,14 @@ class FileMesh:
     nodes: Floats
     """Coordinates in the file's own unit, shape (n_node, 3)."""
     node_labels: Sequence[Any] | Ints
-    """What the file calls each node, length n_node."""
+    """Labels of the nodes in the file, length n_node."""
     blocks: list[CellBlock]
     node_groups: dict[str, Ints] = field(default_factory=dict)
     """Named node numbers, each once."""
     cell_groups: dict[str, Ints] = field(default_factory=dict)
-    """Named cell numbers, each once; cells are numbered through all blocks, block after block."""
+    """Named cell numbers, each once; cells are numbered consecutively through all blocks."""
     notes: list[str] = field(default_factory=list)
-    """What the reader left out or assumed."""
+    """Omissions and assumptions of the reader."""
 
     @property
     def n_cell(self) -> int:
@@ -58,7 +58,7 @@ class FileMesh:
 
 
 class Numbering:
-    """The numbers of labelled things: from the ids of a file to rows of an array."""
+    """Map labels (ids in a file) to rows of an array."""
 
     def __init__(self, path: Path, what: str, labels: npt.ArrayLike):
         self.path, self.what = path, what
@@ -67,7 +67,7 @@ class Numbering:
         self._sorted = self.labels[self._order]
         again = self._sorted[1:][self._sorted[1:] == self._sorted[:-1]]
         if len(again):
-            raise FileError(path, f"each {what} id must stand once, got {named(again)} again")
+            raise FileError(path, f"each {what} id must occur once, got {named(again)} again")
 
     def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
         """Return the rows of some labels, of any shape.
@@ -75,7 +75,7 @@ class Numbering:
         Raises
         ------
         FileError
-            Naming the labels that are not there and ``wanted_by``, what asks for them.
+            Names the missing labels and ``wanted_by``, the part of the file that uses them.
         """
         ids = np.asarray(labels, dtype=np.int64)
         found = np.zeros(ids.shape, dtype=np.int64)
@@ -95,7 +95,7 @@ class Numbering:
         return rows
 
     def between(self, first: int, last: int, step: int = 1) -> Ints:
-        """Return the rows of the labels there are in ``first, first + step, ... last``."""
+        """Return the rows of the existing labels among ``first, first + step, ... last``."""
         low, high = np.searchsorted(self._sorted, [first, last + 1])
         within = np.arange(low, high)
         chosen: Ints = within[(self._sorted[within] - first) % step == 0]
@@ -104,7 +104,7 @@ class Numbering:
 
 
 def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
-    """Return groups by name; those that share one get their id behind it, as ``name (id)``."""
+    """Return groups by name; groups with the same name get their id appended, ``name (id)``."""
     names = [name for name, _, _ in groups]
     return {
         name if names.count(name) == 1 else f"{name} ({label})": members

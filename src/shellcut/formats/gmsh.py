@@ -1,7 +1,7 @@
-"""Gmsh's .msh, versions 2.2 and 4.1, as text and binary, with all physical groups of an entity.
+"""Gmsh's .msh, versions 2.2 and 4.1, text and binary, with all physical groups of an entity.
 
-The layout follows the Gmsh reference manual, "MSH file format". A section is read to its declared
-counts and must then end; sections that hold no mesh are passed over.
+The layout follows the Gmsh reference manual, "MSH file format". Each section must end after its
+declared counts; sections without mesh data are skipped.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from . import numerals
 from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, Numbering, union
 
-# Gmsh's element types: name, number of nodes. Only the four kinds of a film have names of ours.
+# Gmsh's element types: name, number of nodes. Only the four kinds of a film have constants.
 _TYPES: dict[int, tuple[str, int]] = {
     1: (LINE, 2),
     2: (TRIANGLE, 3),
@@ -68,7 +68,7 @@ class _Cells(NamedTuple):
 def read_gmsh(path: str | Path) -> FileMesh:
     """Read a .msh file.
 
-    Points and lines come as cells of those kinds. A physical group without a name is called
+    Points and lines are returned as cells of those kinds. A physical group without a name is called
     ``curve_3`` and the like, by dimension and number.
 
     Raises
@@ -83,12 +83,12 @@ class _Reader:
     def __init__(self, path: Path, content: bytes):
         self.path = path
         self.content = content
-        self.at = 0  # where reading goes on
+        self.at = 0  # read position
         self.binary = False
-        self.tokens: list[bytes] = []  # of the section, where it is text
+        self.tokens: list[bytes] = []  # of a text section
         self.next_token = 0
         self.names: dict[tuple[int, int], str] = {}
-        self.unnamed: set[str] = set()  # groups without a name where others have one
+        self.unnamed: set[str] = set()  # groups without a name while others have one
         self.entities: dict[tuple[int, int], list[int]] = {}
         self.node_labels: list[Ints] = []
         self.positions: list[Floats] = []
@@ -114,11 +114,11 @@ class _Reader:
                 continue
             if name not in readers:
                 raise self._error(
-                    f"sections must be one of {', '.join(sorted(readers))} or data of no concern "
-                    f"here, got ${name}; save an unpartitioned mesh"
+                    f"sections must be one of {', '.join(sorted(readers))} or known data without "
+                    f"mesh, got ${name}; save an unpartitioned mesh"
                 )
             if name in seen:
-                raise self._error(f"each section must stand once, got ${name} again")
+                raise self._error(f"each section must occur once, got ${name} again")
             seen.add(name)
             in_text = not self.binary or name == "PhysicalNames"
             if in_text:
@@ -154,7 +154,7 @@ class _Reader:
         return version
 
     def _physical_names(self) -> None:
-        # names may hold spaces: dimension, tag, then everything up to the closing quote
+        # names may contain blanks: dimension, tag, then everything up to the closing quote
         text = b" ".join(self.tokens[1:])
         rest = text
         for _ in range(self._integer()):
@@ -227,7 +227,7 @@ class _Reader:
                 kind, n_follow, n_tag = (int(i) for i in self._integers(3, 4))
                 n = self._type(kind)[1]
                 if n_follow < 1:
-                    raise self._error("$Elements must hold blocks of one element or more")
+                    raise self._error("$Elements must hold blocks of at least one element")
                 width = 1 + n_tag + n
                 table = self._integers(n_follow * width, 4).reshape(n_follow, width).tolist()
             else:
@@ -235,7 +235,7 @@ class _Reader:
                 kind, n_tag = head[1], head[2]
                 n = self._type(kind)[1]
                 if n_tag < 0:
-                    raise self._error("an element must have a number of tags that is not negative")
+                    raise self._error("the number of tags of an element must not be negative")
                 table = [[head[0], *self._to_ints(self._take_n_tokens(n_tag + n)).tolist()]]
             for row in table:
                 group = abs(row[1]) if n_tag else 0
@@ -279,7 +279,7 @@ class _Reader:
         positions = np.concatenate([np.empty((0, 3)), *self.positions])
         blocks: list[CellBlock] = []
         groups: dict[str, list[Ints]] = defaultdict(list)
-        first: dict[tuple[str, tuple[int, ...]], int] = {}  # version 2 repeats a cell a group
+        first: dict[tuple[str, tuple[int, ...]], int] = {}  # version 2 repeats a cell per group
         n_cell = n_again = 0
         for cells in self.cells:
             nodes = numbering.rows(cells.node_labels, f"{cells.kind} cells")
@@ -306,7 +306,7 @@ class _Reader:
                 f"{named(sorted(self.unnamed))}"
             )
         if n_again:
-            mesh.notes.append(f"{n_again} cells stand once for each of their groups, kept once")
+            mesh.notes.append(f"{n_again} cells are listed once per group, kept once")
         return mesh
 
     # --- bytes and tokens -------------------------------------------------------------------------
@@ -338,7 +338,7 @@ class _Reader:
     def _end(self, name: str) -> None:
         line = self._line() or self._line()
         if line != b"$End" + name.encode("latin-1"):
-            raise self._error(f"${name} must end with $End{name} after what it declares")
+            raise self._error(f"${name} must end with $End{name} after its declared content")
 
     def _skip_to_end(self, name: str) -> None:
         end = self.content.find(b"$End" + name.encode("latin-1"), self.at)
@@ -356,14 +356,14 @@ class _Reader:
 
     def _take(self, n_byte: int) -> bytes:
         if n_byte < 0 or self.at + n_byte > len(self.content):
-            raise self._error("the file ends before what it declares: it is cut short")
+            raise self._error("the file ends before its declared content: it is cut short")
         part = self.content[self.at : self.at + n_byte]
         self.at += n_byte
         return part
 
     def _take_n_tokens(self, n: int) -> list[bytes]:
         if n < 0 or self.next_token + n > len(self.tokens):
-            raise self._error("a section ends before what it declares: the file is cut short")
+            raise self._error("a section ends before its declared content: the file is cut short")
         part = self.tokens[self.next_token : self.next_token + n]
         self.next_token += n
         return part

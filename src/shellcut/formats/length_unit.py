@@ -1,8 +1,8 @@
-"""The unit of length of a file: given, or guessed from the size and then said.
+"""The unit of length of a file: given, or guessed from the size and logged.
 
-Files of meshes and surfaces hold numbers without a unit. A guess is made only where it cannot be
-off by a factor that passes unseen: a part of 2 to 2000 units is taken for millimetres, one of
-0.002 to 0.1 for metres. Between and beyond (0.1 to 2 may be inches or metres) it must be given.
+Mesh and surface files contain numbers without a unit. The unit is guessed only where a wrong factor
+would be obvious: a part of 2 to 2000 units is taken for millimetres, one of 0.002 to 0.1 for
+metres. In between and beyond (0.1 to 2 may be inches or metres) it must be given.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _TAKEN_FOR_M = (0.002, 0.1)
 
 
 def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[float, str]:
-    """Return the length of the unit [mm], and what is to be said of it.
+    """Return the length of the unit [mm], and a note.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
     extent : float
         Largest side of the bounding box, in the file's unit.
     what : str
-        Name of the thing in messages.
+        Name of the part in messages.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
     Raises
     ------
     ValueError
-        If the unit is unknown, or not given and not to be guessed.
+        If the unit is unknown, or not given and too uncertain to guess.
 
     Examples
     --------
@@ -69,6 +69,6 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
                 'unit="..." says otherwise'
             )
     raise ValueError(
-        f"the unit must be given, {what} is {extent:.4g} units across, which may be several: "
+        f"the unit must be given, because {what} is {extent:.4g} units across, which fits several: "
         f"unit= one of {', '.join(MILLIMETRES)}"
     )

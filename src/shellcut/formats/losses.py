@@ -1,6 +1,6 @@
-"""What a file without counts may have lost: gaps in its ids, ragged lines, lines made comments.
+"""Signs of lost data in files without counts: gaps in ids, ragged lines, data in comments.
 
-None of it is an error; each comes as a note, which the reading says.
+None of these is an error; each becomes a note that is logged.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ import numpy as np
 from .errors import named
 
 _FEW = 3
-"""So few of a kind look like slips; more look meant."""
+"""Up to this many of a kind look like slips; more look intended."""
 _MANY = 10
 _LONGEST_GAP = 10
-"""Ids that a gap may leave out: a lost stretch of a file is no longer."""
+"""Longest gap in the ids that looks like a lost part of a file."""
 
 _NUMBERS = re.compile(r"[\s,]*[+-]?[\d.][\d.eE+-]*([\s,]+[+-]?[\d.][\d.eE+-]*){2,}[\s,]*")
 
 
 def gap_note(what: str, labels: Iterable[int]) -> list[str]:
-    """Return a note on ids that run evenly but for a few short gaps.
+    """Return a note on ids with even steps except for a few short gaps.
 
     Examples
     --------
@@ -48,14 +48,14 @@ def gap_note(what: str, labels: Iterable[int]) -> list[str]:
 
 
 def ragged_note(what: str, lines: Sequence[tuple[int, int]]) -> list[str]:
-    """Return a note on a line of ids that has another number of them than all lines around it.
+    """Return a note on lines of ids whose number of ids differs from all other lines.
 
     Parameters
     ----------
     what : str
-        Names the set.
+        Name of the set.
     lines : sequence of (int, int)
-        Number of the line and of the ids in it; the last line may be shorter.
+        Line number and number of ids in it; the last line may be shorter.
     """
     counts = np.array([n for _, n in lines[:-1]])
     if len(counts) < 2:
@@ -72,14 +72,14 @@ def ragged_note(what: str, lines: Sequence[tuple[int, int]]) -> list[str]:
 
 
 def repeat_note(what: str, ids: Iterable[int]) -> list[str]:
-    """Return a note on ids that stand in a list more than once."""
+    """Return a note on ids that occur more than once in a list."""
     values, counts = np.unique(np.fromiter(ids, np.int64), return_counts=True)
     again = values[counts > 1]
     return [f"{what} names {named(again.tolist())} more than once"] if len(again) else []
 
 
 def is_numbers(text: str) -> bool:
-    """Whether a comment is nothing but three numbers or more, as a line of data is."""
+    """Whether a comment consists of three or more numbers, like a data line."""
     return bool(_NUMBERS.fullmatch(text))
 
 
@@ -89,12 +89,12 @@ def comment_note(lines: Sequence[int]) -> list[str]:
         return []
     return [
         f"comments in {len(lines)} lines look like data or keywords that were switched off "
-        f"(lines {named(lines)}): they are passed over"
+        f"(lines {named(lines)}): they are ignored"
     ]
 
 
 def end_note(path: Path) -> list[str]:
-    """Return a note on a text file whose last line does not end."""
+    """Return a note on a text file without a final line break."""
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         last = file.read(1)
@@ -102,16 +102,16 @@ def end_note(path: Path) -> list[str]:
 
 
 def blank_note(what: str, counts: Sequence[int], labels: Sequence[int]) -> list[str]:
-    """Return a note on a few entries that give fewer numbers than all the others.
+    """Return a note on a few entries with fewer numbers than all others.
 
     Parameters
     ----------
     what : str
-        Names an entry.
+        Name of an entry.
     counts : sequence of int
-        Numbers that each of them gives; what is not given is zero.
+        Number of values given for each entry; missing values are zero.
     labels : sequence of int
-        What the file calls them.
+        Labels of the entries in the file.
     """
     given = np.array(counts)
     if len(given) < _MANY:
@@ -120,4 +120,4 @@ def blank_note(what: str, counts: Sequence[int], labels: Sequence[int]) -> list[
     if not 0 < len(odd) <= _FEW:
         return []
     told = named(labels[k] for k in odd.tolist())
-    return [f"{what} {told} have fewer coordinates than the others; what is not given is 0"]
+    return [f"{what} {told} have fewer coordinates than the others; missing ones are 0"]

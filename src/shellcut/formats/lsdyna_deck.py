@@ -1,9 +1,9 @@
 """The syntax of LS-DYNA keyword files: cards of fixed columns or with commas, includes, comments.
 
 Follows the LS-DYNA Keyword User's Manual, Vol. I, "Introduction": ``$`` begins a comment, a card
-with a comma in it is free format, ``*END`` ends the input. Three layouts of fixed columns are read:
-the standard one, ``i10`` and ``long``, chosen by ``*KEYWORD`` (``I10=Y``, ``LONG=Y`` or ``LONG=S``)
-and, for one keyword, by a mark behind its name (``-`` standard, ``%`` i10, ``+`` long).
+with a comma is in free format, ``*END`` ends the input. Three layouts of fixed columns exist: the
+standard one, ``i10`` and ``long``, chosen by ``*KEYWORD`` (``I10=Y``, ``LONG=Y`` or ``LONG=S``)
+and, for one keyword, by a mark after its name (``-`` standard, ``%`` i10, ``+`` long).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .losses import comment_note, is_numbers
 Layout = Literal["standard", "i10", "long"]
 _MARKS: dict[str, Layout] = {"-": "standard", "%": "i10", "+": "long"}
 _DATA = ("*NODE", "*ELEMENT", "*SET_", "*PART")
-_DEEPEST = 20  # includes within includes; more is a circle
+_DEEPEST = 20  # nested includes; more means a cycle
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Card:
         return FileError(self.path, problem, line=self.line)
 
     def fields(self, widths: list[int]) -> list[str]:
-        """Return the entries without blanks around them: as many as widths, empty where missing."""
+        """Return the entries without outer blanks: one per width, empty if missing."""
         if "," in self.text:
             entries = [entry.strip() for entry in self.text.split(",")]
             entries += [""] * (len(widths) - len(entries))
@@ -50,19 +50,19 @@ class Card:
         if self.text[at:].strip():
             raise self.error(
                 f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
-                "it of another layout (*KEYWORD LONG=Y, I10=Y)?"
+                "it in another layout (*KEYWORD LONG=Y, I10=Y)?"
             )
         return entries
 
     def integer(self, entry: str, what: str) -> int:
-        """Return an entry as a whole number, 0 where it is empty."""
+        """Return an entry as a whole number, 0 if it is empty."""
         try:
             return numerals.whole(entry) if entry else 0
         except ValueError:
             raise self.error(f"{what} must be a whole number, got {entry!r}") from None
 
     def number(self, entry: str, what: str) -> float:
-        """Return an entry as a number, 0 where it is empty."""
+        """Return an entry as a number, 0 if it is empty."""
         try:
             return numerals.number(entry.upper().replace("D", "E")) if entry else 0.0
         except ValueError:
@@ -86,24 +86,24 @@ class Block:
 
 
 def read_deck(path: Path, notes: list[str]) -> tuple[list[Block], bool]:
-    """Return the keyword blocks of a file with those of its includes in their place.
+    """Return the keyword blocks of a file, with its includes inserted.
 
     Parameters
     ----------
     path : Path
     notes : list of str
-        Takes what may have been lost: data that are comments.
+        Receives signs of lost data: data in comments.
 
     Returns
     -------
     blocks : list of Block
     ended : bool
-        Whether the main file has its ``*END``.
+        Whether the main file has an ``*END``.
 
     Raises
     ------
     FileError
-        For what is no keyword file and for includes that are not found.
+        For a file that is no keyword file and for missing includes.
     """
     folders = [path.parent]
     blocks: list[Block] = []
@@ -138,7 +138,7 @@ def _blocks(
 
 def _plain_blocks(path: Path, layout: Layout, notes: list[str]) -> Iterator[Block]:
     current: Block | None = None
-    off: list[int] = []  # comments that were data
+    off: list[int] = []  # comments that look like data
     for number, line in enumerate(read_lines(path), start=1):
         text = line.rstrip()
         if text.startswith("$") or (not text and current is None):
@@ -180,7 +180,7 @@ def _layout(name: str) -> Layout:
 
 
 def _file_names(block: Block) -> list[str]:
-    # one a line; a line that ends in " +" goes on in the next
+    # one per line; a line that ends in " +" continues in the next
     names, pending = [], ""
     for card in block.cards:
         text = card.text.strip()
@@ -198,4 +198,4 @@ def _find(block: Block, name: str, folders: list[Path]) -> Path:
     for folder in (block.path.parent, *folders):
         if (found := folder / name).is_file():
             return found
-    raise block.error(f"the file {name!r} must lie beside {block.path}, it is not there")
+    raise block.error(f"the file {name!r} must lie beside {block.path}, but is not there")

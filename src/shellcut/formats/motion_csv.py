@@ -1,4 +1,4 @@
-"""A table of poses as text: columns with units in the header.
+"""A table of poses as text, with units in its column headings.
 
 ::
 
@@ -31,9 +31,9 @@ _COLUMNS = {
 def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
     """Read times, translations and rotation vectors.
 
-    The columns, in any order: ``time``; of ``x``, ``y``, ``z`` those that are not zero; ``rx``,
-    ``ry``, ``rz``, the rotation vector, or ``angle``, the turn about z. A heading is written
-    ``time [ms]``, ``time (ms)`` or ``time / ms``; the units are those of :mod:`shellcut.unit`.
+    The columns, in any order: ``time``; those of ``x``, ``y``, ``z`` that are not zero; ``rx``,
+    ``ry``, ``rz`` (the rotation vector) or ``angle`` (the rotation about z). A heading is written
+    ``time [ms]``, ``time (ms)`` or ``time / ms``; :mod:`shellcut.unit` lists the units.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def read_motion_csv(path: str | Path) -> tuple[Floats, Floats, Floats]:
     Raises
     ------
     FileError
-        Naming the headings or the lines that are not understood.
+        Names invalid headings or lines.
     """
     table = read_number_table(path)
     if not table.headings:
@@ -76,12 +76,12 @@ def _headings(path: Path, line: int, headings: tuple[Heading, ...]) -> tuple[lis
         except ValueError as problem:
             problems.append(f"{name} {problem}")
         if name in names:
-            problems.append(f"each column must stand once, got {name} again")
+            problems.append(f"each column must occur once, got {name} again")
         names.append(name)
     if not problems and "time" not in names:
         problems.append("there must be a column time")
     if "angle" in names and {"rx", "ry", "rz"} & set(names):
-        problems.append("the turn must be given as angle or as rx, ry, rz, got both")
+        problems.append("the rotation must be given as angle or as rx, ry, rz, got both")
     if problems:
         raise FileError(path, "; ".join(problems), line=line)
     return names, np.array(factors)

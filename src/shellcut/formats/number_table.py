@@ -1,4 +1,4 @@
-"""Tables of numbers as text, as spreadsheets and test machines write them.
+"""Text tables of numbers, as written by spreadsheets and test machines.
 
 ::
 
@@ -7,10 +7,10 @@
     0,0;0,00
     0,5;1,32
 
-Columns are parted by semicolons, tabs, commas or blanks, whichever makes most lines rows of
-numbers; a comma in a cell is then a decimal comma. What stands above the first row is a preamble,
-its last line the headings, if it has a cell for each column; a line of units may follow them.
-``#``, ``%`` and ``//`` begin lines of comment, ``#`` also one behind a row.
+Columns are separated by semicolons, tabs, commas or blanks, whichever turns most lines into rows of
+numbers; a comma in a cell is then a decimal comma. Lines above the first row are a preamble; its
+last line contains the headings if it has one cell per column; a line of units may follow them.
+Lines starting with ``#``, ``%`` or ``//`` are comments, as is text after ``#`` in a row.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from shellcut.unit import canonical
 from .errors import FileError, read_bytes
 
 _SEPARATORS = (";", "\t", ",", " ")
-_MOST_PROBLEMS = 6  # listed in a message
+_MOST_PROBLEMS = 6  # problems listed in a message
 _COMMENTS = ("#", "%", "//")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf(inity)?)", re.I)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(([.,'’\u00a0\u202f ])\d{3})((\2\d{3})*[.,]\d+|(\2\d{3})+)")
@@ -39,7 +39,7 @@ _HEADING = re.compile(r"(?P<name>.*?)\s*(\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|/\s*
 
 @dataclass(frozen=True)
 class Heading:
-    """Name and unit of a column, as they are written; both may be empty."""
+    """Name and unit of a column, as written; both may be empty."""
 
     name: str
     unit: str
@@ -49,16 +49,16 @@ class Heading:
 
 @dataclass(frozen=True, eq=False)
 class NumberTable:
-    """The rows of a table as text, with their places in the file."""
+    """The rows of a table as text, with their line numbers."""
 
     path: Path
     headings: tuple[Heading, ...]
-    """One a column, or none."""
+    """One per column, or none."""
     heading_line: int
-    """Line of the file in which the headings stand; 0 without."""
+    """Line number of the headings in the file; 0 without headings."""
     rows: tuple[tuple[str, ...], ...]
     lines: tuple[int, ...]
-    """Line of the file of each row."""
+    """Line number of each row in the file."""
     separator: str
 
     @property
@@ -72,11 +72,11 @@ class NumberTable:
         Raises
         ------
         FileError
-            Listing the rows of another length and the cells that are no numbers, with their lines.
+            Lists rows of another length and cells that are not numbers, with their lines.
         """
         problems: list[str] = []
         values = np.full((len(self.rows), len(columns)), np.nan)
-        mark: dict[str, tuple[str, int]] = {}  # "." and "," with the first cell that has it
+        mark: dict[str, tuple[str, int]] = {}  # first cell with "." and with ","
         for i, (cells, line) in enumerate(zip(self.rows, self.lines, strict=True)):
             if len(cells) != self.n_column:
                 problems.append(
@@ -102,12 +102,12 @@ class NumberTable:
 
 
 def read_number_table(path: str | Path) -> NumberTable:
-    """Read a table of numbers; numbers are understood when columns are asked for.
+    """Read a table of numbers; its cells are converted only when columns are requested.
 
     Raises
     ------
     FileError
-        If the file cannot be read or holds nothing but comments.
+        If the file cannot be read or contains only comments.
     """
     path = Path(path)
     lines = [
@@ -119,7 +119,7 @@ def read_number_table(path: str | Path) -> NumberTable:
         raise FileError(path, "a table must have a line of headings and lines of numbers")
     separator, first = _layout([text for _, text in lines])
     rows = [_cells(text.split("#", 1)[0], separator) for _, text in lines[first:]]
-    # A separator at the end of every row is no column.
+    # A separator at the end of every row does not make a column.
     if rows and all(len(cells) > 1 and not cells[-1] for cells in rows):
         rows = [cells[:-1] for cells in rows]
     n = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
@@ -135,7 +135,7 @@ def read_number_table(path: str | Path) -> NumberTable:
 
 
 def split_heading(text: str) -> Heading:
-    """Part ``torque [N*mm]``, ``torque (N*mm)`` or ``torque / N*mm`` into name and unit.
+    """Split ``torque [N*mm]``, ``torque (N*mm)`` or ``torque / N*mm`` into name and unit.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def split_heading(text: str) -> Heading:
 
 
 def _decode(content: bytes) -> str:
-    # Spreadsheets write UTF-8 with or without a mark, UTF-16 with one, or the Western code page.
+    # Spreadsheets write UTF-8 with or without BOM, UTF-16 with BOM, or the Western code page.
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:
@@ -180,14 +180,14 @@ def _layout(lines: list[str]) -> tuple[str, int]:
                 best = (count, separator, widths.index(width))
     if best[0]:
         return best[1:]
-    # One column, or nothing that looks like a row: then the headings tell, and all else is told of.
+    # One column, or no line like a row: use the headings; later checks report the rest.
     separator = next((s for s in _SEPARATORS[:2] if s in lines[0]), ",")
     alone = (i for i, text in enumerate(lines) if _is_number(text.split("#", 1)[0].strip(' "')))
     return separator, next(alone, min(1, len(lines)))
 
 
 def _row_width(cells: list[str]) -> int:
-    """Return the number of cells of a line that looks like a row of numbers, else 0."""
+    """Return the number of cells of a line that looks like a row of numbers, otherwise 0."""
     n_number = sum(map(_is_number, cells))
     n_word = sum(bool(cell) for cell in cells) - n_number
     return len(cells) if n_number >= 2 and n_number >= n_word else 0
@@ -212,9 +212,9 @@ def _headings(preamble: list[tuple[int, str]], separator: str, n: int) -> tuple[
 
 
 def _heading_cells(text: str, separator: str, n: int) -> list[str]:
-    """Return the ``n`` cells of a line of headings, or nothing if it has not as many."""
+    """Return the ``n`` cells of a heading line, or an empty list if their number differs."""
     if separator == " ":
-        # "angle [deg]" is one cell, and so are words parted by one blank if cells are by two.
+        # "angle [deg]" is one cell; so are words with one blank if cells are separated by two.
         ways = [re.split(r"\s+(?![\[(])", text.strip()), re.split(r"\s{2,}|\t", text.strip())]
     else:
         cells = _cells(text, separator)

@@ -1,4 +1,4 @@
-"""Numbers as files write them: stricter than Python, which also takes ``1_000``."""
+"""Numbers in files: parsed more strictly than in Python, which also accepts ``1_000``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ _LARGEST = 2**63 - 1
 
 
 def whole(text: str | bytes) -> int:
-    """Return a whole number of 64 bits; raise ValueError for all else.
+    """Return a 64-bit integer; raise ValueError for any other text.
 
     Examples
     --------
@@ -20,7 +20,7 @@ def whole(text: str | bytes) -> int:
 
 
 def number(text: str | bytes) -> float:
-    """Return a number; raise ValueError for all else."""
+    """Return a number; raise ValueError for any other text."""
     return float(_plain(text))
 
 

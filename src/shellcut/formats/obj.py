@@ -1,4 +1,4 @@
-"""Wavefront OBJ files: vertices and faces, faces of more than three corners cut into triangles."""
+"""Wavefront OBJ files: vertices and faces; faces with more than three corners are triangulated."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .errors import FileError, read_lines
 from .losses import end_note
 from .surface_file import SurfaceFile, surface_of_polygons
 
-# Statements that are no faces of a surface: texture, normals, groups, materials, points, lines.
+# Statements other than faces: texture, normals, groups, materials, points, lines.
 _PASSED_OVER = frozenset(
     (
         *("vt", "vn", "vp", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "p", "l"),
@@ -24,13 +24,13 @@ def read_obj(path: str | Path) -> SurfaceFile:
     Raises
     ------
     FileError
-        For statements that are not understood: free-form surfaces and misspelt lines.
+        For unknown statements: free-form surfaces and misspelt lines.
     """
     path = Path(path)
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
     pending = ""
-    n_number = 0  # of the first vertex
+    n_number = 0  # numbers per vertex, as in the first one
     for number, line in enumerate(read_lines(path), start=1):
         text = pending + line.split("#", 1)[0].rstrip()
         pending = ""
@@ -51,14 +51,14 @@ def read_obj(path: str | Path) -> SurfaceFile:
         else:
             raise FileError(path, f"{words[0]!r} is not read; save plain faces", line=number)
     if pending:
-        raise FileError(path, "the last line must not go on: the file is cut short")
+        raise FileError(path, "the last line must not continue: the file is cut short")
     surface = surface_of_polygons(path, vertices, faces)
     surface.notes += end_note(path)
     return surface
 
 
 def _position(path: Path, words: list[str], n_number: int, line: int) -> list[float]:
-    # x y z, perhaps with a weight, which must be 1, or with a colour of three or four numbers
+    # x y z, possibly with a weight, which must be 1, or with a colour of three or four numbers
     try:
         values = [numerals.number(word) for word in words[1:]]
     except ValueError:
@@ -66,7 +66,7 @@ def _position(path: Path, words: list[str], n_number: int, line: int) -> list[fl
     if len(values) not in (3, 4, 6, 7) or len(values) != n_number:
         raise FileError(
             path,
-            f"v must have three numbers (or a weight or a colour behind, in each v alike), got "
+            f"v must have three numbers (and a weight or a colour, the same for all v), got "
             f"{' '.join(words)!r}",
             line=line,
         )

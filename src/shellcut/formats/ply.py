@@ -1,4 +1,4 @@
-"""PLY files, as text and binary: vertices with x, y, z and faces as lists of vertex numbers."""
+"""PLY files, text and binary: vertices with x, y, z and faces as lists of vertex numbers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _FACE_LISTS = ("vertex_indices", "vertex_index")
 class _Property:
     name: str
     kind: str
-    count_kind: str = ""  # of a list
+    count_kind: str = ""  # type of a list's length
 
 
 @dataclass
@@ -45,7 +45,7 @@ def read_ply(path: str | Path) -> SurfaceFile:
     Raises
     ------
     FileError
-        If its header is not understood or its content is not what the header declares.
+        If its header is invalid or its content differs from the header.
     """
     return _Reader(Path(path)).surface()
 
@@ -55,10 +55,10 @@ class _Reader:
         self.path = path
         self.content = read_bytes(path)
         self.at = 0
-        self.order = ""  # of bytes; empty for text
+        self.order = ""  # byte order; empty for text
         self.tokens: list[bytes] = []
-        self.first_line = 0  # of the file, behind the header of a text
-        self.row_lines: list[int] = []  # of the file, in which each element stands
+        self.first_line = 0  # line number after the header of a text file
+        self.row_lines: list[int] = []  # line number of each element
         self.elements: list[_Element] = []
 
     def surface(self) -> SurfaceFile:
@@ -78,7 +78,7 @@ class _Reader:
                 row = self._row(element)
                 if ends and self.at != ends[n_row]:
                     raise self._error(
-                        f"each {element.name} must be a line of its own, {element.name} in line "
+                        f"each {element.name} must have its own line, but {element.name} in line "
                         f"{self.row_lines[n_row]} of the file has "
                         f"{'more' if self.at < ends[n_row] else 'fewer'} values than it should"
                     )
@@ -91,11 +91,11 @@ class _Reader:
                         raise self._error(f"a face must have three vertices, got {corners}")
                     faces.append(corners)
         if self.at < (len(self.content) if self.order else len(self.tokens)):
-            raise self._error("there must be no more than the header declares")
+            raise self._error("the file must end after the content declared in the header")
         return surface_of_polygons(self.path, vertices, faces)
 
     def _line_ends(self, lines: list[list[bytes]]) -> list[int]:
-        """Return the number of values up to the end of each line; nothing if lines say nothing."""
+        """Return the number of values up to the end of each line; empty if lines do not matter."""
         held = [(number, line) for number, line in enumerate(lines, self.first_line) if line]
         if len(held) != sum(element.count for element in self.elements):
             return []
@@ -123,10 +123,10 @@ class _Reader:
             elif words[0] == "property" and self.elements and self._property(words):
                 continue
             else:
-                raise self._error(f"the header is not understood: {line!r}")
+                raise self._error(f"this line of the header is invalid: {line!r}")
         names = [e.name for e in self.elements]
         if len(set(names)) < len(names):
-            raise self._error(f"each element must stand once, got {names}")
+            raise self._error(f"each element must occur once, got {names}")
         plain = {e.name: {p.name for p in e.properties if not p.count_kind} for e in self.elements}
         lists = {e.name: {p.name for p in e.properties if p.count_kind} for e in self.elements}
         if not {"x", "y", "z"} <= plain.get("vertex", set()):
@@ -153,19 +153,19 @@ class _Reader:
 
     def _values(self, kind: str, count: int) -> list[float]:
         if count < 0:
-            raise self._error("a list must have a length that is not negative")
+            raise self._error("the length of a list must not be negative")
         if self.order:
             dtype = np.dtype(self.order + kind)
             stop = self.at + count * dtype.itemsize
             part = self.content[self.at : stop]
             if stop > len(self.content):
-                raise self._error("the file ends before what it declares: it is cut short")
+                raise self._error("the file ends before its declared content: it is cut short")
             self.at = stop
             values: list[float] = np.frombuffer(part, dtype).tolist()
             return values
         part_of_text = self.tokens[self.at : self.at + count]
         if len(part_of_text) < count:
-            raise self._error("the file ends before what it declares: it is cut short")
+            raise self._error("the file ends before its declared content: it is cut short")
         self.at += count
         found = []
         for token in part_of_text:

@@ -1,7 +1,7 @@
-"""STL files, binary and text, of one solid or several.
+"""STL files, binary and text, with one or several solids.
 
-A binary file may begin with the word ``solid`` as a text file does: its length tells, which is 84
-bytes and 50 a triangle.
+A binary file may begin with the word ``solid`` like a text file; its length identifies it: 84 bytes
+and 50 per triangle.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from . import numerals
 from .errors import FileError, read_bytes, read_lines
 from .surface_file import SurfaceFile
 
-_HEADER = 80  # bytes of any content before the number of triangles
+_HEADER = 80  # bytes of free content before the number of triangles
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def read_stl(path: str | Path) -> SurfaceFile:
-    """Read an STL file; each triangle brings three vertices of its own.
+    """Read an STL file; each triangle gets its own three vertices.
 
     Raises
     ------
     FileError
-        If it is neither text nor as long as its number of triangles asks for.
+        If it is neither text nor has the length for its number of triangles.
     """
     path = Path(path)
     content = read_bytes(path)
     start = _HEADER + 4
     declared = int.from_bytes(content[_HEADER:start], "little") if len(content) >= start else -1
     if declared > 0 and len(content) == start + declared * _RECORD.itemsize:
-        with np.errstate(invalid="ignore"):  # not-a-numbers are told by who uses them
+        with np.errstate(invalid="ignore"):  # the caller reports NaNs
             corners = np.frombuffer(content, _RECORD, offset=start)["corners"].astype(np.float64)
         return SurfaceFile(path, corners.reshape(-1, 3), _in_order(declared))
     if content.lstrip()[:5].lower() != b"solid" or b"\0" in content:
@@ -52,7 +52,7 @@ def _in_order(n: int) -> Ints:
 
 
 def _text_corners(path: Path) -> Floats:
-    # a line a word: solid, facet normal, outer loop, 3 x vertex, endloop, endfacet, endsolid
+    # the first word of each line: solid, facet normal, outer loop, 3 x vertex, endloop, ...
     expected = {
         "start": ("solid",),
         "solid": ("facet", "endsolid"),
@@ -74,7 +74,8 @@ def _text_corners(path: Path) -> Floats:
         if word not in expected[state]:
             raise FileError(
                 path,
-                f"after '{state}' must come '{' or '.join(expected[state])}', got {line.strip()!r}",
+                f"'{state}' must be followed by '{' or '.join(expected[state])}', "
+                f"got {line.strip()!r}",
                 line=number,
             )
         if word == "vertex":
@@ -100,7 +101,7 @@ def write_stl(path: str | Path, vertices: Floats, triangles: Ints, *, header: st
     vertices : ndarray, shape (n_vertex, 3)
     triangles : ndarray of int, shape (n_triangle, 3)
     header : str
-        Cut to the 80 bytes there are; must not begin with ``solid``, which programs take for text.
+        Cut to 80 bytes; must not begin with ``solid``, which programs take for text.
     """
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -1,4 +1,4 @@
-"""What a file of triangles holds, in one form for all formats."""
+"""Content of a file of triangles, in one form for all formats."""
 
 from __future__ import annotations
 
@@ -12,52 +12,50 @@ from shellcut.arrays import Floats, Ints
 
 from .errors import FileError, named
 
-_CONCAVE = -1e-9  # part of a polygon's area by which a corner may turn back: round-off
+_CONCAVE = -1e-9  # round-off of a corner's signed area, relative to the polygon's area
 
 
 @dataclass
 class SurfaceFile:
-    """Triangles as they stand in the file."""
+    """Triangles as they are in the file."""
 
     path: Path
     vertices: Floats
-    """In the file's own unit, shape (n_vertex, 3); duplicates are as in the file."""
+    """In the file's own unit, shape (n_vertex, 3); duplicates are kept."""
     triangles: Ints
     """Vertex numbers from 0, shape (n_triangle, 3)."""
     notes: list[str] = field(default_factory=list)
-    """What the reader left out or changed."""
+    """Omissions and changes of the reader."""
 
 
 def surface_of_polygons(
     path: Path, vertices: Sequence[Sequence[float]], polygons: Sequence[Sequence[int]]
 ) -> SurfaceFile:
-    """Return a surface with the polygons cut into triangles from their first corners.
+    """Return a surface, with polygons cut into triangles from their first corners.
 
     Raises
     ------
     FileError
-        If a polygon names a vertex that is not there, or is of more than three corners and not
-        convex: cut in this way it would fold over itself.
+        If a polygon names a missing vertex, or has more than three corners and is not convex: cut
+        in this way it would overlap itself.
     """
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     if not polygons:
         raise FileError(path, "there must be faces, got none")
     lost = [k for k, face in enumerate(polygons) if max(face) >= len(points) or min(face) < 0]
     if lost:
-        raise FileError(
-            path, f"faces must name vertices that are there, not so faces {named(lost)}"
-        )
+        raise FileError(path, f"faces must name existing vertices, but faces {named(lost)} do not")
     many = [k for k, face in enumerate(polygons) if len(face) > 3]
     if folded := [k for k in many if not _is_convex(points[list(polygons[k])])]:
         raise FileError(
-            path, f"faces must be convex, not so faces {named(folded)}; save it in triangles"
+            path, f"faces must be convex, but faces {named(folded)} are not; save triangles"
         )
     triangles = [[face[0], *face[k : k + 2]] for face in polygons for k in range(1, len(face) - 1)]
     surface = SurfaceFile(path, points, np.array(triangles, dtype=np.int64))
     if unused := len(points) - len(np.unique(surface.triangles)):
         surface.notes.append(f"{unused} vertices belong to no face: is the file cut short?")
     if many:
-        surface.notes.append(f"{len(many)} faces of more than three corners are cut in triangles")
+        surface.notes.append(f"{len(many)} faces with more than three corners are triangulated")
     return surface
 
 

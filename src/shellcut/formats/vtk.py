@@ -1,7 +1,7 @@
 """VTK files (.vtu, .vtk) through meshio: cells, and integer arrays as groups.
 
-An integer or boolean array over points or cells becomes groups: one of its own name if it holds
-nothing but 0 and 1, otherwise ``name_7`` and the like for each of its values.
+An integer or boolean array on points or cells becomes groups: one with the array's name if it
+contains only 0 and 1, otherwise ``name_7`` and the like for each value.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 
 _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
-_FEW = 3  # values beside the marks 0 and 1 that look like slips
-_MOST_VALUES = 64  # an array of more values is data, not a group
+_FEW = 3  # up to this many values other than 0 and 1 look like slips
+_MOST_VALUES = 64  # an array with more distinct values is data, not a group
 _DECLARED = {
     ".vtu": (rb'NumberOfPoints="\s*(\d+)\s*"', rb'NumberOfCells="\s*(\d+)\s*"'),
     ".vtk": (rb"\n\s*POINTS\s+(\d+)", rb"\n\s*CELL_TYPES\s+(\d+)"),
@@ -33,9 +33,9 @@ def read_vtk(path: str | Path) -> FileMesh:
     Raises
     ------
     FileError
-        If meshio cannot read it, or finds other counts than the file declares.
+        If meshio cannot read it, or finds other counts than declared.
     """
-    import meshio  # 0.3 s, for this format only
+    import meshio  # takes 0.3 s, so only for this format
 
     path = Path(path)
     content = read_bytes(path)
@@ -44,7 +44,7 @@ def read_vtk(path: str | Path) -> FileMesh:
         mesh = read(str(path))
         n_cell = sum(len(block.data) for block in mesh.cells)
         points = np.asarray(mesh.points, dtype=np.float64)
-    except (Exception, SystemExit) as reason:  # meshio raises what its parts raise, or exits
+    except (Exception, SystemExit) as reason:  # meshio raises any exception, or exits
         raise FileError(path, f"meshio cannot read it: {_cause(reason)}") from None
     for what, pattern, read_count in zip(
         ("points", "cells"), _DECLARED[path.suffix.lower()], (len(points), n_cell), strict=True
@@ -63,7 +63,7 @@ def read_vtk(path: str | Path) -> FileMesh:
         if block.type in _KINDS:
             nodes = nodes.astype(np.int64)
             if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
-                raise FileError(path, f"{block.type} cells must name points that are there")
+                raise FileError(path, f"{block.type} cells must name existing points")
         else:
             nodes = np.empty((count, 0), np.int64)
         labels = range(first, first + count)
@@ -83,12 +83,12 @@ def read_vtk(path: str | Path) -> FileMesh:
 
 
 def _cause(reason: BaseException) -> str:
-    """Return in words why meshio gave up; many of its errors have no text."""
+    """Return in words why meshio failed; many of its errors have no text."""
     told = reason
     while told is not None and not str(told):
         told = told.__cause__ or told.__context__  # type: ignore[assignment]
     if isinstance(told, KeyError):
-        return f"there must be {told.args[0]!r}, it is not there"
+        return f"there must be {told.args[0]!r}, but it is missing"
     if told is not None:
         return f"{type(told).__name__}: {told}"
     place = "reading"
@@ -96,8 +96,8 @@ def _cause(reason: BaseException) -> str:
         if "meshio" in frame.f_code.co_filename:
             place = frame.f_code.co_name.strip("_").replace("_", " ")
     return (
-        f"it stops at {place!r}: what the file declares and what it holds there do not go "
-        "together; is it damaged, or cut short?"
+        f"it stops at {place!r}: the declarations and the content there do not match; "
+        "is it damaged, or cut short?"
     )
 
 
@@ -111,7 +111,7 @@ def _groups(data: dict[str, Any], notes: list[str]) -> dict[str, Ints]:
         marks = np.isin(distinct, (0, 1))
         if marks.all() != marks.any() and (n := int(counts[~marks].sum())) <= _FEW:
             notes.append(
-                f"array {name!r} holds 0 and 1, but for {n} of its {len(values)} values "
+                f"array {name!r} contains 0 and 1, except for {n} of its {len(values)} values "
                 f"({named(distinct[~marks].tolist())}): is it damaged?"
             )
         if set(distinct.tolist()) <= {0, 1}:

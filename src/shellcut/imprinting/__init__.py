@@ -1,4 +1,4 @@
-"""The imprint: a blade's path put into any flat mesh as a line of edges.
+"""The imprint: insert a blade's path into any flat mesh as a line of edges.
 
 May import ``mesh``, ``tool``, ``material``, ``view`` and rows below.
 """

@@ -1,16 +1,15 @@
 """The path of a tool's cutting edges through a flat film, from the tool and its motion.
 
-The path is where the edges ever stand in the film's plane (:mod:`~shellcut.imprinting.crossings`).
-An edge that goes through the film at one place at a time, one that comes down flat, and one that
-enters or leaves are all the same to it.
+The path consists of all points at which edges pass through the film's plane
+(:mod:`~shellcut.imprinting.crossings`). An edge that passes through one point at a time, one that
+comes down flat, and one that enters or leaves are all treated alike.
 
-Where the points lie on a straight line or a circle to 0.005 edge lengths, the path is that line or
-circle, and stretches of one circle (one line) that several teeth cut are joined. Otherwise it is
-the spline through points half an edge length apart. At both ends a path is led on, because the
-crack runs beyond the blade's places. A blade that goes through the film for a short
-way only tells its circle badly, or seems to go straight; but an edge that stays in a cylinder
-upright on the film, as teeth on a screw do, cuts the trace of that cylinder, and the whole edge in
-its whole motion tells it.
+If the points lie on a straight line or a circle to 0.005 edge lengths, the path is that line or
+circle, and stretches of one circle (one line) cut by several teeth are joined. Otherwise it is the
+spline through points half an edge length apart. The path is extended at both ends, because the
+crack runs beyond the blade. A blade that cuts only a short stretch determines its circle poorly, or
+seems to go straight; but an edge that stays in a cylinder perpendicular to the film, like teeth on
+a screw, cuts the trace of that cylinder, and the whole edge over its whole motion determines it.
 """
 
 from __future__ import annotations
@@ -30,24 +29,24 @@ from .film_plane import FilmPlane, ImprintError
 from .path_curve import PathCurve
 
 N_TIME = 400
-"""Equal times at which the edges are looked at."""
+"""Number of equal time intervals at which the edges are sampled."""
 
 AHEAD = 3.0
-"""A path is led on beyond the blade's last place by so much [mm], because the crack runs ahead of
-the blade: by 1.4 mm in the guillotine."""
+"""Extension of a path beyond the blade's last position [mm], because the crack runs ahead of the
+blade: by 1.4 mm in the guillotine."""
 
 BEHIND = 3.0
-"""A path is led on by so much [mm] behind the first place of the blade's edge, or of its body where
-that presses on the film behind the edge. The blade opens the crack backwards too: 1.5 mm behind
-the start of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
+"""Extension of a path behind the first position of the blade's edge [mm], or of its body where that
+presses on the film behind the edge. The blade also opens the crack backwards: 1.5 mm behind the
+start of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
 
 FIT = 5e-3
-"""Points this near to a line or circle (in edge lengths) lie on it."""
+"""Points this close to a line or circle (in edge lengths) lie on it."""
 
 JOINED = 6.0
-"""Stretches of one line or circle less than so many edge lengths apart are one path."""
+"""Stretches of one line or circle closer together than this (in edge lengths) are one path."""
 
-_ENOUGH_VERTICES = 5  # crossings of vertices that fix a circle without those of chords between
+_ENOUGH_VERTICES = 5  # vertex crossings that determine a circle without those of chords between
 
 
 def blade_path(
@@ -60,7 +59,7 @@ def blade_path(
     behind: float = BEHIND,
     n_time: int = N_TIME,
 ) -> list[PathCurve]:
-    """Return where the cutting edges pass through the film's mid-surface, curves in space.
+    """Return the curves in space where cutting edges pass through the film's mid-surface.
 
     Parameters
     ----------
@@ -69,12 +68,12 @@ def blade_path(
     mesh : Mesh
         Flat; the film in its reference state.
     duration : float
-        End of the motion that counts [s]; it starts at t = 0.
+        End of the motion [s]; it starts at t = 0.
     ahead, behind : float
-        How far the path goes on beyond the blade's last place, and behind its first [mm]; these are
-        the ``leads`` of the curves.
+        Extension of the path beyond the blade's last position, and behind its first [mm]; these
+        are the ``leads`` of the curves.
     n_time : int
-        Steps of the motion that are looked at.
+        Number of time steps sampled.
 
     Raises
     ------
@@ -113,7 +112,7 @@ def blade_path(
     return [c.mapped(film.lift) for c in (*lines, *arcs, *splines)]
 
 
-# --- what the points lie on ----------------------------------------------------------------------
+# --- fit of lines and circles --------------------------------------------------------------------
 
 
 class _Leads(NamedTuple):
@@ -122,7 +121,7 @@ class _Leads(NamedTuple):
 
 
 class _Span(NamedTuple):
-    # from where the blade cuts to where, and how far the path is led on
+    # range that the blade cuts, and the extensions of the path
     start: float
     end: float
     leads: _Leads
@@ -231,7 +230,7 @@ def _spline(x: Floats, h: float, leads: _Leads) -> PathCurve:
             kept.append(k)
     points = x[kept]
     if len(points) > 8:
-        # back at its start, on its own way: closed
+        # back at its start, in its own direction: closed
         away = np.linalg.norm(points - points[0], axis=1)
         left = int(np.argmax(away > 2.0 * h))
         back = np.flatnonzero(away[left:] < 0.6 * h)
@@ -279,18 +278,18 @@ def _joined_arcs(arcs: list[_Arc], h: float) -> list[PathCurve]:
             if near and abs(arc.radius - group[0].radius) <= 2.0 * FIT * h:
                 left.remove(arc)
                 group.append(arc)
-        # the longest stretch tells the circle best
+        # the longest stretch determines the circle best
         best = max(group, key=lambda a: a.span.end - a.span.start)
         gap = JOINED * h / best.radius
         spans = [a.span.shifted(-full * np.floor(a.span.low / full)) for a in group]
-        # once more a turn later, so that stretches over angle 0 meet
+        # repeat a full turn later, so that stretches across angle 0 meet
         whole = _union([span.shifted(k * full) for span in spans for k in (0, 1)], gap)
         if any(span.high - span.low >= full - gap for span in whole):
             joined.append(_circle(best, 0.0, full))
             continue
         seen: list[float] = []
         for span in whole:
-            # of the two copies of a stretch the one that holds all of it
+            # of the two copies of a stretch, the complete one
             start = span.low
             if all(abs((start - s + np.pi) % full - np.pi) > gap for s in seen) and start < full:
                 seen.append(start)

@@ -1,16 +1,16 @@
-"""The chain of mesh edges that is moved onto a path: a shortest way over directed edges.
+"""Find the chain of mesh edges to move onto a path: a shortest path over directed edges.
 
-Near the path every edge is directed forward, along the path; edges across it may go either way, up
-to 20 degrees backward, as mesh lines may cross the path aslant. An edge of length l with its ends
-d_1 and d_2 beside the path, advancing by a along it, costs, with h the edge length of the mesh
-there,
+Near the path every edge is directed forward, along the path; edges across it may have either
+direction, up to 20 degrees backward, because mesh lines may cross the path at an angle. An edge of
+length l with its ends at distances d_1 and d_2 from the path, which advances by a along it, has the
+cost, with h the local edge length of the mesh,
 
     l/h ( (d_1² + d_1 d_2 + d_2²) / (3 h²) + 0.05 )  +  0.3 max(0, 0.7 - a/h)²,
 
-the mean of d² along the edge, a little for the length itself, and something for an edge that will
-be short once it lies on the path. Two edges in a row of one quad turn through its corner, which the
-chain would open to 180 degrees on the one side: they cost 0.15 more. The way runs over edges
-(nodes of the graph) from edge to edge, so that turns can be priced.
+the mean of d² along the edge, a little for the length itself, and a penalty for an edge that will
+be short once it lies on the path. Two consecutive edges of one quad turn through its corner, which
+the chain would open to 180 degrees on one side: they cost 0.15 more. The nodes of the graph are
+edges of the mesh, so that turns can have a cost.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from shellcut.arrays import Bools, Floats, Ints
 from .course import Course, RimEnd
 from .film_plane import FilmPlane, ImprintError
 
-_REACH = 1.8  # nodes within so many edge lengths of the path are looked at
+_REACH = 1.8  # largest distance of nodes considered from the path, in edge lengths
 _LENGTH_PRICE = 0.05
 _SHORT_PRICE, _SHORT = 0.3, 0.7
 _TURN_PRICE = 0.15
-_PINNED_PRICE = 1.0  # a node of a named set would have to move
-_SHARP_TURN = np.cos(np.radians(130.0))  # edges that turn by more are no way on
+_PINNED_PRICE = 1.0  # cost of moving a node of a named set
+_SHARP_TURN = np.cos(np.radians(130.0))  # larger turns between edges are not allowed
 _BACKWARD = 0.35  # an edge may go back by this part of its length
-_LEAST_ADVANCE = 0.3  # of the nodes once they lie on the path, in edge lengths
+_LEAST_ADVANCE = 0.3  # between nodes once they lie on the path, in edge lengths
 _LEAST_EDGES = 3
 _STARTS = 10  # nodes tried as the seam of a closed chain
-_LEAD = (0.6, 2.6)  # the chain of an inner end starts so many edges before it
+_LEAD = (0.6, 2.6)  # range in which the chain of an inner end starts, in edges before it
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +48,9 @@ class Chain:
 
     course: Course
     nodes: Ints
-    """In order; of a closed chain the first is not repeated."""
+    """In order; a closed chain does not repeat the first."""
     u: Floats
-    """Parameters of their first places on the path, growing, shape (n_node,), [mm]."""
+    """Parameters of their initial positions on the path, increasing, shape (n_node,), [mm]."""
 
     @property
     def closed(self) -> bool:
@@ -59,7 +59,7 @@ class Chain:
 
     @property
     def on_path(self) -> slice:
-        """Which of the nodes lie on the path."""
+        """The nodes that lie on the path, as a slice."""
         inner = not self.closed
         first = 1 if inner and self.course.rim_start is None else 0
         last = len(self.nodes) - (1 if inner and self.course.rim_end is None else 0)
@@ -74,7 +74,7 @@ def find_chain(film: FilmPlane, course: Course, taken: Bools) -> Chain:
     film : FilmPlane
     course : Course
     taken : ndarray of bool, shape (n_node,)
-        Nodes that may not be used, because they are beside another chain.
+        Nodes that may not be used, because they are next to another chain.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def find_chain(film: FilmPlane, course: Course, taken: Bools) -> Chain:
 
 
 class _EdgeGraph:
-    # directed edges near a course, and what it costs to go from one to the next
+    # directed edges near a course, and the costs of going from one to the next
 
     def __init__(self, film: FilmPlane, course: Course, taken: Bools) -> None:
         self.film, self.course = film, course
@@ -129,7 +129,7 @@ class _EdgeGraph:
         return x.min(axis=0) - margin, x.max(axis=0) + margin
 
     def _end_nodes(self, end: RimEnd | None) -> Ints:
-        # nodes of the rim that may be moved to where the path crosses it
+        # nodes of the rim that may be moved to the crossing of the path
         if end is None:
             return np.zeros(0, np.int64)
         if end.corner is not None:
@@ -172,7 +172,7 @@ class _EdgeGraph:
         return np.asarray(t[:, 0] * off[:, 1] - t[:, 1] * off[:, 0])
 
     def _turns(self) -> tuple[Ints, Ints, Floats]:
-        # pairs of edges in a row, and the price of going from one to the other
+        # pairs of consecutive edges, and the cost of their turn
         n = len(self.tail)
         order = np.argsort(self.tail, kind="stable")
         first = np.searchsorted(self.tail[order], self.head, side="left")
@@ -187,7 +187,7 @@ class _EdgeGraph:
         return one, two, self.cost[two] + _TURN_PRICE * shared
 
     def open_way(self) -> tuple[Ints, Floats]:
-        """Return nodes and parameters of the cheapest way from one end to the other."""
+        """Return nodes and parameters of the cheapest chain from one end to the other."""
         course, film = self.course, self.film
         n = len(self.tail)
         one, two, price = self._turns()
@@ -222,8 +222,8 @@ class _EdgeGraph:
         return nodes, _growing(self.u[nodes], self._gap(nodes))
 
     def closed_way(self) -> tuple[Ints, Floats]:
-        """Return nodes and parameters of the cheapest way round."""
-        # first round from a node near the path, second from the middle of what was found: the seam
+        """Return nodes and parameters of the cheapest closed chain."""
+        # first round from a node near the path, second from the middle of the result: the seam
         # then lies where the first round was free to choose
         nodes = self._first_round()
         again = self._round(int(nodes[len(nodes) // 2]))
@@ -232,7 +232,7 @@ class _EdgeGraph:
         period = self.course.length
         steps = np.diff(self.u[nodes], append=self.u[nodes[0]])
         steps -= period * np.round(steps / period)
-        # the seam after the longest edge, where there is no need to push nodes apart
+        # put the seam after the longest edge, where nodes need not be pushed apart
         seam = int(steps.argmax()) + 1
         nodes, steps = np.roll(nodes, -seam), np.roll(steps, -seam)
         u = self.u[nodes[0]] + np.cumsum(np.concatenate([[0.0], steps[:-1]]))
@@ -251,8 +251,8 @@ class _EdgeGraph:
         raise self._no_way(np.zeros(0))
 
     def _round(self, start: int) -> Ints | None:
-        # unroll: places along the path from 0 at the start node to one period; edges over the seam
-        # belong to no round
+        # unroll: positions along the path from 0 at the start node to one period; edges across the
+        # seam belong to no round
         period = self.course.length
         at = np.mod(self.u[self.tail] - self.u[start], period)
         to = at + self.advance
@@ -274,12 +274,12 @@ class _EdgeGraph:
         return np.asarray(self.tail[_follow(before, n + 1)[1:-1]])
 
     def _shift(self, nodes: Ints, end: RimEnd) -> Floats:
-        # price of sliding a node of the rim to the crossing
+        # cost of sliding a node of the rim to the crossing
         gap = np.linalg.norm(self.film.x[nodes] - end.x, axis=1) / self.film.edge_length[nodes]
         return np.asarray(gap**2)
 
     def _no_way(self, price: Floats) -> ImprintError:
-        # `price` of reaching each edge; the last one reached is where the line breaks off
+        # `price` of reaching each edge; the line breaks off at the last one reached
         where = "near it"
         reached = np.flatnonzero(np.isfinite(price))
         if len(reached):
@@ -295,7 +295,7 @@ class _EdgeGraph:
 
 
 def _growing(u: Floats, gap: float) -> Floats:
-    # the nearest sequence that grows by `gap` at least from node to node: pool what does not
+    # the nearest sequence with increments of at least `gap`: pool violators
     gap = min(gap, 0.5 * abs(float(u[-1] - u[0])) / max(len(u) - 1, 1))
     ramp = gap * np.arange(len(u))
     blocks: list[tuple[float, int]] = []

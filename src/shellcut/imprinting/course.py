@@ -1,8 +1,8 @@
-"""Where a path runs inside the film, and whether the mesh can take it there.
+"""Find the stretches of a path inside the film, and check that the mesh has room for them.
 
-A path may leave the film over the rim or a hole and come back; every stretch inside is a *course*.
-An end of a course is *open* where the path crosses the rim, and *inner* where the path ends inside
-the film. An inner end that would leave less than three edges to the rim ahead is led on straight to
+A path may leave the film across the rim or a hole and come back; every stretch inside is a
+*course*. An end of a course is *open* where the path crosses the rim, and *inner* where the path
+ends inside the film. An inner end less than three edges from the rim ahead is extended straight to
 the rim.
 """
 
@@ -19,7 +19,7 @@ from shellcut.arrays import Bools, Floats
 from .film_plane import FilmPlane, ImprintError
 from .path_curve import PathCurve
 
-# All in units of the edge length at the place. Measured on gmsh meshes, see docs/theory/imprint.md.
+# All in units of the local edge length. Measured on gmsh meshes, see docs/theory/imprint.md.
 LEAST_RADIUS = 2.0
 """Radius of curvature a chain of edges can follow; on it an edge turns by 29 degrees."""
 
@@ -33,7 +33,7 @@ LEAST_CORNER_DISTANCE = 0.75
 """Distance of a crossing from a corner of the rim, unless it goes right through it."""
 
 LEAD_ON = 3.0
-"""An inner end nearer than this to the rim, straight on, is led on to the rim."""
+"""An inner end closer than this to the rim, straight ahead, is extended to the rim."""
 
 SHORTEST = 4.0
 """Length of a course."""
@@ -43,12 +43,12 @@ LEAST_CROSSING = np.radians(35.0)
 
 _SAMPLES_AN_EDGE = 8
 _MOST_SAMPLES = 40_000
-_ON_PATH = 1e-6  # a corner this near to the path (of an edge length) lies on it
+_ON_PATH = 1e-6  # a corner this close to the path (in edge lengths) lies on it
 
 
 @dataclass(frozen=True, eq=False)
 class RimEnd:
-    """Where a course crosses the rim: a place of a piece on which nodes slide, or a corner."""
+    """Crossing of a course and the rim: a point of a piece on which nodes slide, or a corner."""
 
     piece: int | None
     """Row of ``FilmPlane.pieces``; None at a corner."""
@@ -57,7 +57,7 @@ class RimEnd:
     corner: int | None
     """The node at the corner."""
     x: Floats
-    """The place in the plane, shape (2,)."""
+    """Position in the plane, shape (2,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +69,9 @@ class Course:
     start: float
     end: float
     closed: bool
-    """Whether the course is the whole of a closed curve."""
+    """Whether the course is a whole closed curve."""
     rim_start: RimEnd | None
-    """None of an inner end."""
+    """None for an inner end."""
     rim_end: RimEnd | None
 
     @property
@@ -80,13 +80,13 @@ class Course:
         return self.end - self.start
 
     def as_given(self) -> Course:
-        """Return the course without the parts that were led on to the rim."""
+        """Return the course without extensions to the rim."""
         if self.curve.closed:
             return self
         return replace(self, start=max(self.start, 0.0), end=min(self.end, self.curve.length))
 
     def unrolled(self, u: Floats) -> Floats:
-        """Return parameters of a closed curve shifted to lie about the middle of the course."""
+        """Return parameters of a closed curve shifted to be centred on the course."""
         if not self.curve.closed:
             return u
         middle = 0.5 * (self.start + self.end)
@@ -106,8 +106,8 @@ def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
     Raises
     ------
     ImprintError
-        With the place: a path outside the film, or one that crosses the rim too near to a corner or
-        too flat.
+        Names the position: a path outside the film, or one that crosses the rim too close to a
+        corner or at too small an angle.
     """
     surroundings = Surroundings(film)
     courses = [course for curve in curves for course in surroundings.courses(curve)]
@@ -120,21 +120,21 @@ def find_courses(film: FilmPlane, curves: Sequence[PathCurve]) -> list[Course]:
 
 
 def check_room(film: FilmPlane, courses: Sequence[Course], beside: Sequence[Course] = ()) -> None:
-    """Check that the mesh can take the courses.
+    """Check that the mesh has room for the courses.
 
     Parameters
     ----------
     film : FilmPlane
     courses : sequence of Course
-        To be put in.
+        Courses to be imprinted.
     beside : sequence of Course
-        Along lines of edges that are there; these are kept clear of, but may be as they like.
+        Courses along existing lines of edges; others must keep clear of them.
 
     Raises
     ------
     ImprintError
-        With the place: a path too near to the rim, to a pre-crack, to another path or to itself,
-        too tightly curved or too short for the mesh.
+        Names the position: a path too close to the rim, to a pre-crack, to another path or to
+        itself, too tightly curved or too short for the mesh.
     """
     surroundings = Surroundings(film)
     for course in courses:
@@ -144,7 +144,7 @@ def check_room(film: FilmPlane, courses: Sequence[Course], beside: Sequence[Cour
 
 
 class Surroundings:
-    """A film with all it takes to ask about places in it.
+    """A film prepared for queries about positions in it.
 
     Parameters
     ----------
@@ -162,12 +162,12 @@ class Surroundings:
         self.rim_points = scipy.spatial.cKDTree((a + t * (b - a)).reshape(-1, 2))
 
     def size(self, x: Floats) -> Floats:
-        """Return the edge length of the mesh at places, (n,)."""
+        """Return the local edge length of the mesh at positions, (n,)."""
         return np.asarray(self.film.edge_length[self.nodes.query(x)[1]])
 
     def inside(self, x: Floats) -> Bools:
-        """Return whether places lie in the film, (n,)."""
-        # even and odd crossings of a ray along the first axis; both flanks of a crack cancel
+        """Return whether positions lie in the film, (n,)."""
+        # even or odd crossings of a ray along the first axis; the flanks of a crack cancel
         odd = np.zeros(len(x), np.bool_)
         for i, j in self.rim.tolist():
             a, b = self.film.x[i], self.film.x[j]
@@ -199,7 +199,7 @@ class Surroundings:
     def _end(
         self, curve: PathCurve, u: Floats, inside: Bools, k: int, sense: int
     ) -> tuple[float, RimEnd | None]:
-        # follow the path from its last sample inside over the rim
+        # follow the path from its last sample inside across the rim
         at = float(u[k])
         if curve.closed or 0 <= k + sense < len(u):
             return self._cross(curve, at, at + sense * (u[1] - u[0]))
@@ -303,7 +303,7 @@ class Surroundings:
                 f"{LEAST_RADIUS * h[k]:.3g} mm, got a radius of {radius[k]:.3g} mm at "
                 f"{film.place(x[k])}; refine the mesh there or smooth the path"
             )
-        # towards its own crossings a path comes near the rim by right
+        # near its own crossings a path may be close to the rim
         inner = np.ones(len(u), np.bool_)
         for end, at in ((course.rim_start, course.start), (course.rim_end, course.end)):
             if end is not None:
@@ -352,7 +352,7 @@ class Surroundings:
 
 
 def _runs(inside: Bools, *, closed: bool) -> list[tuple[int, int]]:
-    # first and last sample of each stretch inside; of a closed curve one may pass the start
+    # first and last sample of each stretch inside; on a closed curve one may pass the start
     n = len(inside)
     before = np.roll(inside, 1)
     after = np.roll(inside, -1)

@@ -1,9 +1,9 @@
-"""Where the cutting edges of a tool stand in the plane of a film, over its motion.
+"""Crossings of a tool's cutting edges with the plane of a film, over the motion.
 
-A point s of a chain of cutting segments stands at the time t at the height f(s, t) over the film.
-The line f = 0 in the (s, t) plane is found cell by cell on the grid of the chain's vertices and of
-equal times, each of its points computed to round-off: by bisection in t at a vertex, by the linear
-law in s between two.
+A point s of a chain of cutting segments is at time t at the height f(s, t) above the film. The line
+f = 0 in the (s, t) plane is found cell by cell on the grid of the chain's vertices and of equal
+time intervals, and each of its points is computed to round-off: by bisection in t at a vertex, by
+linear interpolation in s between two.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from .film_plane import FilmPlane
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """A stretch of the film's plane that a chain of cutting segments passes, in order of time."""
+    """A stretch of the film's plane passed by a chain of cutting segments, in order of time."""
 
     chain: int
     points: Floats
     """In the plane, shape (n, 2)."""
     is_vertex: Bools
-    """Whether a vertex of the chain stands there, shape (n,)."""
+    """Whether a vertex of the chain is there, shape (n,)."""
     time: Ints
-    """Time at which, or just after which, the edge stands there, shape (n,)."""
+    """Time at which, or just after which, the edge is there, shape (n,)."""
 
 
 class Crossings:
-    """The places of a tool at equal times, seen from the plane of a film.
+    """The positions of a tool at equal time intervals, relative to the plane of a film.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Crossings:
         self._poses = [motion.pose(t) for t in times.tolist()]
 
     def of_chain(self, chain: int) -> tuple[list[Stretch], Floats]:
-        """Return the stretches that a chain passes, and where its vertices ever stand.
+        """Return the stretches that a chain passes, and all positions of its vertices.
 
         The latter are seen from above, at all times, shape (n, 2) [mm].
         """
@@ -60,10 +60,10 @@ class Crossings:
         return line.stretches(chain), line.swept()
 
     def body_behind(self, stretch: Stretch) -> float:
-        """Return how far the tooth of a stretch stands in the plane behind its start [mm].
+        """Return how far the tooth of a stretch extends in the plane behind its start [mm].
 
-        A tooth that comes down more steeply than its relief presses its bottom into the film
-        behind the place where its edge has entered.
+        A tooth that comes down more steeply than its relief angle presses its bottom into the film
+        behind the point where its edge has entered.
         """
         tool = self._tool
         tooth = int(tool.edge_body[tool.edge_chain == stretch.chain][0])
@@ -75,7 +75,7 @@ class Crossings:
         steps = np.diff(stretch.points, axis=0)
         length = np.linalg.norm(steps, axis=1)
         way = np.concatenate([[0.0], np.cumsum(length)])
-        # where the edge rests it goes on in the direction of the next step that leads on
+        # where the edge rests, use the direction of the next step that moves
         moves = np.flatnonzero(length)
         after = np.searchsorted(moves, np.arange(len(way)))
         moves = moves[np.minimum(after, len(moves) - 1)]

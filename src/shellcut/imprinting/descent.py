@@ -1,8 +1,8 @@
 """Limited-memory BFGS ([NocedalWright2006]) with a bisecting line search.
 
-Written out because SciPy's calls threaded linear algebra on vectors of a few thousand entries: on a
-busy machine that took ten times as long, and sums whose order depends on the number of threads do
-not give the same mesh everywhere.
+Implemented here because SciPy's version calls threaded linear algebra on vectors of a few thousand
+entries: that took ten times as long on a busy machine, and sums whose order depends on the number
+of threads would make the mesh differ between machines.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from shellcut.arrays import Floats
 
 _MEMORY = 12
-_SUFFICIENT = 1e-4  # part of the predicted fall that a step must bring
-_FLATTER = 0.9  # part of the first slope that may be left after a step
+_SUFFICIENT = 1e-4  # smallest ratio of actual to predicted decrease of a step
+_FLATTER = 0.9  # largest ratio of slopes after and before a step
 _TRIALS = 30
 
 
@@ -28,7 +28,7 @@ def minimise(
     tolerance: float,
     first_move: float,
 ) -> Floats:
-    """Return where a smooth function is small, starting at ``start``.
+    """Return a minimum of a smooth function, starting at ``start``.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def minimise(
     n_step : int
         Largest number of steps.
     tolerance : float
-        A step that lowers the value by less is the last.
+        Stop when a step lowers the value by less.
     first_move : float
         Largest change of an unknown in the first step.
     """
@@ -69,7 +69,7 @@ def minimise(
 
 
 def _dot(a: Floats, b: Floats) -> float:
-    # pairwise sum: the same bits whatever the number of threads
+    # pairwise sum: bitwise the same for any number of threads
     return float((a * b).sum())
 
 
@@ -96,7 +96,7 @@ def _search(
     slope: float,
     length: float,
 ) -> tuple[Floats, float, Floats] | None:
-    # double until the way turns up, halve between what is too short and too long
+    # double until the slope is positive, bisect between too short and too long
     short, long = 0.0, np.inf
     best = None
     for _ in range(_TRIALS):

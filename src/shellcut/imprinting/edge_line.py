@@ -1,14 +1,14 @@
-"""A line of edges that a mesh already has along a course.
+"""Find a line of edges that a mesh already has along a course.
 
-A course is in the mesh when edges lie under it from its start to its end. Its nodes are those on
-the path, to ``IN_THE_MESH`` of the edge length there; each must be joined to the next by an inner
-edge. The ends may lie anywhere along an edge: the blade needs an edge under it up to its last place
-and no longer, so the line goes on to the node next beyond an end, wherever that node stands.
+A course is in the mesh if edges lie under it from its start to its end. Its nodes are those on the
+path, to ``IN_THE_MESH`` of the local edge length; each must be joined to the next by an inner edge.
+The ends may lie anywhere along an edge: the blade needs an edge under it only up to its last
+position, so the line continues to the next node beyond an end, wherever that node is.
 
-A point of the path has an edge under it when it is no farther off than the tolerance and what a
-chord of length l leaves to an arc of curvature k at t from its start, k t (l - t) / 2. This is
-asked half way between two nodes, so that a path which takes the long way round from one to the
-other is told apart, and at the ends.
+A point of the path has an edge under it if its distance is below the tolerance plus the sagitta of
+a chord of length l under an arc of curvature k at t from its start, k t (l - t) / 2. This is
+checked halfway between two nodes, which excludes a path that takes the long way round from one to
+the other, and at the ends.
 """
 
 from __future__ import annotations
@@ -24,19 +24,18 @@ from .course import Course
 from .film_plane import FilmPlane
 
 IN_THE_MESH = 5e-3
-"""A line of edges this near to the path (in edge lengths) is the path: nothing is moved. Beside the
-path 0.05 edge lengths cost 3.5 % of the work."""
+"""A line of edges this close to the path (in edge lengths) is the path: nothing is moved. An offset
+of 0.05 edge lengths increases the work by 3.5 %."""
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeLine:
-    """Nodes that lie along a course as they are."""
+    """Nodes of the mesh that already lie along a course."""
 
     course: Course
-    """Not led on beyond the ends that the path was given."""
+    """Without extensions beyond the given ends of the path."""
     nodes: Ints
-    """In order, to the node at or next beyond each end; of a closed line the first is not
-    repeated."""
+    """In order, to the node at or next beyond each end; a closed line does not repeat the first."""
 
 
 def find_edge_line(film: FilmPlane, course: Course) -> EdgeLine | None:
@@ -46,7 +45,7 @@ def find_edge_line(film: FilmPlane, course: Course) -> EdgeLine | None:
     ----------
     film : FilmPlane
     course : Course
-        Where it was led on to the rim, that part is not asked for.
+        Parts extended to the rim are ignored.
     """
     course = course.as_given()
     x, curve = film.x, course.curve
@@ -63,7 +62,7 @@ def find_edge_line(film: FilmPlane, course: Course) -> EdgeLine | None:
 
 
 class _Edges:
-    # the inner edges of a film, asked whether a course runs along them
+    # the inner edges of a film, to check whether a course runs along them
 
     def __init__(self, film: FilmPlane, course: Course) -> None:
         self.film, self.course = film, course
@@ -81,11 +80,11 @@ class _Edges:
         steps = np.diff(u[nodes], append=u[nodes[0]] + period)
         if not self._joined(nodes, np.roll(nodes, -1), u[nodes] + 0.5 * steps):
             return None
-        # the seam after the longest edge, as of a chain
+        # put the seam after the longest edge, as for a chain
         return np.roll(nodes, -int(steps.argmax()) - 1)
 
     def between_ends(self, nodes: Ints, u: Floats) -> Ints | None:
-        """Return the nodes and those next beyond the ends if they are a line."""
+        """Return the nodes and the next ones beyond the ends if they form a line."""
         start, end = self.course.start, self.course.end
         if not len(nodes):
             return self._one_edge()
@@ -123,7 +122,7 @@ class _Edges:
         return bool(np.isfinite(self._off(tail, head, between)).all())
 
     def _under(self, rows: Ints, places: Sequence[float]) -> int | None:
-        # the edge that lies under all places of the path, the nearest to the last of them
+        # the edge that lies under all given points of the path, the nearest to the last of them
         off = np.stack(
             [self._off(self.tail[rows], self.head[rows], np.full(len(rows), u)) for u in places]
         )

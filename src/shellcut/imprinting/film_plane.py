@@ -1,8 +1,8 @@
-"""The flat film as the imprint sees it: in its own plane, with edge lengths and its rim.
+"""The flat film in its own plane, with edge lengths and rim, as the imprint needs it.
 
-The directors' side is up, so that all quads turn counter-clockwise. The rim consists of loops of
-boundary edges with the film on their left. It falls into *pieces*, smooth curves on which nodes may
-slide; between them stand corners, which may not: nodes where the rim turns sharply, where the
+The directors' side is up, so all quads are counter-clockwise. The rim consists of loops of boundary
+edges with the film on their left. It is divided into *pieces*, smooth curves on which nodes may
+slide; between them are corners, which may not: nodes where the rim turns sharply, where the
 membership in a named set changes, and all nodes of a pre-crack.
 """
 
@@ -18,14 +18,14 @@ from shellcut.mesh.mesh import Mesh
 from .path_curve import PathCurve
 
 FLATNESS = 1e-6
-"""Nodes may stand off the plane by this part of the film's size: text files carry 7 digits."""
+"""Largest deviation of nodes from the plane, relative to the film's size: text has 7 digits."""
 
 CORNER_TURN = np.radians(30.0)
-"""A rim that turns by more at a node has a corner there."""
+"""At a node where the rim turns by more there is a corner."""
 
 
 class ImprintError(ValueError):
-    """A path that cannot be put into this mesh; the message says why and what to do.
+    """The path cannot be imprinted in this mesh; the message says why and what to do.
 
     Examples
     --------
@@ -41,12 +41,12 @@ class ImprintError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class RimPiece:
-    """A smooth piece of the rim between two corners, or a whole loop without any."""
+    """A smooth piece of the rim between two corners, or a whole loop without corners."""
 
     nodes: Ints
     """In order, the film on the left; a closed piece does not repeat its first node."""
     curve: PathCurve
-    """Through the nodes, in the film's plane; node k stands at knot k."""
+    """Through the nodes, in the film's plane; node k is at knot k."""
 
 
 class FilmPlane:
@@ -63,14 +63,14 @@ class FilmPlane:
     edge_length : ndarray, shape (n_node,)
         Mean length of the edges at each node [mm].
     boundary : ndarray of bool, shape (n_node,)
-        Whether a node stands on the rim, of a hole or of a pre-crack included.
+        Whether a node is on the rim, including holes and pre-cracks.
     cracked : ndarray of bool, shape (n_node,)
         Nodes of pre-cracks: they have a twin, or are the tip.
     pieces : list of RimPiece
     corner : ndarray of bool, shape (n_node,)
         Rim nodes that do not slide.
     pinned : ndarray of bool, shape (n_node,)
-        Inner nodes that mark the border of a named set, and nodes of pre-cracks.
+        Inner nodes on the border of a named set, and nodes of pre-cracks.
 
     Raises
     ------
@@ -141,7 +141,7 @@ class FilmPlane:
         quads = self.mesh.quads
         edges = self.mesh.edges()
         rim = edges.n_quad == 1
-        # the sides of the quads in their own sense, the film on the left
+        # the sides of the quads in their own direction, the film on the left
         tail, head = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
         n = self.mesh.n_node
         keys = np.minimum(tail, head) * n + np.maximum(tail, head)
@@ -195,7 +195,7 @@ class FilmPlane:
         return np.asarray(low != high)
 
     def _borders(self) -> Bools:
-        # inner nodes that mark where a named set lies: not all around them is in it
+        # inner nodes on the border of a named set: not all their neighbours are in it
         mesh = self.mesh
         border = self._between_quad_sets()
         for members in mesh.node_sets.values():
@@ -211,7 +211,7 @@ class FilmPlane:
 
 
 def _cracked(mesh: Mesh) -> Bools:
-    # nodes with a twin, and their neighbours on the rim through which both flanks pass: the tips
+    # nodes with a twin, and the rim neighbours shared by both flanks: the tips
     twins = np.bincount(mesh.origin, minlength=mesh.n_node)[mesh.origin] > 1
     edges = mesh.edges()
     rim = edges.nodes[edges.n_quad == 1]

@@ -1,4 +1,4 @@
-"""Put the path of a blade into a mesh as a line of edges: see docs/theory/imprint.md."""
+"""Insert a blade's path into a mesh as a line of edges: see docs/theory/imprint.md."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ from .pillow import Pillowed, pillow, pillowed_mesh
 from .smoothing import Sliders, Smoother
 
 REACH = 5.0
-"""Nodes within so many edge lengths of the path move."""
+"""Nodes within this many edge lengths of the path move."""
 
 ROW_SIZE = 1.25
 """Target size of the quads beside the path over that of the others: a node of the next row must
 stay out of reach of the blade-cut rule (0.3 edge lengths)."""
 
 ON_THE_FILM = 0.01
-"""A path may stand off the film's plane by this part of an edge length."""
+"""Largest deviation of a path from the film's plane, in edge lengths."""
 
 NEAR = 2.0
-"""Quality is reported for quads with a node within so many edge lengths of the path."""
+"""Quality is reported for quads with a node within this many edge lengths of the path."""
 
 N_WORST = 10
-"""Quads named as the worst."""
+"""Number of worst quads listed."""
 
 _FILM = Elastic(young=1678.0, poisson=0.3, density=1.0e-9)  # ShellMaterial.homogeneous
 
 
 @dataclass(frozen=True, eq=False)
 class ImprintResult:
-    """A mesh with the path in it, and what that cost.
+    """A mesh with the path in it, and its quality.
 
     Examples
     --------
@@ -58,28 +58,28 @@ class ImprintResult:
     """
 
     mesh: Mesh
-    """Old nodes and quads keep their ids, new ones are appended; the very mesh that was given if
-    the path was in it."""
+    """Old nodes and quads keep their ids, new ones are appended; the given mesh itself if the path
+    was already in it."""
     chains: tuple[Ints, ...]
     """Node ids along each stretch of path inside the film, in order. A stretch that ends inside the
-    film ends amid an edge as a rule; its chain goes on to the node next beyond."""
+    film usually ends within an edge; its chain continues to the next node beyond."""
     first: tuple[int, ...]
-    """Rows of the chains' nodes next before the blade's first place: the nodes before are those of
-    the lead behind it. 0 of a path given without leads."""
+    """Index in each chain of the last node before the blade's first position: earlier nodes belong
+    to the lead behind it. 0 for a path given without leads."""
     closed: tuple[bool, ...]
     """Whether the last node of the chain is joined to the first."""
     there: tuple[bool, ...]
-    """Whether a line of edges lay along the stretch already; its nodes kept their places."""
+    """Whether a line of edges already lay along the stretch; its nodes did not move."""
     curves: tuple[PathCurve, ...]
-    """The path as it was given."""
+    """The given path."""
     moved: Ints
     """Old nodes that were moved."""
     near: Ints
     """Quads near the path."""
     worst: Ints
-    """The quads near the path with the least scaled Jacobians, worst first, up to ten."""
+    """The quads near the path with the smallest scaled Jacobians, worst first, up to ten."""
     jacobian_before: float
-    """Least scaled Jacobian near the path in the raw mesh."""
+    """Smallest scaled Jacobian near the path in the raw mesh."""
     jacobian_after: float
     """The same with the path in it."""
     step_before: float
@@ -87,15 +87,15 @@ class ImprintResult:
     step_after: float
     """The same with the path in it [s]."""
     notes: tuple[str, ...]
-    """What a user should know: ends led on to the rim, nodes of named sets that were moved."""
+    """Notes for the user: ends extended to the rim, moved nodes of named sets."""
 
     @property
     def changed(self) -> bool:
-        """Whether the path had to be put in."""
+        """Whether the path was inserted, not already there."""
         return not all(self.there)
 
     def report(self) -> str:
-        """Return the figures in words, a few lines."""
+        """Return the figures in words, in a few lines."""
         n_edge = [len(c) - (not e) for c, e in zip(self.chains, self.closed, strict=True)]
         n_there = sum(n for n, there in zip(n_edge, self.there, strict=True) if there)
         if not self.changed:
@@ -112,7 +112,7 @@ class ImprintResult:
         return "\n".join([*lines, *self.notes])
 
     def picture(self, path: str | os.PathLike[str]) -> None:
-        """Draw film, path and worst quads into a file; the ending tells the format.
+        """Draw film, path and worst quads into a file; the suffix sets the format.
 
         Raises
         ------
@@ -137,13 +137,13 @@ class ImprintResult:
 def imprint(
     mesh: Mesh, curve: PathCurve | Sequence[PathCurve], *, material: Material | None = None
 ) -> ImprintResult:
-    """Put a path into a flat mesh as a line of edges, exactly.
+    """Insert a path into a flat mesh as an exact line of edges.
 
-    A chain of edges near the path is found, a layer of quads put in on both sides of it, the chain
-    moved onto the path, and the quads around smoothed. Elsewhere, more than five edge lengths from
-    the path, nothing changes. Rim, corners, named sets and pre-cracks stay: nodes of the rim slide
-    on it, nodes that mark a set or a pre-crack do not move. Where a line of edges lies along a
-    stretch of the path already, its nodes stay; if that is so of every stretch, the film does.
+    The function finds a chain of edges near the path, inserts a layer of quads on both sides of it,
+    moves the chain onto the path, and smooths the quads around it. Nothing changes more than five
+    edge lengths from the path. Rim, corners, named sets and pre-cracks stay: nodes of the rim slide
+    on it, nodes that mark a set or a pre-crack do not move. If a line of edges already lies along a
+    stretch of the path, its nodes stay; if that holds for every stretch, the film is unchanged.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def imprint(
         The path, in the film's plane; curves in two coordinates lie in z = 0. It may leave the film
         and come back. See :func:`shellcut.imprinting.blade_path` for the path of a tool.
     material : Material, optional
-        For the stable steps reported; the film of the paper by default.
+        For the stable steps reported; by default the paper's film.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def _flattened(film: FilmPlane, curve: PathCurve) -> PathCurve:
 
 
 def _ways(film: FilmPlane, courses: Sequence[Course]) -> tuple[list[Chain | EdgeLine], list[str]]:
-    # lines of edges that are there come first, chains keep clear of them
+    # existing lines of edges come first, chains keep clear of them
     lines = [find_edge_line(film, course) for course in courses]
     there = [line for line in lines if line is not None]
     new = [course for course, line in zip(courses, lines, strict=True) if line is None]
@@ -261,7 +261,7 @@ def _ways(film: FilmPlane, courses: Sequence[Course]) -> tuple[list[Chain | Edge
 
 
 def _first(film: FilmPlane, chain: Ints, course: Course) -> int:
-    # the row of the last node of a chain that is not beyond the end of the lead behind the blade
+    # index of the last node of a chain that is not beyond the end of the lead behind the blade
     if course.closed:
         return 0
     slack = IN_THE_MESH * film.edge_length[chain]
@@ -270,7 +270,7 @@ def _first(film: FilmPlane, chain: Ints, course: Course) -> int:
 
 
 def _distance(x: Floats, course: Course) -> Floats:
-    # to the course, whose curve may go on beyond it
+    # distance to the course, whose curve may continue beyond it
     u = course.unrolled(course.curve.nearest(x))
     if not course.closed:
         u = np.clip(u, course.start, course.end)
@@ -287,7 +287,7 @@ def _near(x: Floats, quads: Ints, h: Floats, courses: Sequence[Course]) -> Ints:
 def _smoothed(
     film: FilmPlane, layers: Pillowed, chains: Sequence[Chain], settled: Sequence[EdgeLine]
 ) -> Floats:
-    # places of all nodes after smoothing around the chains; nodes of settled lines stay
+    # positions of all nodes after smoothing around the chains; nodes of existing lines stay
     mesh = film.mesh
     n_old, n = mesh.n_node, len(layers.x)
     x = layers.x.copy()
@@ -329,7 +329,7 @@ def _smoothed(
 
 
 def _straight_corners(film: FilmPlane, layers: Pillowed, rim: Bools) -> Bools:
-    # corners between two edges of a smooth rim are straight whatever is done, (n_quad, 4)
+    # corners between two edges of a smooth rim are always straight, (n_quad, 4)
     single = (np.bincount(layers.quads.ravel(), minlength=len(rim)) == 1) & rim
     single[: film.mesh.n_node] &= ~film.corner
     return np.asarray(single[layers.quads])

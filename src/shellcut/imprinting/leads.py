@@ -1,9 +1,9 @@
-"""How far a path is led on at its ends: as far as the mesh has room.
+"""Extend a path at its ends (leads), as far as the mesh has room.
 
-The crack runs a little way beyond the blade, at both ends of its path, so a path is led on there
-(:mod:`~shellcut.imprinting.blade_path`). Nobody asked for that part of it: where a lead would come
-too near to a rim, a hole, a pre-crack or another path, it is shortened instead of refused. It ends
-where the film does: a crack does not go on behind a hole.
+The crack runs a little beyond the blade at both ends of its path, so the path is extended there
+(:mod:`~shellcut.imprinting.blade_path`). These leads are optional: where one would come too close
+to a rim, a hole, a pre-crack or another path, it is shortened instead of refused. It ends at the
+end of the film: a crack does not continue behind a hole.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from .path_curve import PathCurve
 
 
 def with_room(film: FilmPlane, curves: Sequence[PathCurve]) -> tuple[list[PathCurve], list[str]]:
-    """Return the curves with the longest leads that the mesh can take, and what to know of them.
+    """Return the curves with the longest leads that the mesh has room for, and notes.
 
     Parameters
     ----------
     film : FilmPlane
     curves : sequence of PathCurve
-        In the film's plane. One that lies on a line of edges with all of its leads keeps them; one
-        that has no room even without them is returned without, and refused later with the reason.
+        In the film's plane. A curve on a line of edges, including its leads, keeps them; one
+        without room even without leads is returned without, and refused later with the reason.
     """
     surroundings = Surroundings(film)
     fitted: list[PathCurve] = []
@@ -48,7 +48,7 @@ def with_room(film: FilmPlane, curves: Sequence[PathCurve]) -> tuple[list[PathCu
 
 
 def _to_the_rim(surroundings: Surroundings, curve: PathCurve) -> PathCurve:
-    # the leads as far as the film goes, and a little over its rim
+    # leads up to the film's end, and a little beyond its rim
     kept = []
     for lead, at, sense in (
         (curve.leads[0], curve.leads[0], -1.0),

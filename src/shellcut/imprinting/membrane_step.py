@@ -1,10 +1,10 @@
-"""The stable step that a plane mesh allows: 2 / omega of its worst quad in plane stress.
+"""The stable step of a plane mesh: 2 / omega of its worst quad in plane stress.
 
-omega² is the largest eigenvalue of the quad's own membrane stiffness on its own share of the mass
-(row sums), a bound for the assembly because stiffness and mass are sums over quads. Bending does
-not set the step of a film, as the rotary inertia is scaled; contact, cables and damping come on top
-in a run. So the figure compares meshes; :mod:`shellcut.simulation.stable_step` gives the step of a
-run.
+omega² is the largest eigenvalue of the quad's own membrane stiffness on its share of the mass (row
+sums), a bound for the assembly because stiffness and mass are sums over quads. Bending does not
+limit the step of a film, because the rotary inertia is scaled; contact, cables and damping reduce
+the step of a run further. So use this figure to compare meshes;
+:mod:`shellcut.simulation.stable_step` gives the step of a run.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def membrane_steps(x: Floats, quads: Ints, material: Material) -> Floats:
     quads : ndarray, shape (n_quad, 4)
         Counter-clockwise, every corner angle below 180 degrees.
     material : Material
-        Its plane-stress matrix and density; the thickness drops out.
+        Provides the plane-stress matrix and density; the thickness cancels.
     """
     X = x[quads]
     C = material.plane_stress()

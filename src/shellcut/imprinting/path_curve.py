@@ -1,9 +1,9 @@
-"""A smooth curve in the plane or in space, known by a parameter that is nearly its arc length.
+"""A smooth curve in the plane or in space, with a parameter close to its arc length.
 
-Every curve is one cubic spline through points, its parameter u the summed chords [mm]. Where an
-analytic curve is sampled the chords are so short that the spline is the curve: a circle of 720
-points is met to (2 pi / 720)⁴ / 384 = 1.5e-11 of its radius. An open curve goes on straight beyond
-its ends, so that everything near it has a nearest point.
+Every curve is one cubic spline through points; its parameter u is the sum of chord lengths [mm].
+The chords of a sampled analytic curve are short enough for the spline to represent it: a circle of
+720 points is accurate to (2 pi / 720)⁴ / 384 = 1.5e-11 of its radius. An open curve continues
+straight beyond its ends, so that all nearby points have a nearest point on it.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from shellcut.arrays import Floats
 _CIRCLE_POINTS = 720
 _FUNCTION_POINTS = 1000
 _SAMPLES_A_CHORD = 4
-_NEWTON_STEPS = 12  # of the nearest point, which starts within an eighth of a chord
+_NEWTON_STEPS = 12  # for the nearest point; the start is within an eighth of a chord
 
 
 class PathCurve:
-    """An open or closed curve; build it by one of the class methods.
+    """An open or closed curve; build it with one of the class methods.
 
     Attributes
     ----------
@@ -33,8 +33,8 @@ class PathCurve:
     closed : bool
         Whether u = ``length`` is the start again.
     leads : (float, float)
-        Lengths at the start and at the end that are wanted rather than needed [mm]: an imprint
-        shortens them where the mesh has no room for them.
+        Lengths of the optional leads at start and end [mm]: an imprint shortens them where the
+        mesh has no room.
 
     Examples
     --------
@@ -81,14 +81,14 @@ class PathCurve:
         Parameters
         ----------
         points : array_like, shape (n_point, 2) or (n_point, 3), [mm]
-            In order; two at least, three of a closed curve, which is closed whether or not the
-            first point stands at the end again.
+            In order; at least two, three for a closed curve, which may or may not repeat its
+            first point at the end.
         closed : bool
 
         Raises
         ------
         ValueError
-            Of points of another shape, not finite, too few, or two neighbours at one place.
+            If points have the wrong shape, are not finite, too few, or two neighbours coincide.
         """
         p = np.array(points, dtype=np.float64)
         if p.ndim != 2 or p.shape[1] not in (2, 3):
@@ -124,13 +124,13 @@ class PathCurve:
     ) -> PathCurve:
         """Return a circle, or its arc from ``start_deg`` to ``end_deg``, about ``normal``.
 
-        Angles count from the x axis, or, where the normal is along x, from the y axis, projected
-        on the plane of the circle. ``centre`` has three coordinates.
+        Angles count from the x axis projected on the plane of the circle, or from the y axis if
+        the normal is along x. ``centre`` has three coordinates.
 
         Raises
         ------
         ValueError
-            Of a radius that is not positive or an arc that does not run forward.
+            If the radius is not positive or the arc does not run forward.
         """
         if not (np.isfinite(radius) and radius > 0.0):
             raise ValueError(f"radius must be positive in mm, got {radius}")
@@ -172,13 +172,13 @@ class PathCurve:
         Parameters
         ----------
         function : callable
-            From the parameter to a point [mm].
+            Maps the parameter to a point [mm].
         start, end : float
             Range of the parameter.
         closed : bool
             Whether the function returns to its start at ``end``.
         n_point : int
-            Where the function is evaluated; the error falls as 1 / n_point⁴.
+            Number of evaluations; the error decreases as 1 / n_point⁴.
         """
         at = np.linspace(start, end, n_point + 1)
         points = np.array([function(t) for t in at.tolist()], dtype=np.float64)
@@ -203,7 +203,7 @@ class PathCurve:
         return result
 
     def derivative(self, u: npt.ArrayLike) -> Floats:
-        """Return dc/du, shape (n, dimension), of a length near 1."""
+        """Return dc/du, shape (n, dimension), of length near 1."""
         inside, _ = self._split(u)
         result: Floats = self._spline(inside, 1)
         return result
@@ -248,7 +248,7 @@ class PathCurve:
                 off += beyond[:, None] * d1
                 d2 = np.where((beyond != 0.0)[:, None], 0.0, d2)
             slope = (d1 * d1).sum(axis=1)
-            # a point farther off than the radius of curvature has no convex distance: damp there
+            # beyond the radius of curvature the distance is not convex: damp there
             slope = np.maximum(slope + (off * d2).sum(axis=1), 0.25 * slope)
             step = (off * d1).sum(axis=1) / slope
             u = np.clip(u - step, low, high)
@@ -269,8 +269,8 @@ class PathCurve:
     def mapped(self, function: Callable[[Floats], Floats]) -> PathCurve:
         """Return the curve through the images of this curve's points.
 
-        ``function`` takes and returns (n, dimension) arrays; it must keep lengths (a rigid motion,
-        the step between space and a plane), because the parameter is kept.
+        ``function`` takes and returns (n, dimension) arrays; it must preserve lengths (a rigid
+        motion, the map between space and a plane), because the parameter is kept.
         """
         points = function(self._spline(self._knots))
         if self.closed:
@@ -278,7 +278,7 @@ class PathCurve:
         return PathCurve(points, closed=self.closed).with_leads(*self.leads)
 
     def with_leads(self, before: float, after: float) -> PathCurve:
-        """Return the curve with these lengths at its start and end for its leads [mm]."""
+        """Return the curve with leads of these lengths at its start and end [mm]."""
         curve = copy.copy(self)
         curve.leads = (before, after)
         return curve
@@ -286,7 +286,7 @@ class PathCurve:
     def part(self, start: float, end: float) -> PathCurve:
         """Return the open piece from u = ``start`` to ``end`` [mm].
 
-        Of a closed curve ``end`` may lie beyond ``length``.
+        For a closed curve ``end`` may exceed ``length``.
         """
         knots = self._knots
         if self.closed:
@@ -296,7 +296,7 @@ class PathCurve:
         return PathCurve(self.point(np.concatenate([[start], inner, [end]])), closed=False)
 
     def _split(self, u: npt.ArrayLike) -> tuple[Floats, Floats | None]:
-        # where to evaluate the spline, and how far beyond the end of an open curve
+        # positions on the spline, and distances beyond the end of an open curve
         at = np.atleast_1d(np.asarray(u, dtype=np.float64))
         if self.closed:
             return np.mod(at, self.length), None

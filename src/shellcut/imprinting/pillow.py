@@ -1,15 +1,14 @@
-"""A layer of quads on both sides of a chain of edges: "pillowing" ([MitchellTautges1995]).
+"""Insert a layer of quads on both sides of a chain of edges: "pillowing" ([MitchellTautges1995]).
 
-Every node c_k of the chain gets a copy L_k on its left and R_k on its right; the quads that met c_k
-on the left now meet L_k, those on the right R_k; and the gap is filled by the quads
+Every node c_k of the chain gets a copy L_k on its left and R_k on its right; the quads on the left
+of c_k now use L_k, those on the right R_k; and the gap is filled by the quads
 
     c_k  c_{k+1}  L_{k+1}  L_k        c_{k+1}  c_k  R_k  R_{k+1}.
 
-So every chain node joins four quads whose edges run along the chain and across it, whatever the
-mesh was: where the chain turned through the corner of a quad, that corner now is at L or R, and
-need not open to 180 degrees. A chain that ends inside the film has no copies of its last node; one
-quad with corners at c_0, R_1, c_1, L_1 closes the layer there. At the rim the copies stand on the
-rim.
+So every chain node joins four quads whose edges run along the chain and across it, for any mesh: if
+the chain turned through the corner of a quad, that corner is now at L or R, and need not open to
+180 degrees. A chain that ends inside the film has no copies of its last node; one quad with corners
+at c_0, R_1, c_1, L_1 closes the layer there. At the rim the copies lie on the rim.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from .chain import Chain
 from .film_plane import FilmPlane
 
 OFFSET = 0.4
-"""First distance of the copies from the path, in edge lengths; smoothing has the last word."""
+"""Initial distance of the copies from the path, in edge lengths; smoothing changes it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +33,13 @@ class Pillowed:
     """A mesh with layers of quads inserted; old nodes and quads keep their ids."""
 
     x: Floats
-    """First places in the plane, chains on their paths, shape (n_node, 2); may be tangled."""
+    """Initial positions in the plane, chains on their paths, shape (n_node, 2); may be tangled."""
     quads: Ints
     """Shape (n_quad, 4)."""
     parent: Ints
-    """Chain node of every node that is new, itself of an old one, shape (n_node,)."""
+    """Chain node of every new node, the node itself for an old one, shape (n_node,)."""
     rim_neighbour: dict[int, int]
-    """For a new node on the rim: the old node next to it there."""
+    """For each new node on the rim: the old node next to it on the rim."""
     beside: list[tuple[int, ...]]
     """Old quads next to each new quad, in order."""
 
@@ -95,13 +94,13 @@ class _Layers:
 
 
 def pillow(film: FilmPlane, chains: Sequence[Chain]) -> Pillowed:
-    """Insert a layer of quads on both sides of each chain and put the chains on their paths.
+    """Insert a layer of quads on both sides of each chain and move the chains onto their paths.
 
     Parameters
     ----------
     film : FilmPlane
     chains : sequence of Chain
-        No two of them touch a common quad.
+        No two of them may touch a common quad.
     """
     mesh = film.mesh
     layers = _Layers(film)
@@ -120,11 +119,11 @@ def pillow(film: FilmPlane, chains: Sequence[Chain]) -> Pillowed:
 
 
 def pillowed_mesh(film: FilmPlane, layers: Pillowed, x: Floats, moved: Ints) -> Mesh:
-    """Return the mesh of pillowed quads at the places ``x``, with the sets of the old one.
+    """Return the mesh of pillowed quads at the positions ``x``, with the sets of the old one.
 
-    A new quad is in a quad set when the old quads beside it are. A new node on the rim is in a node
-    set when both old nodes of its side of the rim are; one inside the film when all nodes of the
-    quads around its chain node are: sets that are areas stay areas, lines are not widened.
+    A new quad is in a quad set if the old quads beside it are. A new node on the rim is in a node
+    set if both old nodes of its side of the rim are; one inside the film if all nodes of the quads
+    around its chain node are: sets that are areas stay areas, lines are not widened.
 
     Parameters
     ----------
@@ -133,7 +132,7 @@ def pillowed_mesh(film: FilmPlane, layers: Pillowed, x: Floats, moved: Ints) -> 
     x : ndarray, shape (n_node, 2)
         Places in the plane [mm].
     moved : ndarray of int
-        Old nodes that take their place from ``x``; the others keep theirs to the bit.
+        Old nodes that move to ``x``; the others stay bit for bit.
     """
     mesh = film.mesh
     old, n_new = mesh.n_node, len(x) - mesh.n_node
@@ -183,8 +182,8 @@ class _Fans:
     def left(self, c: int, before: int | None, after: int | None) -> tuple[list[int], int | None]:
         """Return the quads from the edge ahead counter-clockwise to the edge behind.
 
-        At the rim there is no edge behind (ahead); the other value is then the node at which the
-        fan ends (begins) on the rim, None otherwise.
+        At the rim there is no edge behind (ahead); the second value is then the rim node at which
+        the fan ends (begins), otherwise None.
         """
         if after is not None:
             return self._counter_clockwise(c, after, before)
@@ -192,7 +191,7 @@ class _Fans:
         return self._clockwise(c, before, None)
 
     def right(self, c: int, before: int | None, after: int | None) -> tuple[list[int], int | None]:
-        """Return the quads from the edge ahead clockwise to the edge behind, as ``left`` does."""
+        """Return the quads from the edge ahead clockwise to the edge behind, like ``left``."""
         if after is not None:
             return self._clockwise(c, after, before)
         assert before is not None

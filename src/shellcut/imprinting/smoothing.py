@@ -1,17 +1,17 @@
-"""Smoothing of the quads near a path: untangle, then make them square and large.
+"""Smoothing of the quads near a path: untangle them, then make them square and large.
 
 At every corner of a quad the edges p and q, in units of the quad's target size s, span the
 determinant D = p x q / s². The cost of the corner is
 
     S^a + w T^a,    S = (|p|² + |q|²) / (2 s² D),    T = S / D.
 
-S is 1 for a square corner of any size and grows as it shears or stretches; T is what bounds the
-stable step, about (s / length that sets the step)². The exponent makes the worst corners count. D
-in it is replaced by chi = (D + sqrt(D² + eps²)) / 2, which is positive for inverted quads as well:
-with eps falling as the worst of them recovers, minimising untangles ([Garanzha2021]).
+S is 1 for a square corner of any size and grows with shear or stretch; T bounds the stable step,
+about (s / length that sets the step)². The exponent emphasises the worst corners. D is replaced by
+chi = (D + sqrt(D² + eps²)) / 2, which is positive for inverted quads as well: eps decreases as the
+worst of them recovers, so minimising untangles ([Garanzha2021]).
 
 Unknowns are the two coordinates of a free node and the one parameter of a node that slides on a
-curve: chain nodes on the path, rim nodes on the rim. So what must lie on a curve does so exactly.
+curve: chain nodes on the path, rim nodes on the rim. These nodes therefore stay exactly on it.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from .descent import minimise
 from .path_curve import PathCurve
 
 STAGES = (1.0, 2.0, 4.0)
-"""Exponents a of one minimisation after the other: a high power at once is hard to minimise."""
+"""Exponents a of consecutive minimisations: starting with a high power is hard to minimise."""
 
 STEP_WEIGHT = 0.03
-"""w: more makes the step longer and the angles worse. On 30 gmsh meshes, all rows of one target
-size, w = 0.02 to 0.2 gave least scaled Jacobians of 0.66 to 0.60 near the path."""
+"""w: a larger value makes the step longer and the angles worse. On 30 gmsh meshes, with one target
+size for all rows, w = 0.02 to 0.2 gave smallest scaled Jacobians of 0.66 to 0.60 near the path."""
 
 _UNTANGLE_ROUNDS = 30
 _UNTANGLE_STEPS = 40
 _QUALITY_STEPS = 400
 _CLEAR = 0.02  # untangled: every determinant above this part of the target area
-_QUALITY_EPS = 1e-3  # keeps the cost finite where a line search overshoots
+_QUALITY_EPS = 1e-3  # keeps the cost finite if a line search overshoots
 _TOLERANCE = 3e-3  # a minimisation ends when a step lowers the cost by less; a square costs 4
-_FIRST_MOVE = 0.02  # of the least target size
+_FIRST_MOVE = 0.02  # relative to the smallest target size
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,25 +50,25 @@ class Sliders:
     nodes: Ints
     curve: PathCurve
     u: Floats
-    """First parameters, shape (n,), [mm]."""
+    """Initial parameters, shape (n,), [mm]."""
 
 
 class Smoother:
-    """Moves nodes so that the quads around them become good.
+    """Moves nodes so that the quads around them get a good shape.
 
     Parameters
     ----------
     x : ndarray, shape (n_node, 2)
-        First places [mm]; quads may be inverted.
+        Initial positions [mm]; quads may be inverted.
     quads : ndarray, shape (n_quad, 4)
     size : ndarray, shape (n_quad,)
         Target edge length of every quad [mm].
     free : ndarray of bool, shape (n_node,)
-        Nodes that may go anywhere.
+        Nodes that may move freely.
     sliders : sequence of Sliders
         Nodes that move on curves; all others stay.
     weight : ndarray, shape (n_quad, 4)
-        Of every corner; 0 leaves one out.
+        Of every corner; 0 ignores it.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class Smoother:
         self._quads = np.ascontiguousarray(quads[active])
         self._weight = np.ascontiguousarray(weight[active])
         self._size = np.ascontiguousarray(size[active])
-        # rows inserted into a given area must shrink: targets that fill what there is
+        # rows inserted into a given area must shrink: scale the targets to the available area
         corners = x[self._quads]
         diagonals = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
         area = 0.5 * (
@@ -100,7 +100,7 @@ class Smoother:
             self._size *= np.sqrt(area.sum() / (self._size**2).sum())
 
     def run(self) -> Floats:
-        """Return the places of all nodes after smoothing, shape (n_node, 2).
+        """Return the positions of all nodes after smoothing, shape (n_node, 2).
 
         Quads that no motion of these nodes can untangle stay inverted; the caller checks.
         """
@@ -185,7 +185,7 @@ def quad_cost(
             q0, q1 = (x[k, 0] - x[i, 0]) * inverse, (x[k, 1] - x[i, 1]) * inverse
             D = p0 * q1 - p1 * q0
             root = np.sqrt(D * D + eps * eps)
-            # without cancellation where D is far below zero
+            # avoids cancellation where D is far below zero
             chi = 0.5 * (D + root) if D > 0.0 else 0.5 * eps * eps / (root - D)
             slope = chi / root
             N = 0.5 * (p0 * p0 + p1 * p1 + q0 * q0 + q1 * q1)

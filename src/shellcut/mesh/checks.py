@@ -1,6 +1,6 @@
-"""The gate of the mesh: casting and checks of what the user hands in, for :mod:`shellcut.mesh`.
+"""Casting and checks of a mesh given by the user, for :mod:`shellcut.mesh`.
 
-A check adds what is wrong to a list of problems and goes on, so that one message holds all of them.
+Each check adds its problems to a list and continues, so that one message contains all of them.
 X are positions, Q quads, T directors; corners of a quad are numbered as in :mod:`shellcut.mesh`.
 """
 
@@ -28,17 +28,17 @@ from .quad_geometry import (
 )
 
 MAX_VALENCE = 12
-"""Most quads one node may join: the split kernels keep a node's fan in an array of this length."""
+"""Largest number of quads at a node: the split kernels keep a node's fan in an array this long."""
 
-_NAMED = 5  # offenders named in a message; a thousand bad quads need no thousand lines
-_MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; below it round-off decides
+_NAMED = 5  # items named in a message
+_MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; smaller is round-off
 _MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
-_DIRECTOR_LENGTH = 1e-6  # | |T| - 1 | let through, then scaled to one: text files carry 7 digits
-# Thickness is measured along the director: a film all of whose directors lean by 5° is 0.4 % too
-# thin and up to 1.2 % too soft, by 10° four times that, and so it is where they lean to all sides
-# by turns. The mean over a quad of exact normals is its own normal; mean normals lean off them by
-# part of the fold between quads, at the rim by half of it, and across a strip one quad wide there
-# is no fold to tell how curved it is.
+_DIRECTOR_LENGTH = 1e-6  # accepted | |T| - 1 |, then scaled to one: text files have 7 digits
+# Thickness is measured along the director: a film whose directors all lean by 5° is 0.4 % too thin
+# and up to 1.2 % too soft, by 10° four times that, and the same if they lean in varying directions.
+# The mean over a quad of exact normals is the quad's normal; mean normals lean off them by part of
+# the fold between quads, at the rim by half of it, and across a strip one quad wide no fold shows
+# its curvature.
 _QUAD_LEAN_DEG = 5.0
 _NODE_LEAN_DEG = 10.0
 _RIM_LEAN_DEG = 45.0
@@ -46,7 +46,7 @@ _LEAN_OF_FOLD = 0.75
 
 
 class MeshError(ValueError):
-    """A mesh, or a question to one, that cannot be right; the message lists every problem."""
+    """The mesh, or a request to one, is invalid; the message lists every problem."""
 
 
 def checked_arrays(
@@ -64,7 +64,7 @@ def checked_arrays(
     Raises
     ------
     MeshError
-        With all problems found, one a line.
+        Lists all problems, one per line.
     """
     problems: list[str] = []
     X = _cast_nodes(nodes, problems)
@@ -102,14 +102,14 @@ def checked_arrays(
 
 
 def error(problems: list[str]) -> MeshError:
-    """Return the one error that lists the problems."""
+    """Return one error that lists the problems."""
     if len(problems) == 1:
         return MeshError(problems[0])
     return MeshError(f"{len(problems)} problems:\n- " + "\n- ".join(problems))
 
 
 def some(items: Iterable[Any], describe: Callable[[Any], str] = str) -> str:
-    """List the first few items, with the number of those left out."""
+    """List the first few items, and the number of the others."""
     listed = list(items)
     more = f" and {len(listed) - _NAMED} more" if len(listed) > _NAMED else ""
     return ", ".join(describe(item) for item in listed[:_NAMED]) + more
@@ -145,7 +145,7 @@ def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
         return None
     if X.ndim != 2 or X.shape[1] not in (2, 3) or len(X) == 0:
         problems.append(
-            f"nodes must have shape (n_node, 3) or (n_node, 2), got {X.shape}; one row a node"
+            f"nodes must have shape (n_node, 3) or (n_node, 2), got {X.shape}; one row per node"
         )
         return None
     if X.shape[1] == 2:
@@ -157,10 +157,10 @@ def _cast_quads(quads: npt.ArrayLike, problems: list[str]) -> Ints | None:
     try:
         Q = np.array(quads, order="C")
     except ValueError:
-        Q = np.empty(0)  # rows of different lengths
+        Q = np.empty(0)  # rows of different length
     if Q.ndim != 2 or Q.shape[1] != 4 or len(Q) == 0:
         problems.append(
-            f"quads must have shape (n_quad, 4), got {Q.shape}; one row of four node ids a quad, "
+            f"quads must have shape (n_quad, 4), got {Q.shape}; one row of four node ids per quad, "
             "triangles are not supported"
         )
         return None
@@ -199,7 +199,7 @@ def _cast_ids(
 def cast_sets(
     kind: str, sets: Mapping[str, npt.ArrayLike] | None, n: int, problems: list[str]
 ) -> dict[str, Ints]:
-    """Return the named sets of ``kind`` ids below ``n``; a wrong one is left empty."""
+    """Return the named sets of ``kind`` ids below ``n``; an invalid one is left empty."""
     return {
         name: _cast_ids(f"{kind} set {name!r}", ids, n, problems)
         for name, ids in (sets or {}).items()
@@ -211,7 +211,8 @@ def _cast_origin(origin: npt.ArrayLike | None, n_node: int, problems: list[str])
         return np.arange(n_node, dtype=np.int64)
     ancestors = _cast_ids("origin", origin, n_node, problems, unique=False)
     if ancestors.shape != (n_node,):
-        problems.append(f"origin must have shape ({n_node},), one id a node, got {ancestors.shape}")
+        shape = ancestors.shape
+        problems.append(f"origin must have shape ({n_node},), one id per node, got {shape}")
     elif (ancestors[ancestors] != ancestors).any():
         wrong = np.flatnonzero(ancestors[ancestors] != ancestors)
         problems.append(
@@ -259,7 +260,7 @@ def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:
 
 
 def _check_corners(X: Floats, Q: Ints, problems: list[str]) -> Bools:
-    # returns the quads that go on to the further checks
+    # returns the quads that get the further checks
     ordered = np.sort(Q, axis=1)
     sound: Bools = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)
     if not sound.all():
@@ -307,7 +308,7 @@ def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> N
             "neighbouring quads must turn the same way, got opposite orientation in "
             f"{_quad_pairs(one[~alike], two[~alike], X, Q)}; reverse the node order of one side"
         )
-    # one open fan has two rim spokes; more mean that the node joins quads like a hinge
+    # one open fan has two rim spokes; more mean that the node connects quads like a hinge
     spokes = np.bincount(edges.nodes[edges.n_quad == 1].ravel(), minlength=len(X))
     pinched = np.flatnonzero(spokes > 2)
     if len(pinched) and not len(crowded) and len(edges.quads) == Q.size:
@@ -413,7 +414,7 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
 
 
 def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
-    """Return a named set; a wrong name is answered with those there are, nearest first."""
+    """Return a named set; an unknown name raises an error with the existing names."""
     try:
         return sets[name]
     except KeyError:

@@ -1,8 +1,8 @@
-"""What looks like damage in a film: places where a quad, a node or an entry of a set seems lost.
+"""Signs of damage in a film: places where a quad, a node or an entry of a set seems to be missing.
 
-A text file without counts reads well with a line missing. What is left is a sound mesh, but one
-that no mesher makes: a hole of one quad in the middle, a notch of one quad in the rim, a rim set
-that leaves out three nodes of the rim. Each may be meant; so each is a sentence, not an error.
+A text file without counts can be read even if a line is missing. The mesh is then valid, but no
+mesher makes such a mesh: a hole of one quad in the middle, a notch of one quad in the rim, a rim
+set without three nodes of the rim. Each may be intended; so each is a sentence, not an error.
 """
 
 from __future__ import annotations
@@ -22,29 +22,29 @@ if TYPE_CHECKING:
     from .mesh import Mesh
 
 _MOST_EDGES = 8
-"""Edges around a hole that may be a few lost quads."""
+"""Edges around a hole that may be a few missing quads."""
 _MOST_LOST = 4.0
 """Quads that would fill it."""
 _FEW = 3
-"""Things that stand alone in so small a number that they look like slips."""
+"""Up to this many isolated items look like slips."""
 _MANY = 10
-"""Members from which on a set has a shape of its own."""
+"""Number of members from which a set has a recognisable shape."""
 _MOST_OF = 0.75
-"""Part of a boundary from which on a set seems to mean all of it."""
+"""Part of a boundary from which a set seems to mean all of it."""
 _CORNER_DEG = 30.0
 _USUAL, _MUCH_WORSE, _AROUND_A_NODE = 0.05, 0.5, 4
-"""A part of all quads, how much worse than those a quad must be, how many one node spoils."""
+"""Largest share of bad quads, how much worse a bad quad is, how many quads one node can spoil."""
 _FLAT = 1e-6
-"""Of the film's size: nodes nearer than this to a plane lie in it."""
+"""Relative to the film's size: nodes closer than this to a plane lie in it."""
 
 
 def film_doubts(mesh: Mesh) -> list[str]:
-    """Return a sentence for everything that looks like a loss.
+    """Return a sentence for every sign of a loss.
 
     Parameters
     ----------
     mesh : Mesh
-        Sound, as :meth:`Mesh.from_arrays` checks it.
+        Valid, as checked by :meth:`Mesh.from_arrays`.
 
     Examples
     --------
@@ -70,13 +70,13 @@ def film_doubts(mesh: Mesh) -> list[str]:
 
 
 class _Rim:
-    """The boundary: closed loops of edges with one quad, run as their quads run."""
+    """The boundary: closed loops of edges with one quad, in the direction of their quads."""
 
     def __init__(self, mesh: Mesh) -> None:
         table = mesh.edges()
         ends = table.nodes[table.n_quad == 1]
         quads = mesh.quads[table.quads[table.n_quad == 1, 0]]
-        # the quad runs from the first end to the second where the second follows the first in it
+        # the quad runs from the first end to the second if the second follows the first in it
         at = np.argmax(quads == ends[:, :1], axis=1)
         forward = quads[np.arange(len(quads)), (at + 1) % 4] == ends[:, 1]
         start = np.where(forward, ends[:, 0], ends[:, 1])
@@ -86,7 +86,7 @@ class _Rim:
         self.loop = np.full(mesh.n_node, -1, np.int64)
         label = connected_parts(start, self.next[start], mesh.n_node)
         _, self.loop[self.nodes] = np.unique(label[self.nodes], return_inverse=True)
-        self.angle = _angles(mesh)  # of the film at each node [deg]
+        self.angle = _angles(mesh)  # angle of the film at each node [deg]
 
     def loops(self) -> list[Ints]:
         """Return the nodes of each loop, ascending."""
@@ -95,7 +95,7 @@ class _Rim:
         return [loop for loop in np.split(self.nodes[order], ends[:-1]) if len(loop)]
 
     def along(self, first: int, n: int) -> list[int]:
-        """Return n nodes of a loop from one of them on, in its order."""
+        """Return n nodes of a loop in order, starting at a node."""
         walked = [first]
         while len(walked) < n:
             walked.append(int(self.next[walked[-1]]))
@@ -154,7 +154,7 @@ def _holes(mesh: Mesh, rim: _Rim) -> Iterator[str]:
 
 
 def _notches(mesh: Mesh, rim: _Rim) -> Iterator[str]:
-    # in along one edge, along one, and out along one: the place of one quad
+    # in along one edge, across one, and out along one: the shape of one quad
     a = rim.nodes
     b = rim.next[a]
     c = rim.next[b]
@@ -178,7 +178,7 @@ def _off_plane(mesh: Mesh) -> Iterator[str]:
     if length < 0.5:  # closed or strongly curved
         return
     height = mesh.nodes @ (normal / length)
-    for axis in np.eye(3):  # a tilt that one wrong node gives the mean is not followed
+    for axis in np.eye(3):  # unlike the mean normal, these do not tilt with one wrong node
         if abs(axis @ normal) > 0.9 * length:
             height = mesh.nodes @ axis
     away = np.abs(height - np.median(height)) > _FLAT * float(np.ptp(mesh.nodes, axis=0).max())
@@ -191,7 +191,7 @@ def _off_plane(mesh: Mesh) -> Iterator[str]:
 
 
 def _out_of_shape(mesh: Mesh) -> Iterator[str]:
-    # one node out of its place spoils the quads around it, and no others
+    # one misplaced node spoils the quads around it, and no others
     lengths = mesh.edge_lengths()
     shape = np.minimum(mesh.scaled_jacobian(), lengths.min(axis=1) / lengths.max(axis=1))
     usual = float(np.quantile(shape, _USUAL))
@@ -214,7 +214,7 @@ def _gaps_in_rim_sets(mesh: Mesh, rim: _Rim) -> Iterator[str]:
             if len(members) < _MANY or not _MOST_OF <= share < 1.0:
                 continue
             lost = members[~held[members]]
-            # an end of the gap at which the boundary goes straight on is no end of a side
+            # a gap's end where the boundary continues straight is not the end of a side
             before = members[held[members] & ~held[rim.next[members]] & straight[members]]
             after = rim.next[lost]
             after = after[held[after] & straight[after]]

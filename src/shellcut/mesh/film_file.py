@@ -1,8 +1,8 @@
 """A film from a mesh file of another program: :func:`read_film`.
 
-What a five-parameter shell cannot be made of is refused with its count and ids, or treated by an
-explicit choice; nothing is left out without a word. What was assumed or left out is logged as a
-warning of the logger ``shellcut.film_file``, which Python shows unless told otherwise.
+Cells that a five-parameter shell cannot use are refused with their number and ids, or treated by
+an explicit choice; nothing is left out silently. Assumptions and omissions are logged as warnings
+of the logger ``shellcut.film_file``, which Python shows by default.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
     ".vtu": read_vtk,
     ".vtk": read_vtk,
 }
-"""The reader of each file name's end."""
+"""The reader for each file name suffix."""
 
-_COINCIDENT = 1e-9  # of the film's size: nodes nearer than this are at one place
+_COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this coincide
 
 
 def read_film(
@@ -63,18 +63,18 @@ def read_film(
     Parameters
     ----------
     path : str or Path
-        The format goes by the end of the name.
+        The suffix selects the format.
     unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
         Unit of the file's coordinates, or its length in mm. By default guessed from the size
-        where that is safe, and said.
+        where that is safe, and logged.
     triangles : {"refuse", "split"}
-        What to do with triangles, quads with a repeated node among them: refuse the mesh, or split
+        Treatment of triangles, including quads with a repeated node: refuse the mesh, or split
         every triangle into three quads and then, to stay conforming, every quad into four.
     leave_out : collection of str
         Kinds of other cells (named in the refusal) to leave out: solids, beams, quadratic shells.
     merge : float, optional, [mm]
-        Make one node of nodes nearer than this, as of instances that only touch. By default nodes
-        stay as they are.
+        Merge nodes closer than this, for instances that only touch. By default nodes are not
+        merged.
     max_fold_deg : float
         See :meth:`Mesh.from_arrays`.
 
@@ -82,15 +82,15 @@ def read_film(
     -------
     Mesh
         In mm, nodes in the order of the file, without those that no quad uses. Groups of nodes,
-        points and lines are node sets, groups of quads quad sets. Quads are turned to agree with
-        their neighbours, the way most of a connected sheet run.
+        points and lines become node sets, groups of quads become quad sets. Quads are turned to
+        agree with their neighbours, in the direction of the majority of a connected sheet.
 
     Raises
     ------
     FileError
-        For a file that cannot be read, holds no film, or holds what is neither handled nor chosen.
+        If the file cannot be read, contains no film, or cells for which no choice was made.
     MeshError
-        For a mesh that is no smooth sheet, as :meth:`Mesh.from_arrays` finds it.
+        If the mesh is not a smooth sheet, see :meth:`Mesh.from_arrays`.
 
     Examples
     --------
@@ -146,7 +146,7 @@ def read_film(
 
 
 class _Film:
-    # The mesh on its way from the file's form to that of the package; each step says what it did.
+    # The mesh on its way from the file's form to that of the package; each step logs its changes.
 
     def __init__(self, file: FileMesh, leave_out: Collection[str]):
         self.path = file.path
@@ -162,7 +162,7 @@ class _Film:
             _log.warning("%s: %s", self.path, note)
 
     def _sort_cells(self, file: FileMesh, leave_out: Collection[str]) -> None:
-        # sheet cells get numbers of their own, quads first; groups are parted by kind
+        # sheet cells get their own numbers, quads first; groups are split by kind
         cells: dict[str, list[Ints]] = {POINT: [], LINE: [], TRIANGLE: [], QUAD: []}
         labels: dict[str, list[str]] = {QUAD: [], TRIANGLE: []}
         numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
@@ -327,7 +327,7 @@ class _Film:
 
 
 def _parted(quads: Ints) -> list[tuple[str, Ints, Ints]]:
-    # quads, and those with one corner repeated by its neighbour, which are triangles
+    # quads, and those with two equal neighbouring corners, which are triangles
     repeated = quads == np.roll(quads, -1, axis=1)
     flat = repeated.sum(axis=1) == 1
     found: list[tuple[str, Ints, Ints]] = [(QUAD, np.flatnonzero(~flat), quads[~flat])]

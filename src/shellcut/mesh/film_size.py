@@ -1,7 +1,7 @@
-"""Refuse a mesh that no run could take, before it is made.
+"""Refuse a mesh too large for any run, before it is made.
 
-A number mistyped by a few zeros asks for more quads than memory holds, and the making of them would
-take the machine down before any check of the mesh saw one.
+A number with a few zeros too many asks for more quads than memory holds, and making them would
+block the machine before any check of the mesh.
 """
 
 from __future__ import annotations
@@ -11,26 +11,26 @@ import os
 from .checks import MeshError
 
 MOST_QUADS = 10_000_000
-"""Quads of the largest film that is made: 9 GB, and half a second a step."""
+"""Quads of the largest film allowed: 9 GB, and half a second per step."""
 
 BYTES_A_QUAD = 902.0
-"""What a run takes, measured between 1e5 and 1e6 quads (docs/performance.md)."""
+"""Memory of a run, measured between 1e5 and 1e6 quads (docs/performance.md)."""
 
 
 def check_film_size(n_quad: float, remedy: str) -> None:
-    """Refuse a film of too many quads for the library or for this machine's memory.
+    """Refuse a film with too many quads for the library or for this machine's memory.
 
     Parameters
     ----------
     n_quad : float
-        About how many quads there would be; may be infinite.
+        Approximate number of quads; may be infinite.
     remedy : str
-        What to change.
+        Suggested change.
 
     Raises
     ------
     MeshError
-        With the number and the memory it would take.
+        Gives the number and the memory needed.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def check_film_size(n_quad: float, remedy: str) -> None:
 
 
 def _memory() -> float | None:
-    """Return the bytes of this machine's memory, where the system tells."""
+    """Return this machine's memory in bytes, None if unknown."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES")) * float(os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):

@@ -1,8 +1,8 @@
 """The mesh: reference nodes, quads, directors and named sets, checked once and then frozen.
 
-All casting and all checks of what the user hands in happen in :meth:`Mesh.from_arrays`; the rest
-of the library relies on them. What must hold is what five-parameter shell nodes and cutting need:
-one smooth, consistently oriented sheet (or several), every node with a single fan of quads.
+:meth:`Mesh.from_arrays` casts and checks all arrays from the user; the rest of the library relies
+on it. The conditions are those of five-parameter shell nodes and of cutting: one smooth,
+consistently oriented sheet (or several), every node with a single fan of quads.
 
 Corners of a quad are numbered 0 to 3 counter-clockwise about its normal. At corner ``a`` the edge
 vectors are ``p`` (to corner a+1) and ``q`` (to corner a-1), and ``p × q`` is the corner's area
@@ -28,7 +28,7 @@ from .quad_geometry import QuadSides, corner_vectors, edge_lengths, norm, scaled
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
 
-# Breadth of a lane of nodes in :meth:`Mesh.ordered`, in edges.
+# Width of a lane of nodes in :meth:`Mesh.ordered`, in edges.
 _LANE = 4.0
 
 
@@ -38,7 +38,7 @@ class Edges(NamedTuple):
     nodes: Ints
     """Ends, shape (n_edge, 2), lower id first, rows in lexicographic order."""
     quads: Ints
-    """Quads on the edge, shape (n_edge, 2); where there is one only, it stands twice."""
+    """Quads on the edge, shape (n_edge, 2); a single one is repeated."""
     n_quad: Ints
     """Number of quads on the edge, shape (n_edge,): 1 on the boundary, 2 inside."""
 
@@ -47,8 +47,8 @@ class Edges(NamedTuple):
 class Mesh:
     """Reference mid-surface of a shell as four-node quads.
 
-    Build it by :meth:`from_arrays`, which checks; the plain constructor takes arrays on trust and
-    makes them read-only.
+    Build it with :meth:`from_arrays`, which checks; the plain constructor does not check its arrays
+    and makes them read-only.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Mesh:
     quad_sets: Mapping[str, Ints]
     """Named quad ids; each array in the order given."""
     origin: Ints
-    """Node of the uncut mesh that a node was duplicated from, itself otherwise; (n_node,)."""
+    """Node of the uncut mesh that a node was duplicated from, or itself; shape (n_node,)."""
 
     def __post_init__(self) -> None:
         for name in ("node_sets", "quad_sets"):
@@ -87,7 +87,7 @@ class Mesh:
             array.flags.writeable = False
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # a mapping proxy cannot be pickled: workers of a sweep get plain dicts, then proxies again
+        # a mapping proxy cannot be pickled: pickle plain dicts; the constructor makes proxies again
         sets = dict(self.node_sets), dict(self.quad_sets)
         return Mesh, (self.nodes, self.quads, self.directors, *sets, self.origin)
 
@@ -118,18 +118,18 @@ class Mesh:
         quads : array_like of int, shape (n_quad, 4)
             Corner node ids, all quads turning the same way seen from one side.
         node_sets, quad_sets : mapping of str to array_like of int, optional
-            Named ids, no id twice in a set.
+            Named ids, each id at most once in a set.
         directors : array_like, shape (n_node, 3), optional
             Unit directors on the side of the normals; scaled to exact unit length. By default the
             area-weighted mean of the corner normals at each node. Each must lie within 10° of the
             default, 45° at the rim, and the mean of a quad's four within 5° of its normal, more
             only where quads make folds: thickness is measured along the director.
         origin : array_like of int, shape (n_node,), optional
-            For a mesh that was cut before: the node each node was duplicated from.
+            For a mesh that was cut before: the node from which each node was duplicated.
         max_fold_deg : float
-            Largest angle [degrees] between the normals of two neighbouring quads. Larger ones than
-            the default's, on a very coarse mesh of a curved film, cost accuracy; a real fold is
-            not for these shells, whatever the number.
+            Largest angle [degrees] between the normals of two neighbouring quads. Angles above the
+            default, on a very coarse mesh of a curved film, reduce accuracy; these shells cannot
+            model a real fold, whatever the limit.
 
         Returns
         -------
@@ -138,7 +138,7 @@ class Mesh:
         Raises
         ------
         MeshError
-            With all problems found, one a line.
+            Lists all problems, one per line.
         """
         return cls(
             *checked_arrays(
@@ -188,8 +188,8 @@ class Mesh:
     def quad_areas(self) -> Floats:
         """Return the area of every quad, shape (n_quad,), [mm²].
 
-        The area of the bilinear surface by 2x2 Gauss points: exact for a plane quad. The area
-        vector is linear over the quad, as the mixed term drops out of the cross product.
+        Area of the bilinear surface by 2x2 Gauss points: exact for a plane quad. The area vector
+        is linear over the quad, because the mixed term cancels in the cross product.
         """
         corners = [corner_vectors(self.nodes, self.quads, a) for a in range(4)]
         vectors = [np.cross(p, q) for p, q in corners]
@@ -202,7 +202,7 @@ class Mesh:
         return areas
 
     def scaled_jacobian(self) -> Floats:
-        """Return the least scaled Jacobian over the corners of every quad, shape (n_quad,).
+        """Return the smallest scaled Jacobian over the corners of every quad, shape (n_quad,).
 
         (p × q)·n of the unit vectors p, q along the edges with the mean normal n: the sine of the
         corner angle, 1 for a rectangle, 0 or less where a corner is straight or re-entrant.
@@ -214,11 +214,11 @@ class Mesh:
         return edge_lengths(self.nodes, self.quads)
 
     def node_set(self, name: str) -> Ints:
-        """Return the node ids of a named set; a wrong name is answered with the names there are."""
+        """Return the node ids of a named set; an unknown name raises with the existing names."""
         return look_up("node", self.node_sets, name)
 
     def quad_set(self, name: str) -> Ints:
-        """Return the quad ids of a named set; a wrong name is answered with the names there are."""
+        """Return the quad ids of a named set; an unknown name raises with the existing names."""
         return look_up("quad", self.quad_sets, name)
 
     def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
@@ -250,7 +250,7 @@ class Mesh:
         node_sets: Mapping[str, npt.ArrayLike] | None = None,
         quad_sets: Mapping[str, npt.ArrayLike] | None = None,
     ) -> Mesh:
-        """Return the mesh with further named sets; a name already taken is refused."""
+        """Return the mesh with further named sets; existing names are refused."""
         problems: list[str] = []
         nodes = cast_sets("node", node_sets, self.n_node, problems)
         quads = cast_sets("quad", quad_sets, self.n_quad, problems)
@@ -267,16 +267,16 @@ class Mesh:
         )
 
     def ordered(self) -> Mesh:
-        """Return the mesh with its nodes numbered anew, neighbours near each other.
+        """Return the mesh with its nodes renumbered so that neighbours are close to each other.
 
-        Quads are taken in an order of their own (:mod:`shellcut.mitc4.blocks`), but their nodes lie
-        in memory as they are numbered: in a film of 1e5 quads or more whose numbers are scattered,
-        as some meshers leave them, this saves time. Node sets follow, quads and their sets stay;
-        ids of nodes from before are ids no longer.
+        Quads are processed in their own order (:mod:`shellcut.mitc4.blocks`), but their nodes lie
+        in memory in the order of their ids: this saves time in a film of 1e5 quads or more with
+        scattered ids, as some meshers leave them. Node sets are renumbered; quads and their sets
+        stay; earlier node ids become invalid.
         """
         axes = np.argsort(-np.ptp(self.nodes, axis=0), kind="stable")
         along, across = self.nodes[:, axes[0]], self.nodes[:, axes[1]]
-        # Up and down lanes a few quads broad, as the quads are taken.
+        # Up and down lanes a few quads wide, in the order of the quads.
         breadth = _LANE * float(np.sqrt(np.median(self.quad_areas())))
         order = np.lexsort((across, np.floor((along - along.min()) / breadth)))
         new = np.empty(self.n_node, np.int64)
@@ -293,17 +293,17 @@ class Mesh:
     def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
         """Return the mesh with a pre-cut (notch) along a line of mesh edges.
 
-        The nodes of the line are duplicated wherever its edges part their quads: nodes within the
-        line, and an end that lies on the boundary or on an earlier cut (the notch is open there).
-        An end inside the mesh stays a single node, the crack tip. A closed line (last node the
-        first again) cuts a patch out. Quads on the left of the line, seen from the side the normals
-        point to, keep their nodes; duplicates are appended. Each takes over position, director,
-        set membership and ``origin`` of its node.
+        The nodes of the line are duplicated wherever its edges separate their quads: nodes within
+        the line, and an end on the boundary or on an earlier cut (the notch is open there). An end
+        inside the mesh stays a single node, the crack tip. A closed line (the last node is the
+        first again) cuts a patch out. Quads on the left of the line, seen from the side of the
+        normals, keep their nodes; duplicates are appended. Each duplicate copies position,
+        director, set membership and ``origin`` of its node.
 
         Parameters
         ----------
         line_of_nodes : sequence of int
-            Node ids in order, neighbours joined by an edge that has quads on both sides.
+            Node ids in order, neighbours joined by an edge with quads on both sides.
 
         Returns
         -------
@@ -399,8 +399,8 @@ class Mesh:
 
 
 def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
-    # for every node of the line a quad that has the leaving (at the end: arriving) edge on its rim
-    # in the line's own sense, that is, a quad on the left
+    # for each node of the line, a quad on the left: its rim contains the leaving edge (at the end,
+    # the arriving one) in the direction of the line
     side_of = {
         (int(quads[e, a]), int(quads[e, (a + 1) % 4])): e
         for e in touched.tolist()
@@ -416,7 +416,7 @@ def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
 def _fans(
     quads: Ints, node: int, around: list[int], cut_edges: set[frozenset[int]], *, first: int
 ) -> Iterator[list[int]]:
-    # the groups into which the cut edges part the quads around a node, without the group of `first`
+    # groups into which the cut edges split the quads around a node, without the group of `first`
     spokes: dict[int, list[int]] = {}
     for e in around:
         a = int(np.flatnonzero(quads[e] == node)[0])
@@ -427,7 +427,7 @@ def _fans(
     while left:
         fan = [next(iter(left))]
         left.pop(fan[0])
-        for e in fan:  # grows while it is read
+        for e in fan:  # the list grows during the loop
             for sharing in spokes.values():
                 if e in sharing:
                     fan += [f for f in sharing if f in left]

@@ -1,9 +1,9 @@
 """A film meshed from its outline by Gmsh: :func:`mesh_from_outline`.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL) and imported only when this is
-called. The boundary is divided here, into an even number of edges a loop: of an odd number no mesh
-of quads only exists. Inside, Gmsh's frontal-Delaunay triangles are paired to quads by Blossom; on
-discs that gave a least scaled Jacobian of 0.71 where other settings left 0.03 to 0.68.
+Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL) and imported only by this call.
+The boundary is divided here, into an even number of edges per loop: with an odd number no mesh of
+quads only exists. Inside, Blossom pairs Gmsh's frontal-Delaunay triangles to quads; on discs the
+smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ CORNER_DEG = 30.0
 """A vertex at which the outline turns by more is a corner and becomes a node [deg]."""
 
 _MOST_EDGES = 50_000
-"""Along outline and holes; the check that they do not cross takes a minute for so many."""
+"""Limit along outline and holes; for so many edges the check for crossings takes a minute."""
 
-_ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: in turn if triangles stay
+_ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: tried if triangles remain
 _OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
@@ -48,25 +48,25 @@ def mesh_from_outline(
     Parameters
     ----------
     outline : array_like, shape (n, 2), [mm]
-        Vertices in order, either way round, the last not repeating the first. Between corners
+        Vertices in order, in either direction, without repeating the first. Between corners
         (:data:`CORNER_DEG`) the polygon stands for a smooth curve: nodes lie on it, but not on
         its vertices.
     size : float, [mm]
-        Edge length wanted.
+        Desired edge length.
     holes : sequence of array_like
         Polygons inside, as ``outline``.
 
     Returns
     -------
     Mesh
-        Node sets "outline", "hole_1", "hole_2", ... in order around.
+        Node sets "outline", "hole_1", "hole_2", ... in order along each loop.
 
     Raises
     ------
     MeshError
-        If a polygon is none, or Gmsh leaves triangles.
+        If a polygon is invalid, or Gmsh leaves triangles.
     ImportError
-        If Gmsh is not there or cannot be loaded.
+        If Gmsh is missing or cannot be loaded.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def mesh_from_outline(
     _check_apart(polygons, names)
     _check_count(polygons, size)
     loops = [_divided(polygon, size) for polygon in polygons]
-    _check_apart(loops, names)  # what is narrower than an edge may have been bridged
+    _check_apart(loops, names)  # the division may have bridged parts narrower than an edge
     with _gmsh() as gmsh:
         left = 0
         for algorithm in _ALGORITHMS:
@@ -89,13 +89,13 @@ def mesh_from_outline(
             if not left:
                 return Mesh.from_arrays(nodes, quads, node_sets=dict(zip(names, rims, strict=True)))
     raise MeshError(
-        f"Gmsh must find a mesh of quads only, it leaves {left} triangles; change size a little, "
-        "or mind narrow places of the outline"
+        f"Gmsh must find a mesh of quads only, but leaves {left} triangles; change size a little, "
+        "or check narrow parts of the outline"
     )
 
 
 def _check_count(polygons: list[Floats], size: float) -> None:
-    # of quads by the area, and of edges along the outlines, which Gmsh is given one by one
+    # check the number of quads by area, and of edges along the outlines, which are passed to Gmsh
     area = _area(polygons[0]) - sum(_area(hole) for hole in polygons[1:])
     check_film_size(area / size / size, "enlarge size, or shrink the outline")
     around = sum(float(np.hypot(*(np.roll(p, -1, axis=0) - p).T).sum()) for p in polygons)
@@ -128,7 +128,7 @@ def _polygon(vertices: npt.ArrayLike, name: str) -> Floats:
 
 
 def _check_apart(loops: list[Floats], names: list[str]) -> None:
-    # Gmsh does not come back from outlines that cross: sides must not, and holes must lie inside
+    # Gmsh hangs on crossing outlines: sides must not cross, and holes must lie inside
     a = np.concatenate(loops)
     b = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
     loop_of = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
@@ -157,7 +157,7 @@ def _check_apart(loops: list[Floats], names: list[str]) -> None:
 
 
 def _inside(point: Floats, polygon: Floats) -> bool:
-    # by the number of sides that a ray along +x crosses
+    # from the number of sides crossed by a ray along +x
     (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
     spans = (y1 > point[1]) != (y2 > point[1])
     at = x1[spans] + (point[1] - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])
@@ -165,7 +165,7 @@ def _inside(point: Floats, polygon: Floats) -> bool:
 
 
 def _divided(points: Floats, size: float) -> Floats:
-    # nodes along the polygon: all corners, and even divisions between them by arc length
+    # nodes along the polygon: all corners, evenly spaced by arc length between them
     sides = np.roll(points, -1, axis=0) - points
     length = np.hypot(*sides.T)
     before = np.roll(sides, 1, axis=0)
@@ -195,7 +195,7 @@ def _divided(points: Floats, size: float) -> Floats:
 
 @contextmanager
 def _gmsh() -> Iterator[Any]:
-    # Gmsh with these options and an empty model; what the user had is restored
+    # Gmsh with these options and an empty model; the user's state is restored
     try:
         import gmsh
     except ImportError:
@@ -203,7 +203,7 @@ def _gmsh() -> Iterator[Any]:
             "meshing an outline needs Gmsh, an optional extra under the GPL: "
             "pip install 'shellcut[mesh]'"
         ) from None
-    except OSError as reason:  # a system library that its wheel does not bring
+    except OSError as reason:  # a system library missing from its wheel
         raise ImportError(
             f"Gmsh is installed but cannot be loaded: {reason}; on Debian and Ubuntu: "
             "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
@@ -229,7 +229,7 @@ def _gmsh() -> Iterator[Any]:
 def _meshed(
     gmsh: Any, loops: list[Floats], size: float, algorithm: int
 ) -> tuple[Floats, Ints, int, list[Ints]]:
-    # nodes (n, 2), quads, the number of triangles left, and the nodes of each loop in order
+    # returns nodes (n, 2), quads, the number of triangles left, and the nodes of each loop in order
     gmsh.model.add("shellcut outline")
     try:
         gmsh.option.setNumber("Mesh.Algorithm", algorithm)

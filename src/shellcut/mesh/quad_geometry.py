@@ -9,11 +9,11 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 
-_FLAT = 1e-12  # directors this near to their mean are the mean: round-off of a plane mesh
+_FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
 
 
 class QuadSides:
-    """The sides of some quads grouped by edge.
+    """The sides of quads grouped by edge.
 
     The sides on edge k, whose ends are ``nodes[k]``, belong to
     ``quads[start[k] : start[k] + n_quad[k]]``.
@@ -33,7 +33,7 @@ class QuadSides:
         self._forward = (tail < head).ravel()[order]  # the side runs from lower to higher id
 
     def neighbours(self) -> tuple[Ints, Ints, Bools]:
-        """Return the two quads of every inner edge, and whether they turn the same way."""
+        """Return the two quads of every inner edge, and whether they have the same orientation."""
         start = self.start[self.n_quad == 2]
         turning_alike = self._forward[start] != self._forward[start + 1]
         return self.quads[start], self.quads[start + 1], turning_alike
@@ -67,13 +67,13 @@ def edge_lengths(X: Floats, quads: Ints) -> Floats:
 
 def angles_deg(one: Floats, two: Floats) -> Floats:
     """Return the angles between vectors of two lists, of any length."""
-    # the arc tangent keeps small angles, which an arc cosine rounds away
+    # the arc tangent keeps small angles, which an arc cosine rounds to zero
     sine, cosine = norm(np.cross(one, two)), np.einsum("ij,ij->i", one, two)
     return np.asarray(np.degrees(np.arctan2(sine, cosine)))
 
 
 def unit(vectors: Floats) -> Floats:
-    """Return every row over its length."""
+    """Return every row divided by its length."""
     # rows of length zero stay zero; they are reported as degenerate
     length = norm(vectors)[:, None]
     unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
@@ -81,7 +81,7 @@ def unit(vectors: Floats) -> Floats:
 
 
 def scaled_jacobian(X: Floats, quads: Ints) -> Floats:
-    """Return the least scaled Jacobian of every quad; see :meth:`Mesh.scaled_jacobian`."""
+    """Return the smallest scaled Jacobian of every quad; see :meth:`Mesh.scaled_jacobian`."""
     normals = unit(quad_vectors(X, quads))
     least = np.ones(len(quads))
     for a in range(4):

@@ -2,19 +2,19 @@
 
 All lengths in mm. Plane meshes lie in z = 0 with normals along +z.
 
-The disc is a butterfly: a core of n x n quads, a rounded square, and layers of 4 n quads around
-it. The core's shape was chosen for a long time step. With u, v in [-1, 1] over the core and r the
+The disc is a butterfly mesh: a core of n x n quads, a rounded square, surrounded by layers of 4 n
+quads. The shape of the core maximises the time step. With u, v in [-1, 1] over the core and r the
 radius of the innermost circle,
 
     x = w r u (1 + b1 v² + b2 u⁴ + b3 u² v² + b4 v⁴),    y likewise with u and v exchanged,
 
-and straight layers between core and circle. Over w and b1 .. b4 the least step of a single plane
-stress quad (2 / omega of its stiffness on lumped masses) was maximised together for five discs of
-560 to 8,625 quads with 2 to 11 layers, holding, in units of the mean spacing s = sqrt(area /
+with straight layers between core and circle. w and b1 .. b4 maximise the smallest step of a single
+plane stress quad (2 / omega of its stiffness on lumped masses), for five discs together with 560 to
+8,625 quads and 2 to 11 layers, with the constraints, in units of the mean spacing s = sqrt(area /
 quads): smallest edge >= 0.825 s, largest about 1.55 s, scaled Jacobian >= 0.76. Result: a step of
 0.60 to 0.64 s / c with c = sqrt(E / density), smallest edge 0.825 to 0.86 s, Jacobian >= 0.816.
-The largest smallest edge alone (0.887 s) leaves slender, slanted quads in the core's corners and a
-step 11 % shorter; a smallest edge of 0.76 s would lengthen the step by 2 %.
+Maximising the smallest edge alone (0.887 s) leaves slender, slanted quads in the core's corners and
+a step 11 % shorter; a smallest edge of 0.76 s would lengthen the step by 2 %.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from .mesh import Mesh, MeshError
 _CORE_SHAPE = ((-0.396, 0.20), (0.101, 0.57), (-0.146, -0.21), (0.226, 0.01))
 """b1 .. b4 above: value for a fine core, slope over 1/n_side."""
 _COARSEST_STUDIED = 18  # n_side; the slopes are not used below it
-_LAYER_THICKNESS = 0.927  # of a free layer at the middle of a core's side, over the mean spacing
+_LAYER_THICKNESS = 0.927  # of a free layer at the middle of a core side, over the mean spacing
 
 OpeningName = Literal["quick", "M1", "M2"]
 
@@ -64,10 +64,10 @@ def rectangle(
     ----------
     length, width : float, [mm]
     size : float, optional, [mm]
-        Edge length wanted; each side takes the nearest whole number of divisions.
+        Desired edge length; each side gets the nearest whole number of divisions.
     n_x, n_y : int, optional
-        Divisions along x and y, instead of ``size``. An even n_y puts a row of nodes on y = 0,
-        exactly.
+        Divisions along x and y, instead of ``size``. An even n_y puts a row of nodes exactly on
+        y = 0.
 
     Returns
     -------
@@ -111,14 +111,14 @@ def disc(
     ----------
     radius : float, [mm]
     n_side : int
-        Quads along a side of the core; 4 n_side nodes stand on every circle, evenly by angle, the
-        first on the x axis.
+        Quads along a side of the core; every circle has 4 n_side evenly spaced nodes, the first on
+        the x axis.
     n_layer : int, optional
-        Layers around the core, those between exact rings included. By default as many as make the
-        quads inside the innermost ring about square.
+        Layers around the core, including those between exact rings. By default the number for
+        which the quads inside the innermost ring are about square.
     ring_radii : sequence of float, optional, [mm]
-        Radii of circles on which nodes lie exactly, decreasing; the rim may be among them. Between
-        the innermost of them and the core the layers are free.
+        Radii of circles on which nodes lie exactly, decreasing; may include the rim. The layers
+        between the innermost ring and the core are free.
 
     Returns
     -------
@@ -141,8 +141,8 @@ def disc(
     ``opening_disc("M2")``         8,625   0.164          0.300         0.833
     =============================  ======  =============  ============  ==============
 
-    More layers than a third of n_side make flat quads at the rim: the core shrinks until its edges
-    are as short as the layers are thick.
+    With more layers than a third of n_side the quads at the rim are flat: the core shrinks until
+    its edges are as short as the layers are thick.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def disc(
     check_film_size(n_quad, "lower n_side or n_layer")
     core, grid = _core(n_side, n_free)
     circle = _circle(4 * n_side)
-    # from the corner at -45 degrees counter-clockwise, then turned to begin at angle 0
+    # from the corner at -45 degrees counter-clockwise, then rotated to begin at angle 0
     sides = (grid[-1, :-1], grid[:0:-1, -1], grid[0, :0:-1], grid[:-1, 0])
     inner = np.roll(np.concatenate(sides), -(n_side // 2))
 
@@ -193,14 +193,13 @@ def opening_disc(name: OpeningName) -> Mesh:
     ----------
     name : {"quick", "M1", "M2"}
         612, 2,660 or 8,625 quads; the meshes of [Frangi2010] have 2,634 (M1) and 8,647 (M2).
-        72, 152 or 276 nodes stand on the ring: four teeth a quarter turn apart all start on nodes.
+        The ring has 72, 152 or 276 nodes: four teeth a quarter turn apart all start on nodes.
         Rows every 0.8, 0.4 or 0.2 mm from the rim down to 8.6, 8.2 or 9.0 mm.
 
     Returns
     -------
     Mesh
-        As :func:`disc` returns it, with a further node set "ring", the nodes at r = 9.4 by angle
-        from 0.
+        As from :func:`disc`, with a further node set "ring", the nodes at r = 9.4 by angle from 0.
     """
     if name not in _OPENINGS:
         raise MeshError(f"name must be one of {', '.join(_OPENINGS)}, got {name!r}")
@@ -245,7 +244,7 @@ def cylinder(
 ) -> Mesh:
     """Return a cylinder or a barrel roof: a sheet bent about the y axis, directors outward.
 
-    The middle of the arc lies at the top, (0, y, radius), and -length/2 <= y <= length/2. The
+    The middle of the arc is at the top, (0, y, radius), and -length/2 <= y <= length/2. The
     directors are radial to round-off, not means of quad normals.
 
     Parameters
@@ -289,14 +288,14 @@ def _core_shape(n_side: int, n_free: int) -> tuple[float, float, float, float, f
     b1, b2, b3, b4 = (b + slope / max(n_side, _COARSEST_STUDIED) for b, slope in _CORE_SHAPE)
     spacing = sqrt(pi / (n_side**2 + 4 * n_side * n_free))
     w = (1.0 - n_free * _LAYER_THICKNESS * spacing) / (1.0 + b2)
-    # many layers on a small core are flat and wide: as thick as the core's edges, 2 w / n_side
+    # many layers on a small core are flat and wide: make them as thick as its edges, 2 w / n_side
     thin = 1.0 / (1.0 + 2.0 * n_free / n_side)
     return (w if 3 * n_free < n_side else thin), b1, b2, b3, b4
 
 
 def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     # Positions ((n_side + 1)², 2) within a circle of radius 1 and their ids as a grid [u, v].
-    # An odd core is turned by half a spacing: its sides have no middle node to put on the x axis.
+    # An odd core is rotated by half a spacing: its sides have no middle node to put on the x axis.
     t = (2 * np.arange(n_side + 1) - n_side) / n_side
     w, b1, b2, b3, b4 = _core_shape(n_side, n_free)
 

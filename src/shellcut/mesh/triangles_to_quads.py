@@ -1,7 +1,7 @@
-"""Triangles made into quads: every cell is split from its centre to the middles of its edges.
+"""Split triangles into quads, from the centre of each cell to the midpoints of its edges.
 
-A triangle gives three quads and a quad four. All cells are split, so that neighbours agree on the
-middle of their edge and the mesh stays conforming.
+A triangle gives three quads and a quad four. All cells are split, so that neighbours share the
+midpoints of their edges and the mesh stays conforming.
 """
 
 from __future__ import annotations
@@ -15,30 +15,30 @@ from shellcut.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class QuadSplit:
-    """A mesh of quads and where it comes from.
+    """A mesh of quads and its relation to the cells before the split.
 
-    Nodes keep their numbers; the middles of edges follow, then the centres of cells.
+    Nodes keep their numbers; the midpoints of edges follow, then the centres of cells.
     """
 
     nodes: Floats
     """Shape (n_new_node, 3)."""
     quads: Ints
-    """Shape (n_quad, 4), turning as the cell they are part of."""
+    """Shape (n_quad, 4), with the orientation of their cells."""
     parent: Ints
-    """Cell of each quad, shape (n_quad,): quads first, then triangles, as they were given."""
+    """Cell of each quad, shape (n_quad,): quads first, then triangles, in the given order."""
     edge_ends: Ints
-    """Ends of the edges of the mesh before, lower id first, sorted, shape (n_edge, 2)."""
+    """Ends of the old mesh's edges, lower id first, sorted, shape (n_edge, 2)."""
     edge_n_cell: Ints
     """Number of cells on each, shape (n_edge,)."""
     cells: tuple[Ints, Ints]
     """The quads and triangles that were split."""
     n_node: int
-    """Number of nodes before."""
+    """Number of old nodes."""
 
     def with_middles(self, members: Ints) -> Ints:
-        """Return a set of nodes with the new nodes between them.
+        """Return a set of nodes extended by the new nodes between them.
 
-        An edge's middle joins if both ends are members, a cell's centre if all corners are. Of a
+        An edge's midpoint joins if both ends are members, a cell's centre if all corners are. For a
         set that lies on the boundary only, just boundary edges count: a cell in a corner has all
         its nodes on the boundary, but its inner edges and centre lie inside.
         """
@@ -56,7 +56,7 @@ class QuadSplit:
         return np.concatenate([members, middles, first + np.flatnonzero(centres)])
 
     def middles(self, lines: Ints) -> Ints:
-        """Return the middles of those lines, shape (n_line, 2), that are edges of the mesh."""
+        """Return the midpoints of those lines, shape (n_line, 2), that are edges of the mesh."""
         ordered = np.sort(lines, axis=1)
         key = ordered @ np.array([self.n_node, 1])
         keys = self.edge_ends @ np.array([self.n_node, 1])

@@ -1,7 +1,7 @@
-"""Model files: a TOML file that says everything about a run.
+"""Model files: a TOML file that describes a run completely.
 
-:func:`read_model` reads and checks it, :meth:`Model.build` makes the case, :meth:`Model.write`
-writes it with every default filled in.
+:func:`read_model` reads and checks the file, :meth:`Model.build` builds the case,
+:meth:`Model.write` writes the model with every default filled in.
 
 May import ``models`` and rows below.
 """

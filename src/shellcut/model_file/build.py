@@ -1,4 +1,4 @@
-"""From a model to a case: the builders of :mod:`shellcut.models`, called with its parts."""
+"""Build a case from a model, with the builders of :mod:`shellcut.models`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build(model: Model) -> Case:
     Raises
     ------
     ModelFileError
-        Naming the section that cannot be made, or that does not fit the others.
+        Names the section that cannot be built, or that does not fit the others.
     """
     case = _Build(model).case()
     return replace(case, name=model.name)
@@ -154,7 +154,7 @@ class _Build:
 
     @contextmanager
     def _blame(self, path: KeyPath) -> Iterator[None]:
-        """Turn what a part refuses into an error that names its place in the file."""
+        """Turn an error from a part into one that names its place in the file."""
         try:
             yield
         except ModelFileError:
@@ -166,13 +166,13 @@ class _Build:
 
 
 def as_long_as(blade: Any, extent: float) -> Any:
-    """Return the section of a blade with the length [mm] that it leaves to the strip to say."""
+    """Return the section of a blade, with the strip's length [mm] where it has none of its own."""
     if blade.kind == "blade" and blade.length is None:
         return replace(blade, length=extent)
     return blade
 
 
 def _with_set(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Mesh:
-    """Return the mesh with a set, which takes the place of one of that name."""
+    """Return the mesh with a node set; a set of the same name is replaced."""
     nodes = np.unique(np.concatenate([mesh.node_set(one) for one in sets]))
     return replace(mesh, node_sets={**mesh.node_sets, name: nodes})

@@ -1,4 +1,4 @@
-"""The error of model files: every problem there is, each with its place."""
+"""The error of model files: all problems at once, each with its place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong."""
+    """One problem."""
 
     place: str
     """``file:line``, or the setting that overrides the file."""
@@ -24,13 +24,13 @@ class Problem:
 
 
 class ModelFileError(ValueError):
-    """A model file that describes no model; the message lists every problem, a line each.
+    """The model file is wrong; the message lists every problem, one per line.
 
     Attributes
     ----------
     problems : tuple of Problem
     partial : Model or None
-        What could be read of it: a model that lacks the sections with something wrong in them.
+        The valid part: a model without the sections that have problems.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class ModelFileError(ValueError):
 
 
 def guess(name: str, names: Iterable[str]) -> str:
-    """Return "; did you mean x?" for the nearest of the names, nothing if none is near."""
+    """Return "; did you mean x?" for the most similar name, "" if none is similar."""
     close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.6)
     return f"; did you mean {close[0]}?" if close else ""
 

@@ -86,7 +86,7 @@ class Rectangle(Section):
 
 @section("membrane", kind="disc", sign="radius", of=disc)
 class Disc(Section):
-    """A disc about the origin with node sets rim, centre and one a ring."""
+    """A disc about the origin, with node sets rim and centre and one per ring."""
 
     radius: float = key(number("mm"), "of the rim")
     n_side: int = key(whole, "quads along a side of the core")
@@ -108,14 +108,12 @@ class FilmFile(Section):
         length_unit,
         "of the file: um, mm, cm, m, inch, mil",
         also="scale",
-        unset="guessed, and said",
+        unset="guessed and logged",
     )
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
     triangles: str = key(choice(*get_args(Triangles)), "what to do with triangles")
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
-    merge: float | None = key(
-        number("mm"), "nodes nearer than this are one", unset="none are merged"
-    )
+    merge: float | None = key(number("mm"), "merge nodes closer than this", unset="none are merged")
     max_fold_deg: float = key(number("deg"), "sharpest fold allowed")
     imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 

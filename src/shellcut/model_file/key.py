@@ -1,7 +1,7 @@
-"""Keys of a model file: what a value must be, its unit, its meaning; and sections made of keys.
+"""Keys of a model file (type, unit, meaning), and sections made of keys.
 
-A section is a frozen dataclass whose fields carry their :class:`Key` as metadata. Where the section
-describes the arguments of a constructor, the defaults are those of its signature.
+A section is a frozen dataclass whose fields carry their :class:`Key` as metadata. If the section
+holds arguments of a constructor, the defaults come from its signature.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from typing import Any, ClassVar, TypeVar
 
 from .quantity import quantity
 
-# No quantity of a film and its cut comes near these in mm, N, s and t, and their fourth powers are
-# still numbers that a computer holds.
+# No quantity of a film and its cut comes near these limits in mm, N, s and t, and their fourth
+# powers are still within the range of a double.
 _SMALLEST, _LARGEST = 1e-18, 1e18
 
 _LARGEST_COUNT = 10**9  # of anything: quads, teeth, rows, steps between two checks
@@ -27,16 +27,16 @@ Constructor = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Kind:
-    """What a value may be."""
+    """Type of a value."""
 
     wants: str
-    """In words, for the table of the keys."""
+    """Description for the table of keys."""
     read: Callable[[Any], Any]
-    """Takes what TOML gives; raises ValueError with "must be ..., got ..."."""
+    """Converts the TOML value; raises ValueError with "must be ..., got ..."."""
     unit: str = ""
     is_file: bool = False
     tables: type[Section] | None = None
-    """Section of the tables, where the value is an array of them."""
+    """Section class of the tables, if the value is an array of tables."""
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class Key:
     kind: Kind
     doc: str
     default: Any = MISSING
-    """Otherwise that of the constructor; a key with neither must be given."""
+    """If missing, the constructor's default; a key with neither must be given."""
     parameter: str = ""
-    """Name in the constructor, if it is another one."""
+    """Name in the constructor, if different."""
     also: str = ""
-    """A second name that is understood."""
+    """A second accepted name."""
     unset: str = ""
-    """What it means not to give a key whose default is None."""
+    """Meaning of leaving out a key whose default is None."""
 
 
 def key(
@@ -73,12 +73,12 @@ class Section:
 
     title: ClassVar[str] = ""
     kind: ClassVar[str] = ""
-    """Value of its key ``kind``; empty if the section has one kind only."""
+    """Value of its key ``kind``; empty if the section has only one kind."""
     sign: ClassVar[str] = ""
-    """A key that tells the kind where ``kind`` is not given."""
+    """A key that identifies the kind if ``kind`` is not given."""
     constructor: ClassVar[Constructor | None] = None
     deferred: ClassVar[bool] = False
-    """Whether to make it only when the model is built, because a file is read."""
+    """Whether it is constructed only when the model is built, because that reads a file."""
 
     @classmethod
     def keys(cls) -> dict[str, Key]:
@@ -87,25 +87,25 @@ class Section:
 
     @classmethod
     def names(cls) -> list[str]:
-        """Return all names that may stand in the section, second ones too."""
+        """Return all names allowed in the section, including second names."""
         keys = cls.keys()
         own = ["kind"] if cls.kind else []
         return [*own, *keys, *(key.also for key in keys.values() if key.also)]
 
     def arguments(self) -> dict[str, Any]:
-        """Return the values that are arguments of the constructor."""
+        """Return the values of the constructor's arguments."""
         assert self.constructor is not None
         known = inspect.signature(self.constructor).parameters
         given = {key.parameter or name: getattr(self, name) for name, key in self.keys().items()}
         return {name: value for name, value in given.items() if name in known}
 
     def made(self) -> Any:
-        """Return what the constructor makes of the values.
+        """Call the constructor with the values.
 
         Raises
         ------
         ValueError
-            If the values go not together.
+            If the values do not fit together.
         """
         assert self.constructor is not None
         return self.constructor(**self.arguments())
@@ -119,7 +119,7 @@ def section(
     sign: str = "",
     deferred: bool = False,
 ) -> Callable[[type[T]], type[T]]:
-    """Make a section of a class whose attributes are keys."""
+    """Make a section from a class whose attributes are keys."""
 
     def make(cls: type[T]) -> type[T]:
         for name, key in list(vars(cls).items()):
@@ -173,7 +173,7 @@ def _number(value: Any, unit: str, *, smallest: float = _SMALLEST) -> float:
 def number(unit: str = "", *, least: float | None = None, above: float | None = None) -> Kind:
     """Return the kind of a number; with a unit it may be a text such as "12 um".
 
-    Bounds are for what no constructor checks before the model is built.
+    Give bounds only where no constructor checks the value before the model is built.
     """
 
     def read(value: Any) -> float:
@@ -214,7 +214,7 @@ file = Kind("path", _text, is_file=True)
 
 
 def count(least: int) -> Kind:
-    """Return the kind of a whole number of this or more."""
+    """Return the kind of a whole number with a lower bound."""
 
     def read(value: Any) -> int:
         if _whole(value) < least:
@@ -225,7 +225,7 @@ def count(least: int) -> Kind:
 
 
 def choice(*allowed: str) -> Kind:
-    """Return the kind of one of some names."""
+    """Return the kind of a name out of several."""
     listed = ", ".join(f'"{name}"' for name in allowed)
 
     def read(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""All keys of model files as a list: for the page of the keys, and to look for them by words."""
+"""List of all keys of model files, for the page of keys and for searching."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .writer import written
 
 @dataclass(frozen=True)
 class Entry:
-    """A key in words.
+    """Description of a key.
 
     Examples
     --------
@@ -26,12 +26,12 @@ class Entry:
 
     name: str
     also: str
-    """A second name, or nothing."""
+    """A second name, or ""."""
     wants: str
-    """What the value may be."""
+    """Type of the value."""
     unit: str
     default: str
-    """As it is written in a model file, where :attr:`has_default`; else what holds without it."""
+    """As in a model file if :attr:`has_default`; otherwise the meaning of leaving it out."""
     has_default: bool
     doc: str
 
@@ -41,26 +41,26 @@ class Table:
     """The keys of one section, or of one kind of it."""
 
     title: str
-    """As it is written in a model file, ``[tool]``; empty before the first section."""
+    """As written in a model file, ``[tool]``; empty before the first section."""
     kind: str
-    """Value of its key ``kind``, or nothing."""
+    """Value of its key ``kind``, or ""."""
     sign: str
-    """Key that tells the kind without it, or nothing."""
+    """Key that identifies the kind without ``kind``, or ""."""
     models: tuple[str, ...]
-    """Those that have it."""
+    """Models that have the section."""
     doc: str
     entries: tuple[Entry, ...]
 
     @property
     def where(self) -> str:
-        """Which models have it, in words."""
+        """Models that have the section, in words."""
         if len(self.models) == len(SECTIONS):
             return "every model"
         return "model " + ", ".join(self.models)
 
 
 def tables() -> Iterator[Table]:
-    """Yield all sections in their order, and their kinds."""
+    """Yield all sections and their kinds, in order."""
     every = tuple(SECTIONS)
     yield _table("", Head, every)
     for title, kinds in _owners().items():
@@ -73,15 +73,15 @@ def tables() -> Iterator[Table]:
 
 
 def found(words: Sequence[str]) -> list[Table]:
-    """Return the tables with the keys in which all the words are, in whatever capitals.
+    """Return the tables with the keys that contain all the words, ignoring case.
 
-    A word may be part of a key's name, section, unit, meaning or of what the value may be. The
-    keys of a table are all there if the words are in its own title, kind or description.
+    A word may be part of a key's name, section, unit, meaning or type. If the words are in a
+    table's own title, kind or description, all its keys are returned.
 
     Raises
     ------
     ValueError
-        If there is none, with the nearest name.
+        If no key matches, with the most similar name.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def found(words: Sequence[str]) -> list[Table]:
     if not chosen:
         names = {entry.name for table in tables() for entry in table.entries}
         near = "".join(guess(word, sorted(names)) for word in words)
-        raise ValueError(f"no key has {' and '.join(map(repr, words))} in it{near}")
+        raise ValueError(f"no key contains {' and '.join(map(repr, words))}{near}")
     return chosen
 
 
@@ -110,7 +110,7 @@ def _has(own: str, entry: Entry, wanted: Sequence[str]) -> bool:
 
 
 def _owners() -> dict[str, dict[type[Section], list[str]]]:
-    """Return by section its kinds, each with the models that have it."""
+    """Return the kinds of each section, each with the models that have it."""
     owners: dict[str, dict[type[Section], list[str]]] = {}
     for layout in (SECTIONS, LISTS):
         for model, sections in layout.items():

@@ -1,4 +1,4 @@
-"""A model: everything that a model file says, checked and with all defaults filled in."""
+"""A model: the content of a model file, checked and with all defaults filled in."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Model:
-    """What a model file describes; made by :func:`read_model`.
+    """Content of a model file; created by :func:`read_model`.
 
     Attributes
     ----------
     head : Head
         The keys before the first section.
     sections : dict of str to Section
-        Those that stand once, by title, all of them.
+        Sections that occur once, by title; all of them.
     lists : dict of str to tuple of Section
         ``supports`` and ``loads``.
     recorded : dict of str to str
-        SHA-256 of files that the model reads, as a ``used.toml`` tells them.
+        SHA-256 of files that the model reads, as stored in a ``used.toml``.
     source : Source
-        Where the values stand, for messages.
+        Places of the values in the file, for messages.
 
     Examples
     --------
@@ -59,23 +59,23 @@ class Model:
         Raises
         ------
         ModelFileError
-            If the parts do not fit together, or a file they are read from cannot be used.
+            If the parts do not fit together, or a file they need cannot be used.
         """
         from .build import build
 
         return build(self)
 
     def parts(self) -> ModelParts:
-        """Return film, held nodes, tool and motion, those of them that can be made.
+        """Return those of film, held nodes, tool and motion that can be built.
 
-        For a look at a model that is refused; what is wrong with the others :meth:`build` says.
+        Used to draw a refused model; :meth:`build` reports the problems of the other parts.
         """
         from .parts import parts
 
         return parts(self)
 
     def run_options(self) -> dict[str, Any]:
-        """Return the arguments of :meth:`Case.run` that ``[output]`` says."""
+        """Return the arguments of :meth:`Case.run` given in ``[output]``."""
         options: dict[str, Any] = self.sections["output"].arguments()
         return options
 
@@ -95,18 +95,18 @@ class Model:
         ]
 
     def changed_files(self) -> list[str]:
-        """Return those files that are gone or are not what they were when the model was written."""
+        """Return the files that are gone or have changed since the model was written."""
         return [path for path, digest in self.recorded.items() if digest_of(path) != digest]
 
     def all_sections(self) -> Iterator[Section]:
-        """Yield every section, those of lists too."""
+        """Yield every section, including those of lists."""
         yield from self.sections.values()
         for several in self.lists.values():
             yield from several
 
 
 def digest_of(path: str | Path) -> str:
-    """Return the SHA-256 of a file, or of nothing if it cannot be read."""
+    """Return the SHA-256 of a file, "" if it cannot be read."""
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()
     except OSError:

@@ -1,4 +1,4 @@
-"""Keys that replace what a model file says: by section and key, or by the key alone."""
+"""Override values of a model file, by section and key or by key alone."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
     }
     settings: dict[KeyPath, str] = {}
     problems = []
-    # The model first: it decides which keys there are.
+    # The model first: it determines the available keys.
     for name, value in sorted(overrides.items(), key=lambda pair: pair[0] != "model"):
         if beyond := beyond_all({name: value}):
             problems.append(Problem(f"set {name}", f"the value {beyond}"))
@@ -60,10 +60,10 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
 
 
 def _fitting(table: dict[str, Any], key: str, kinds: Kinds, others: set[str]) -> dict[str, Any]:
-    """Return what of a section stays when a key is set that tells its kind.
+    """Return the keys of a section that remain when an overriding key changes its kind.
 
-    What belongs to other kinds only goes; what nobody knows, and what was set as well, stays, to be
-    refused.
+    Keys of other kinds only are dropped; unknown keys, and keys that were also overridden, remain
+    and are refused later.
     """
     for kind in kinds:
         if kind.sign and key in (kind.sign, kind.keys()[kind.sign].also):
@@ -85,7 +85,7 @@ def _path_of(name: str, model: str) -> KeyPath:
     layout = SECTIONS.get(model, {})
     if rest:
         if title in LISTS.get(model, {}):
-            raise ValueError(f"[[{title}]] may stand several times: write it in the file")
+            raise ValueError(f"[[{title}]] can occur several times: write it in the file")
         if title not in layout:
             hint = guess(title, layout) or listed(layout)
             raise ValueError(f"there is no section [{title}]{hint}")

@@ -1,4 +1,4 @@
-"""The parts of a model, each by itself, for a look at one that cannot be built."""
+"""Single parts of a model, to draw a model that cannot be built."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .build import as_long_as
 from .model import Model
 
 _BY_ITSELF = {"opening": ("rim",), "strip": ("bottom", "top")}
-"""Node sets that films of the package are clamped at, by kind."""
+"""Node sets at which films of the package are clamped, by kind."""
 
-# What is refused is let be: the error of the model says it.
+# Refusals are ignored here: the error of the model reports them.
 _REFUSALS = (ValueError, KeyError, ImportError, OSError)
 
 
 def parts(model: Model) -> ModelParts:
-    """Return what can be made of film, held nodes, tool and motion."""
+    """Return those of film, held nodes, tool and motion that can be built."""
     return _Parts(model).made()
 
 
@@ -50,7 +50,7 @@ class _Parts:
         )
 
     def _try(self, make: Callable[[], Any]) -> Any:
-        """Return what is made, None where it is refused or what it takes is not there."""
+        """Return the part, None if it is refused or needs a missing part."""
         found = None
         with suppress(*_REFUSALS):
             found = make()
@@ -72,7 +72,7 @@ class _Parts:
             return tool, motion, section.duration
         if self._model.head.model == "guillotine":
             if mesh is None or tool is None:
-                raise ValueError("the way of the blade begins where the strip does")
+                raise ValueError("the blade's travel starts at the strip, which is missing")
             return blade_before(mesh, tool, travel=section.travel, speed=section.speed)
         given = section.made()
         duration = section.duration

@@ -1,6 +1,6 @@
-"""Numbers with a unit, as "43.5 kJ/m^2" or "12 um", taken to mm, N, s and degrees.
+"""Numbers with a unit, such as "43.5 kJ/m^2" or "12 um", converted to mm, N, s and degrees.
 
-The number is read as a decimal, so that "0.92 g/cm3" is the very double that 9.2e-10 is.
+The number is read as a decimal, so "0.92 g/cm3" gives exactly the double 9.2e-10.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _EXPONENT = re.compile(r"[eE][+-]?0*(\d*)$")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
 _SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "·": "*"})
 
-# Beyond these a fraction takes for ever to write out; no double needs as much.
+# Beyond this a fraction takes too long to write out; no double needs as many digits.
 _LONGEST_NUMBER = 400
 _LONGEST_EXPONENT = 3
 _LARGEST_POWER = 9
@@ -41,20 +41,20 @@ WITHIN_A_DOUBLE = "that a computer's number can hold, up to 1.8e308"
 
 
 def quantity(text: str, unit: str) -> float:
-    """Return the number that a text gives in ``unit``; a bare number is in it already.
+    """Return the number given by a text, in ``unit``; a bare number is already in it.
 
     Parameters
     ----------
     text : str
-        Number and unit; units are multiplied by ``*`` or a blank and divided by ``/``, powers are
-        written ``m^2`` or ``m2``.
+        Number and unit; units are multiplied with ``*`` or a blank and divided with ``/``; powers
+        are written ``m^2`` or ``m2``.
     unit : str
-        The unit wanted; empty for a pure number.
+        The required unit; empty for a pure number.
 
     Raises
     ------
     ValueError
-        If the text is no number with a known unit, or of another dimension.
+        If the text is not a number with a known unit, or has another dimension.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def _parsed(unit: str) -> tuple[Fraction, Dimension]:
 
 
 def _name(word: str) -> str | None:
-    """Return the name of a unit, which may be written out as "inch" or "degrees"."""
+    """Return the name of a unit, which may be spelt out like "inch" or "degrees"."""
     name = word if word in _UNITS else unit_table.canonical(word)
     return name if name in _UNITS else None
 

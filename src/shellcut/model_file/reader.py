@@ -1,4 +1,4 @@
-"""Read a model file: find it, check it, fill in what it leaves out."""
+"""Read a model file: find it, check it, fill in the defaults."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .source import KeyPath, Source, parse
 FILES = "files"
 """Section of a ``used.toml`` with the digests of the files that the model reads."""
 
-_LARGEST = 10_000_000  # bytes of a model file; the shipped ones have some thousand
+_LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
 
 _LONGEST_TEXT = 1000  # characters of a problem; it may quote a value of any length
 _STEM = re.compile(r"[\w.-]+")
@@ -37,10 +37,10 @@ def read_model(
     Parameters
     ----------
     name_or_path : str or path
-        ``"opening"``, ``"guillotine"``, or the path of a file in TOML. Paths in the file are
-        relative to it.
+        ``"opening"``, ``"guillotine"``, or the path of a TOML file. Paths in the file are relative
+        to it.
     overrides : mapping from key to value, optional
-        Replaces what the file says: ``{"membrane.mesh": "quick"}``, or ``{"mesh": "quick"}`` where
+        Replaces values of the file: ``{"membrane.mesh": "quick"}``, or ``{"mesh": "quick"}`` if
         only one section has such a key. Paths here are relative to the working directory.
 
     Returns
@@ -77,23 +77,23 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
     path = Path(name_or_path)
     if _is_there(path):
         try:
-            text = read_regular(path, _LARGEST).decode("utf-8-sig")  # with the mark of some editors
+            text = read_regular(path, _LARGEST).decode("utf-8-sig")  # some editors add a BOM
         except OSError as error:
             said = error.strerror or error
             raise ModelFileError([Problem(str(path), f"cannot be read: {said}")]) from None
         except UnicodeDecodeError:
-            wants = "must be text in UTF-8, which TOML asks for: save it so in the editor"
+            wants = "must be text in UTF-8, as TOML requires: save it so in the editor"
             raise ModelFileError([Problem(str(path), wants)]) from None
         return parse(text, str(name_or_path), path.resolve().parent)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
         return parse(shipped[str(name_or_path)], f"{name_or_path}.toml", Path.cwd())
-    text = f"there is no such file, and the models by name are {', '.join(shipped)}"
+    text = f"no such file; the models by name are {', '.join(shipped)}"
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
 
 
 def _is_there(path: Path) -> bool:
-    """Whether a path is of something that may be meant as a file: a folder of that name is not."""
+    """Whether a path may be meant as a file; a folder with a model's name is not."""
     try:
         return path.exists() and not path.is_dir()
     except (OSError, ValueError):  # a name too long for the system, or with a zero byte
@@ -101,7 +101,7 @@ def _is_there(path: Path) -> bool:
 
 
 class _Reading:
-    """One reading of a file, which collects the problems as it goes."""
+    """One reading of a file; collects the problems."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -158,14 +158,14 @@ class _Reading:
         table = self.source.values.get(title, {})
         if isinstance(table, dict):
             return table
-        self.say((title,), f"[{title}] stands once, write it with single brackets")
+        self.say((title,), f"[{title}] can occur only once: write it with single brackets")
         return {}
 
     def array(self, title: str) -> list[dict[str, Any]]:
         array = self.source.values.get(title, [])
         if isinstance(array, list) and all(isinstance(one, dict) for one in array):
             return array
-        self.say((title,), f"[[{title}]] is written with double brackets")
+        self.say((title,), f"[[{title}]] must be written with double brackets")
         return []
 
     def unknown_section(self, title: str, model: str) -> None:
@@ -181,7 +181,7 @@ class _Reading:
     def section(
         self, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
     ) -> Section | None:
-        """Return the section, or None if something in it is wrong, which is then noted."""
+        """Return the section, or None if it has a problem, which is then recorded."""
         before = len(self.problems)
         cls = self.choose(kinds, table, path)
         if cls is None:
@@ -196,7 +196,7 @@ class _Reading:
             if name not in keys:
                 self.unknown_key(given, cls, kinds, path, model)
             elif name in values:
-                self.say((*path, given), f"{title}{given} is {name} once more: leave one out")
+                self.say((*path, given), f"{title}{given} repeats {name}: leave one out")
             else:
                 values[name] = self.value(keys[name], value, (*path, given), f"{title}{given}")
         for name, key in keys.items():
@@ -266,14 +266,14 @@ class _Reading:
             if not found.exists():
                 self.say(path, f"{shown}: there is no file {found}")
             elif not found.is_file():
-                self.say(path, f"{shown} must be a regular file, {found} is none")
-        except (OSError, ValueError, RuntimeError) as problem:  # what no system takes as a name
+                self.say(path, f"{shown} must be a regular file, but {found} is not")
+        except (OSError, ValueError, RuntimeError) as problem:  # invalid as a file name
             self.say(path, f"{shown} must name a file, got {read!r}: {problem}")
             return None
         return str(found)
 
     def try_out(self, made: Section, path: KeyPath) -> None:
-        """Note what the constructor refuses, at the line of the first key that it names."""
+        """Record an error of the constructor, at the line of the first key that it names."""
         if made.constructor is None or made.deferred or made.title == "output":
             return
         try:
@@ -285,7 +285,7 @@ class _Reading:
 
 
 def _line(problem: Problem) -> int:
-    # in the order of the file, settings first
+    # in the order of the file, overrides first
     number = problem.place.rpartition(":")[2]
     return int(number) if number.isdigit() else 0
 
@@ -300,7 +300,7 @@ def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
 
 
 def _shown(path: KeyPath) -> str:
-    """Return "[tool]." of a section, "[[loads]] 2: " of one of several, nothing at the top."""
+    """Return "[tool]." for a section, "[[loads]] 2." for one of several, "" at the top."""
     if not path:
         return ""
     titles = ".".join(str(part) for part in path if isinstance(part, str))

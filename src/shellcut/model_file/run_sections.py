@@ -1,4 +1,4 @@
-"""Sections of the law, the run and its output, and what holds and loads the film."""
+"""Sections of law, contact, fracture, time step, damping, output, supports and loads."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ from .key import (
 class Head(Section):
     """Keys before the first section."""
 
-    model: str = key(choice("opening", "guillotine", "free"), "what is built")
-    name: str | None = key(text, "stem of the result file", default=None, unset="that of the model")
+    model: str = key(choice("opening", "guillotine", "free"), "kind of model")
+    name: str | None = key(text, "stem of the result file", default=None, unset="the model's name")
     directional: bool = key(
         flag,
         "whether cables meet the blade; false: classical cohesive elements",
@@ -54,20 +54,20 @@ class Head(Section):
     )
     precision: str = key(
         choice(*get_args(Precision)),
-        "of what is kept and computed of each quad; nodes are double either way",
+        "of quad data and quad kernels; nodes are always double",
         default=default_of(Simulation, "precision"),
     )
     threads: int | None = key(
         count(1),
         "1 to 256; results do not depend on it",
         default=default_of(Simulation, "threads"),
-        unset="one for a small film, else the cores there are",
+        unset="one for a small film, otherwise all cores",
     )
 
 
 @section("cohesive", of=CohesiveLaw)
 class Cohesive(Section):
-    """Stress of a cable against its length."""
+    """Cable stress as a function of cable length."""
 
     strength: float = key(number("MPa"), "sigma_F, at which a node splits")
     plateau: float = key(number("MPa"), "sigma_C")
@@ -95,8 +95,8 @@ class FractureSection(Section):
 
     criterion: str = key(choice(*get_args(Measure)), "measure of a split")
     stress_place: str = key(choice(*get_args(StressPlace)), "where the stress is read")
-    candidates: str = key(choice(*get_args(Candidates)), "which nodes may split by the measure")
-    blade_cut: bool = key(flag, "whether the blade splits what it pierces and passes")
+    candidates: str = key(choice(*get_args(Candidates)), "which nodes the criterion may split")
+    blade_cut: bool = key(flag, "whether the blade splits nodes that it pierces and passes")
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
@@ -104,11 +104,11 @@ class FractureSection(Section):
 
 @section("time", of=Stepping)
 class Time(Section):
-    """How the step is chosen."""
+    """Choice of the time step."""
 
     safety: float = key(number(), "factor on the safe step")
-    evaluate_every: int = key(whole, "steps between two looks at the quads")
-    fixed: float | None = key(number("s"), "a step of your own", unset="the safe step")
+    evaluate_every: int = key(whole, "steps between two evaluations of the quads")
+    fixed: float | None = key(number("s"), "a fixed step", unset="the safe step")
 
 
 @section("damping")
@@ -125,12 +125,12 @@ class Damping(Section):
 
 @section("output", of=RunOptions)
 class Output(Section):
-    """What a run leaves; see also the flags of ``shellcut run``."""
+    """Output of a run; see also the flags of ``shellcut run``."""
 
     rows: int = key(count(1), "rows of history.csv", parameter="n_row")
     frames: int = key(count(1), "frames of the result file", parameter="n_frame")
     snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
-    pvd: bool = key(flag, "frames as PVD + VTU too, for ParaView before 5.12")
+    pvd: bool = key(flag, "also write PVD + VTU, for ParaView before 5.12")
     checkpoint_every_s: float = key(
         number("s", least=0.0), "wall time between two checkpoints", parameter="checkpoint_every"
     )
@@ -163,12 +163,12 @@ class SupportSection(Section):
 
 @dataclass(frozen=True)
 class Constant:
-    """A rate that does not change."""
+    """A constant rate."""
 
     value: float
 
     def __call__(self, _time: float) -> float:
-        """Return it."""
+        """Return the rate."""
         return self.value
 
 
@@ -184,7 +184,7 @@ class Rising:
 
 
 class _Load(Section):
-    """A load that is there from the start or rises."""
+    """A load, constant or rising."""
 
     ramp: float
 
@@ -197,7 +197,7 @@ class _Load(Section):
 
 
 def _ramp() -> Any:
-    return key(number("s", least=0.0), "time over which it rises from nothing", default=0.0)
+    return key(number("s", least=0.0), "time over which it rises from zero", default=0.0)
 
 
 @section("loads", kind="gravity", sign="acceleration", of=Gravity)

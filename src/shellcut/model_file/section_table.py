@@ -1,4 +1,4 @@
-"""Which sections each model has, and which kinds of them; the first is the default."""
+"""Sections of each model and their kinds; the first kind is the default."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (Screw, Straight, Table),
     ),
 }
-"""By model: the sections that stand once."""
+"""By model: the sections that occur once."""
 
 LISTS: Mapping[str, Mapping[str, Kinds]] = {
     model: {
@@ -89,4 +89,4 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
     }
     for model in SECTIONS
 }
-"""By model: the sections that stand any number of times, as [[loads]]."""
+"""By model: the sections that may occur several times, like [[loads]]."""

@@ -1,7 +1,7 @@
-"""The text of a model file: its values, and on which line each of them stands.
+"""The text of a model file: its values and their line numbers.
 
-``tomllib`` gives no lines, so a scanner of headings and ``key =`` finds them. It needs to know of
-TOML only where a value ends: strings, comments and brackets.
+``tomllib`` reports no lines, so a scanner finds headings and ``key =``. To know where a value ends
+it only needs TOML's strings, comments and brackets.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ _TOKEN = re.compile(
     r"\"\"\"|'''|\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*|[\[\]{}]",
 )
 _DEEPEST = 8  # levels of tables and arrays; holes = [[[x, y], ...]] in a section are five
-_TOO_DEEP = f"must hold tables and arrays within each other to {_DEEPEST} levels at most"
+_TOO_DEEP = f"must nest tables and arrays to {_DEEPEST} levels at most"
 _LARGEST_WHOLE = 2**63 - 1
 _ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
 
 
 @dataclass(frozen=True)
 class Source:
-    """What a model is read from: a file, and what overrides it."""
+    """Source of a model: a file and its overrides."""
 
     name: str
-    """Of the file, in messages."""
+    """Name of the file in messages."""
     folder: Path
-    """To which paths in the file are relative."""
+    """Folder to which paths in the file are relative."""
     values: dict[str, Any]
     lines: Mapping[KeyPath, int]
     settings: Mapping[KeyPath, str] = field(default_factory=dict)
-    """Overridden keys, each with the text of its setting."""
+    """Overridden keys, each with the text of its override."""
 
     @classmethod
     def empty(cls) -> Source:
@@ -53,7 +53,7 @@ class Source:
         return cls("model", Path.cwd(), {}, {})
 
     def place(self, path: KeyPath) -> str:
-        """Return where a key stands, or the nearest thing above it."""
+        """Return the line of a key, or of the nearest level above it."""
         for end in range(len(path), 0, -1):
             if path[:end] in self.settings:
                 return self.settings[path[:end]]
@@ -62,25 +62,25 @@ class Source:
         return self.name
 
     def base(self, path: KeyPath) -> Path:
-        """Return the folder to which a path given at a key is relative."""
+        """Return the folder to which a path at a key is relative."""
         return Path.cwd() if path in self.settings else self.folder
 
 
 def parse(text: str, name: str, folder: Path) -> Source:
-    """Return values and lines of a text in TOML.
+    """Return values and lines of a TOML text.
 
     Raises
     ------
     ModelFileError
-        If it is no TOML.
+        If it is not valid TOML.
     """
     try:
         values = tomllib.loads(text)
-    except ValueError as error:  # of TOML, or of Python at a number of thousands of digits
+    except ValueError as error:  # from TOML, or from Python for a number of thousands of digits
         found = _ERROR_LINE.fullmatch(str(error))
         place = f"{name}:{found[2] or len(text.splitlines())}" if found else name
         said = found[1] if found else str(error)
-        raise ModelFileError([Problem(place, f"is no TOML: {said}")]) from None
+        raise ModelFileError([Problem(place, f"is not valid TOML: {said}")]) from None
     except RecursionError:
         raise ModelFileError([Problem(name, _TOO_DEEP)]) from None
     if beyond := beyond_all(values):
@@ -89,7 +89,7 @@ def parse(text: str, name: str, folder: Path) -> Source:
 
 
 def parse_value(text: str) -> object:
-    """Return a value written in TOML; what is none is a string.
+    """Return a value written in TOML; any other text is returned as a string.
 
     Examples
     --------
@@ -104,9 +104,9 @@ def parse_value(text: str) -> object:
 
 
 def beyond_all(values: dict[str, Any]) -> str:
-    """Return what is beyond all that a model may hold; empty if nothing is.
+    """Return a description of the first value beyond the limits; empty if there is none.
 
-    Python reads whole numbers of any length and tables of any depth, and then cannot print them.
+    Python reads integers of any length and tables of any depth, but then cannot print them.
     """
     level: list[Any] = [values]
     for _ in range(_DEEPEST + 1):
@@ -117,7 +117,7 @@ def beyond_all(values: dict[str, Any]) -> str:
             for one in (thing.values() if isinstance(thing, dict) else thing)
         ]
         if any(isinstance(one, int) and abs(one) > _LARGEST_WHOLE for one in level):
-            return f"must hold whole numbers up to {_LARGEST_WHOLE}, as TOML asks for"
+            return f"must hold whole numbers up to {_LARGEST_WHOLE}, as TOML requires"
     return _TOO_DEEP if any(isinstance(thing, dict | list) for thing in level) else ""
 
 
@@ -125,7 +125,7 @@ def _lines(text: str) -> dict[KeyPath, int]:
     found: dict[KeyPath, int] = {}
     counts: dict[str, int] = {}
     section: KeyPath = ()
-    depth, quote = 0, ""  # of brackets, and the multi-line string that is open
+    depth, quote = 0, ""  # open brackets, and the open multi-line string
     for number, line in enumerate(text.splitlines(), start=1):
         rest = line
         if not depth and not quote:

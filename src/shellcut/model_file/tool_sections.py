@@ -31,7 +31,7 @@ _SHIFT = "moves the tool before the run"
 
 
 class _Shape(Section):
-    """A tool of the package, moved."""
+    """A tool of the package, shifted."""
 
     shift: tuple[float, ...]
 
@@ -47,13 +47,13 @@ class Teeth(_Shape):
 
     teeth: int = key(whole, "number of teeth", parameter="n_teeth")
     radius: float = key(number("mm"), "of the cutting circle")
-    edge_inclination_deg: float = key(number("deg"), "cutting edge to the sheet; it rises forward")
-    wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the sheet")
+    edge_inclination_deg: float = key(number("deg"), "cutting edge to the film; it rises forward")
+    wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the film")
     half_thickness: float = key(number("mm"), "half the distance of the parallel flanks")
     length: float = key(number("mm"), "from the tip to the back, along the arc")
     relief_deg: float = key(number("deg"), "rise of the bottom from the tip backwards")
     height: float = key(number("mm"), "from the tip to the top")
-    tip_clearance: float = key(number("mm"), "of the tip above the sheet at the start")
+    tip_clearance: float = key(number("mm"), "of the tip above the film at the start")
     phase_deg: float = key(number("deg"), "angle of the first tip")
     n_arc: int | None = key(
         whole, "segments of each cutting edge", unset="5e-4 mm off the cylinder"
@@ -65,8 +65,8 @@ class Teeth(_Shape):
 class Blade(_Shape):
     """A wedge that moves along +x, its edge through the origin."""
 
-    edge_angle_deg: float = key(number("deg"), "edge to the sheet; below 90 it rises forward")
-    wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the sheet")
+    edge_angle_deg: float = key(number("deg"), "edge to the film; below 90 it rises forward")
+    wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the film")
     half_thickness: float = key(number("mm"), "half the distance of the parallel flanks")
     length: float = key(number("mm"), "from the edge to the back")
     height: float = key(number("mm"), "from the bottom to the top")
@@ -83,29 +83,29 @@ class StripBlade(Blade):
     height: float = key(number("mm"), "from the bottom to the top", default=BLADE_HEIGHT)
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments that are given; what is not is for the strip to say."""
+        """Return the arguments that are given; the strip sets the others."""
         given = super().arguments()
         return {name: value for name, value in given.items() if value is not None}
 
 
 @section("tool", kind="file", sign="file", of=read_tool, deferred=True)
 class ToolFile(Section):
-    """A surface of a CAD program: STL, OBJ or PLY."""
+    """A surface from a CAD program: STL, OBJ or PLY."""
 
     file: str = key(file, "the surface", parameter="path", also="stl")
     unit: str | float | None = key(
         length_unit,
         "of the file: um, mm, cm, m, inch, mil",
         also="scale",
-        unset="guessed, and said",
+        unset="guessed and logged",
     )
     axis: str | tuple[float, ...] = key(direction, "direction in the file that becomes z")
     shift: tuple[float, ...] = key(numbers("mm", count=3), "moves the tool after that")
-    sharp_angle_deg: float = key(number("deg"), "least exterior angle of an edge that cuts")
-    flank_angle_deg: float = key(number("deg"), "by how much a flank may turn")
+    sharp_angle_deg: float = key(number("deg"), "smallest exterior angle of a cutting edge")
+    flank_angle_deg: float = key(number("deg"), "largest turn of a flank")
     not_cutting: tuple[int, ...] = key(whole_numbers, "chains found by angle that do not cut")
     merge: float | None = key(
-        number("mm"), "vertices nearer than this are one", unset="1e-7 of the diagonal"
+        number("mm"), "merge vertices closer than this", unset="1e-7 of the diagonal"
     )
     name: str | None = key(text, "of the tool", unset="that of the file")
 
@@ -122,7 +122,7 @@ class OpeningScrew(Section):
     duration: float = key(
         number("s", above=0.0), "of the run", default=default_of(opening_test, "duration")
     )
-    pitch: float = key(number("mm"), "advance a turn", default=default_of(opening_test, "pitch"))
+    pitch: float = key(number("mm"), "advance per turn", default=default_of(opening_test, "pitch"))
 
 
 @section("motion", kind="straight")
@@ -134,7 +134,7 @@ class StripWay(Section):
     )
     travel: float | None = key(
         number("mm", above=0.0),
-        "way of the blade",
+        "travel of the blade",
         default=default_of(guillotine, "travel"),
         unset="up to 2.5 mm before the end of the strip",
     )
@@ -146,7 +146,7 @@ class Screw(Section):
 
     angle_deg: float = key(number("deg"), "of the whole motion")
     duration: float = key(number("s", above=0.0), "of the run")
-    pitch: float = key(number("mm"), "advance a turn")
+    pitch: float = key(number("mm"), "advance per turn")
     ramp_fraction: float = key(number(), "part of the duration over which the speed rises")
     axis: tuple[float, ...] = key(numbers(count=3), "direction; the turn is counter-clockwise")
     axis_point: tuple[float, ...] = key(numbers("mm", count=3), "a point of the axis")

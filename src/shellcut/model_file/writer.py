@@ -14,11 +14,11 @@ from .reader import FILES
 
 _DIGEST = "# sha256 of all below: "
 _COLUMN = 34
-"""Where comments begin, if the value leaves room."""
+"""Column of the comments, if the value is short enough."""
 
 
 def model_text(model: Model) -> str:
-    """Return a model as text in TOML; its first line is the digest of what follows."""
+    """Return a model as TOML text; its first line is the digest of the rest."""
     lines = [
         f"# shellcut {version('shellcut')}, model {model.head.model}: every default filled in.",
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
@@ -37,7 +37,7 @@ def model_text(model: Model) -> str:
 
 
 def is_as_written(text: str) -> bool:
-    """Whether a text that :func:`model_text` made is still what it was."""
+    """Whether a text from :func:`model_text` is unchanged."""
     first, _, body = text.partition("\n")
     return first == f"{_DIGEST}{hashlib.sha256(body.encode()).hexdigest()}"
 

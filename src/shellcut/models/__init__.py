@@ -1,4 +1,4 @@
-"""Ready models: the opening test of the paper, the guillotine, and a cut from parts.
+"""Ready models: the opening test of the paper, the guillotine, and a free cut of any film.
 
 May import ``recording`` and rows below.
 """

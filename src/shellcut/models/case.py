@@ -1,4 +1,4 @@
-"""A case: a simulation and when it ends."""
+"""A case: a simulation and the end time of its run."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from shellcut.simulation.hooks import Hook, StopWhen
 from shellcut.simulation.simulation import Simulation
 
 _MOST_STEPS = 1e11
-"""Steps of the longest run: two months of the smallest film."""
+"""Steps of the longest run allowed: two months with the smallest film."""
 
 _log = logging.getLogger(__name__)
 
 
 def check_length(simulation: Simulation, duration: float) -> None:
-    """Refuse a run of more steps than anyone waits for: a number of its model is nonsense.
+    """Refuse a run of absurdly many steps, a sign of a wrong number in the model.
 
     Raises
     ------
     ValueError
-        Saying what sets the step.
+        With the reason for the small step.
     """
     steps = duration / simulation.dt
     if not steps <= _MOST_STEPS:
@@ -51,7 +51,7 @@ class Case:
     duration : float
         End of the run [s].
     imprint : ImprintResult or None
-        What putting the blade's path into the mesh did; None where it was not asked for.
+        Result of imprinting the blade's path in the mesh; None if not asked for.
     """
 
     name: str
@@ -61,28 +61,28 @@ class Case:
 
     @cached_property
     def check(self) -> ModelCheck:
-        """What the checks before the run find; to be asked for at t = 0."""
+        """Result of the checks before the run; call it at t = 0."""
         return check_model(self.simulation, self.duration)
 
     def run(self, folder: str | os.PathLike[str], **options: Any) -> None:
-        """Run to the end and leave everything in ``folder``, see :class:`Recorder`.
+        """Run to the end and write everything to ``folder``, see :class:`Recorder`.
 
-        What the checks of the model doubt is logged before the run, what the figures of the run
-        doubt after it, as warnings of the library.
+        Doubts of the model's checks are logged as warnings before the run, doubts about its
+        results after it.
 
-        Ctrl-C (SIGINT) and SIGTERM end the run after the step it is in: the files are closed, a
-        checkpoint is written, and a line says where it stopped. Then the signal takes its usual
-        effect: Ctrl-C raises KeyboardInterrupt, SIGTERM ends the process. A second one does so at
-        once, and leaves what there was.
+        Ctrl-C (SIGINT) and SIGTERM stop the run after the current step: the files are closed, a
+        checkpoint is written, and a line says where it stopped. The signal then acts as usual:
+        Ctrl-C raises KeyboardInterrupt, SIGTERM ends the process. A second signal acts at once
+        and skips this.
 
         Parameters
         ----------
         folder : path
-            Where to.
+            Output folder.
         **options
-            As the fields of :class:`~shellcut.recording.run_options.RunOptions`: how many rows,
-            frames and pictures; progress; checkpoints; ``resume`` to go on with the run in
-            ``folder``, which is left as it is if it has ended, and a line says so.
+            Fields of :class:`~shellcut.recording.run_options.RunOptions`: numbers of rows,
+            frames and pictures; progress; checkpoints; ``resume`` to continue the run in
+            ``folder``. A run that has already ended is left unchanged, and a line says so.
 
         Raises
         ------
@@ -91,25 +91,25 @@ class Case:
         UnstableStep
             If the solution blows up; the files are closed, the last good checkpoint is kept.
         FileNotFoundError, CheckpointError
-            If there is nothing to resume, or it is another model's.
+            If there is nothing to resume, or the checkpoint belongs to another model.
         RefusedModel
-            If a check of the model refuses it; nothing in the folder has been touched.
+            If a check refuses the model; nothing in the folder has been changed.
         FolderInUse
-            If another run writes in the folder; it is not disturbed.
+            If another run writes in the folder; that run is not disturbed.
         FileExistsError
-            If something there that no run has written would be replaced.
+            If this would replace a file that no run has written.
         FolderLost
             If somebody removes, moves or empties the folder during the run.
         OSError
-            If a file cannot be written: after a full disk, free space and go on with ``resume``.
+            If a file cannot be written: after a full disk, free space and use ``resume``.
         ValueError
-            If the simulation has been run already, or would take more steps than anyone waits for;
-            nothing in the folder has been touched.
+            If the simulation has already run, or would take absurdly many steps; nothing in the
+            folder has been changed.
         """
         if self.simulation.state.step:
             raise ValueError(
-                f"a case is run once, this one is at step {self.simulation.state.step}: build it "
-                "again, and run it anew or with resume=True"
+                f"a case can run once, but this one is at step {self.simulation.state.step}: build "
+                "it again, and run it anew or with resume=True"
             )
         check_length(self.simulation, self.duration)
         try:
@@ -127,29 +127,29 @@ class Case:
         self.go(recorder)
 
     def go(self, recorder: Recorder) -> None:
-        """Run to the end with a recorder of one's own, as :meth:`run` does.
+        """Run to the end with a given recorder, as :meth:`run` does.
 
         Parameters
         ----------
         recorder : Recorder
-            Of this simulation, up to ``duration``; closed when the run ends, however it ends.
+            Of this simulation, up to ``duration``; it is closed at the end of the run in any case.
 
         Raises
         ------
         KeyboardInterrupt, UnstableStep, FolderLost, OSError
-            As :meth:`run`.
+            As in :meth:`run`.
         """
         with Interruption() as interruption:
             hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested)]
             self.simulation.run(self.duration, hooks)
         if interruption.requested and self.simulation.state.time < self.duration:
             _log.warning(
-                "%s stopped at %s; to go on, resume from the checkpoint in %s",
+                "%s stopped at %s; to continue, resume from the checkpoint in %s",
                 self.name,
                 recorder.place(),
                 recorder.folder,
             )
-        if interruption.ends_process:  # then this is the last chance to say what was kept back
+        if interruption.ends_process:  # last chance to print the verdict
             for handler in logging.getLogger("shellcut").handlers:
                 handler.flush()
         interruption.deliver()

@@ -1,4 +1,4 @@
-"""A cut of any flat film by any tool on any motion."""
+"""A cut through any flat film by any tool on any motion."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def free_cut(
     duration : float
         End of the run [s].
     imprint : bool
-        Put the path of the cutting edges into the mesh; the outcome is ``Case.imprint``.
+        Put the path of the cutting edges into the mesh; the result is ``Case.imprint``.
     notch : float
-        Length of a cut along the path, from the blade's first place [mm]; needs ``imprint``.
+        Length of a cut along the path, from the blade's start [mm]; needs ``imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
-        The film of the paper by default.
+        The paper's film by default.
     **options
-        Of :class:`Simulation`: ``supports``, ``loads``, ``contact``, ...
+        Options of :class:`Simulation`: ``supports``, ``loads``, ``contact``, ...
 
     Returns
     -------
@@ -63,7 +63,7 @@ def free_cut(
     if not (np.isfinite(notch) and notch >= 0):
         raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
     if notch and not imprint:
-        raise ValueError("a notch follows the path that imprint puts in: give notch=0 or imprint")
+        raise ValueError("a notch follows the imprinted path: give notch=0 or imprint=True")
     section = material or ShellMaterial.homogeneous()
     result = with_path(mesh, tool, motion, duration, section) if imprint else None
     film = mesh if result is None else result.mesh

@@ -1,10 +1,10 @@
 """The guillotine: a straight blade cuts a clamped strip along its middle.
 
-Steady cutting takes the force F = G h whatever blade, speed or mesh: all work goes into the new
-crack, G h a millimetre. About 8 mm of cut pass before the plateau, because a cable breaks only
-after some 2 mm of drag; the force is a sawtooth with the node spacing, so it is averaged over whole
-periods. With classical cables, which the blade never meets, the flanks open by no more than the
-blade's width w and F = h ∫_0^w sigma dl.
+Steady cutting takes the force F = G h for any blade, speed or mesh: all work goes into the new
+crack, G h per millimetre. The plateau begins after about 8 mm of cut, because a cable breaks only
+after some 2 mm of drag; the force is a sawtooth with the node spacing, so average it over whole
+periods. With classical cables, which the blade never meets, the flanks open by at most the blade's
+width w, and F = h ∫_0^w sigma dl.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from .imprinted_path import with_path
 # Gap between the cutting edge and the film's end at the start [mm].
 _CLEARANCE = 0.05
 
-_RAMP = 1e-4  # over which the blade comes up to its speed [s]
+_RAMP = 1e-4  # duration of the blade's acceleration [s]
 
 BLADE_HEIGHT = 3.0
 """Of the default blade [mm]; it is as long as the strip."""
 
 
 def notched_strip(length: float, width: float, size: float, notch: float) -> Mesh:
-    """Return a strip, x from 0 to ``length``, cut from x = 0 to ``notch`` along its middle [mm]."""
+    """Return a strip from x = 0 to ``length``, cut along its middle up to ``notch`` [mm]."""
     mesh = rectangle(length, width, size=size)
     on_line = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x <= notch + 1e-9))
     if on_line.size < 2:
@@ -70,27 +70,27 @@ def guillotine(
     size : float
         Edge length of the quads [mm].
     mesh : Mesh, optional
-        A flat strip of one's own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
-        long sides; ``size``, ``length`` and ``width`` are then not used. The blade enters where
-        the strip begins, on y = 0.
+        A flat strip of your own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
+        long sides; ``size``, ``length`` and ``width`` are then unused. The blade enters at the
+        strip's end, on y = 0.
     imprint : bool
-        Put the blade's path into a mesh of one's own; otherwise a line of its edges must lie on
-        y = 0. The outcome is ``Case.imprint``.
+        Put the blade's path into a mesh of your own; otherwise a line of its edges must lie on
+        y = 0. The result is ``Case.imprint``.
     length, width, notch : float
-        Of the strip and of the cut at its end [mm]; the long sides are clamped. In a mesh of one's
-        own the notch ends at the last node of the path within ``notch``; 0 makes none.
+        Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. In a
+        mesh of your own the notch ends at the last node of the path within ``notch``; 0 for none.
     travel : float, optional
-        Way of the blade [mm]; up to 2.5 mm before the end of the strip by default.
+        Travel of the blade [mm]; by default up to 2.5 mm before the end of the strip.
     speed : float
-        After a ramp of 0.1 ms [mm/s].
+        Speed after a ramp of 0.1 ms [mm/s].
     tool : Tool, optional
         Moves along +x with its edge at the origin; :func:`straight_blade` by default: edge at 90°
-        to the sheet, half-angle 10°, half thickness 0.3 mm, as long as the strip: flanks that close
-        behind a short blade push it forward.
+        to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because flanks
+        closing behind a short blade push it forward.
     material, law : ShellMaterial, CohesiveLaw, optional
-        The film of the paper by default.
+        The paper's film by default.
     **options
-        Of :class:`Simulation`.
+        Options of :class:`Simulation`.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def guillotine(
 def blade_before(
     film: Mesh, tool: Tool | None, *, travel: float | None, speed: float
 ) -> tuple[Tool, StraightMotion, float]:
-    """Return the blade just before a strip, its motion along it, and how long that takes [s]."""
+    """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
     motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)

@@ -1,4 +1,4 @@
-"""The blade's path put into a model's mesh."""
+"""Imprint the blade's path in a model's mesh."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from shellcut.tool.tool import Tool
 def with_path(
     mesh: Mesh, tool: Tool, motion: Motion, duration: float, material: ShellMaterial
 ) -> ImprintResult:
-    """Imprint the path of the tool's edges during a run; a refusal says how to do without."""
+    """Imprint the path of the tool's edges during a run; a refusal says how to avoid it."""
     try:
         path = blade_path(tool, motion, mesh, duration)
         return imprint(mesh, path, material=material.layers[0].material)
     except ImprintError as error:
         raise ImprintError(
-            f"{error}; imprint=False takes the mesh as it is, and then the cut is only right if a "
+            f"{error}; imprint=False uses the mesh as it is, but the cut is then right only if a "
             "line of its edges lies under the blade's path"
         ) from error

@@ -1,13 +1,13 @@
 """The opening test of [Frangi2010] 5: a ring of teeth screws down through a clamped film.
 
-The paper draws its tool and motion without numbers; the defaults here fix them: four teeth at
-r = 9.4 mm, edge rising forward at eta = 60° to the sheet, wedge half-angle 12°, half thickness
-0.35 mm, length 1.5 mm, relief 30°, tip 0.02 mm above the sheet at the start; pitch 12 mm downwards,
+The paper shows its tool and motion without numbers; the defaults here are: four teeth at
+r = 9.4 mm, edge rising forward at eta = 60° to the film, wedge half-angle 12°, half thickness
+0.35 mm, length 1.5 mm, relief 30°, tip 0.02 mm above the film at the start; pitch 12 mm downwards,
 95° in 6 ms with a ramp over the first 3 %.
 
-A tooth that turns by dtheta also goes down by (p/2 pi) dtheta, which moves the place where its edge
-meets the sheet forward by (p/2 pi) cot eta dtheta: n teeth cut n (r + (p/2 pi) cot eta) per radian,
-so that in steady cutting the cables take
+A tooth that turns by dtheta also moves down by (p/2 pi) dtheta, which moves the point where its
+edge meets the film forward by (p/2 pi) cot eta dtheta: n teeth cut n (r + (p/2 pi) cot eta) per
+radian, so that in steady cutting the work of the cables is
 
     dW_coh/dtheta = n G h (r + (p/2 pi) cot eta).
 """
@@ -48,20 +48,20 @@ def opening_test(
     Parameters
     ----------
     mesh : {"quick", "M1", "M2"} or Mesh
-        A disc of the package, or a flat film of one's own with a node set ``rim``.
+        A disc of the package, or a flat film of your own with a node set ``rim``.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     pitch : float
-        Advance of the screw a turn, downwards [mm].
+        Advance of the screw per turn, downwards [mm].
     angle_deg, duration : float
         Angle [degrees] and time [s] of the whole motion.
     imprint : bool
-        Put the path of the cutting edges into the mesh, unless a line of edges is there; the
-        outcome is ``Case.imprint``.
+        Put the path of the cutting edges into the mesh, unless a line of edges lies there; the
+        result is ``Case.imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
-        The film of the paper by default.
+        The paper's film by default.
     **options
-        Of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``, ...
+        Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A look at a model before its run, or at as much of one as can be made."""
+"""Preview of a model before its run, also of an incomplete one."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 from shellcut.view.model_picture import EdgeGroup, ModelView, draw_model
 
-# Colours of the cutting edges: in the film to the end, leaving it, never in it.
+# Colours of the cutting edges: in the film until the end, leaving it, never in it.
 _STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModelParts:
-    """What there is of a model; what is None could not be made."""
+    """Parts of a model; None for a part that could not be built."""
 
     mesh: Mesh | None = None
     held: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -38,7 +38,7 @@ class ModelParts:
     """[s]"""
 
     def sweep(self) -> Sweep | None:
-        """Return the way of the cutting edges, if all is there that it takes."""
+        """Return the path of the cutting edges, if all parts for it exist."""
         if self.mesh is None or self.tool is None or self.motion is None or self.duration is None:
             return None
         return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
@@ -59,25 +59,24 @@ def preview(
         Not changed.
     path : path-like
         Picture to write; the ending tells the format.
-    time : float, optional
-        End of the run [s]: the tool is drawn there too, cutting edges that never meet the film or
-        leave it by then have colours of their own, and the model is checked.
+        End of the run [s]: the tool is also drawn at this time, cutting edges that never meet the
+        film or leave it before then get their own colours, and the model is checked.
     check : ModelCheck, optional
-        Of this model up to ``time``, if it is known.
+        Check of this model up to ``time``, if already made.
 
     Returns
     -------
     str
-        What the model has, how many are in its sets, what in the film looks as if a quad or a
-        node were lost, the step it starts with and where that comes from, the quads that shorten
-        it, and what its checks found, a line each.
+        One line each: parts of the model, sizes of its sets, signs of lost quads or nodes, the
+        first time step and its cause, the quads with the shortest steps, and the findings of the
+        checks.
 
     Raises
     ------
     ImportError
         If Matplotlib is not installed.
     ValueError
-        If ``time`` is not a finite number that is not negative.
+        If ``time`` is negative or not finite.
 
     Examples
     --------
@@ -102,7 +101,7 @@ def preview(
 
 
 def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
-    """Draw what there is of a model that cannot be run; return what it has, a line each.
+    """Draw the valid parts of a model that cannot run; return a list of them, one per line.
 
     Parameters
     ----------
@@ -120,12 +119,12 @@ def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
     """
     if parts.mesh is None and parts.tool is None:
         raise ValueError("there is neither film nor tool to draw")
-    title = "what there is of a model that is refused"
+    title = "the valid parts of a refused model"
     return "\n".join(_draw(parts, path, parts.sweep(), np.zeros(0, np.int64), title))
 
 
 def said(finding: Finding) -> str:
-    """Return a finding as it is printed."""
+    """Return a finding as printed."""
     word = {"refuse": "refused", "doubt": "distrust", "note": "note"}[finding.severity]
     return f"{word}: {finding}"
 
@@ -137,7 +136,7 @@ def _draw(
     worst: Ints,
     title: str = "the model before its run",
 ) -> list[str]:
-    """Draw the parts; return what they are, a line each."""
+    """Draw the parts; return a list of them, one per line."""
     mesh, tool = parts.mesh, parts.tool
     poses, titles = _poses(parts)
     lines = []
@@ -179,7 +178,7 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
     if tool is None:
         return [], ["t = 0 ms"]
     if motion is None:
-        return [tool.vertices], ["the tool as it is given"]
+        return [tool.vertices], ["the tool as given"]
     poses, titles = [], []
     for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
         poses.append(Pose.of(*motion.pose(at)).to_space(tool.vertices))
@@ -190,7 +189,7 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
 
 
 def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
-    """Yield the cutting edges by what becomes of them."""
+    """Yield the cutting edges grouped by whether they stay in the film."""
     if sweep is None:
         yield EdgeGroup(f"{tool.n_chain} cutting edges", np.asarray(tool.edges), _STAYS)
         return
@@ -207,7 +206,7 @@ def _edge_groups(tool: Tool, sweep: Sweep | None) -> Iterator[EdgeGroup]:
 
 
 def _film_lines(mesh: Mesh) -> Iterator[str]:
-    """Say how many are in the sets, and what looks as if something were lost."""
+    """Yield the sizes of the sets, and signs of lost quads or nodes."""
     for kind, sets, joined in (
         ("nodes", mesh.node_sets, mesh.edges().nodes),
         ("quads", mesh.quad_sets, mesh.edges().quads),
@@ -225,7 +224,7 @@ def _number(n: int, one: str, many: str) -> str:
 
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:
-    """Return how many are in a set, and in how many pieces; ``joined`` are pairs of neighbours."""
+    """Return the size of a set and its number of pieces; ``joined`` are pairs of neighbours."""
     held = np.zeros(n, np.bool_)
     held[ids] = True
     one, two = joined[held[joined].all(axis=1)].T
@@ -234,8 +233,8 @@ def _extent(ids: Ints, joined: Ints, n: int) -> str:
 
 
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
-    """Say which quads shorten the step."""
-    yield f"worst  the {len(quality.worst)} quads of the shortest steps by themselves:"
+    """List the quads with the shortest steps."""
+    yield f"worst  the {len(quality.worst)} quads with the shortest steps of their own:"
     for e in quality.worst.tolist():
         x, y, z = quality.centre[e]
         yield (
@@ -245,15 +244,15 @@ def _worst_lines(quality: MeshQuality) -> Iterator[str]:
 
 
 def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
-    """Say which step the run begins with, and which steps of the film it comes from."""
+    """Explain the first step of the run by the stable steps of the film."""
     stepping, allowed = sim.time_step.stepping, sim.time_step.bound(sim.state)
     safe = stepping.safety * allowed
-    yield f"step   {quality.median_step:.4g} s is stable for the median quad by itself,"
-    yield f"       {quality.stable_step:.4g} s for the worst quad by itself, the first one below,"
-    yield f"       {allowed:.4g} s for the film with what contact and cables hold at the start;"
+    yield f"step   {quality.median_step:.4g} s is stable for the median quad alone,"
+    yield f"       {quality.stable_step:.4g} s for the worst quad alone, the first one below,"
+    yield f"       {allowed:.4g} s for the film with contact and cables at the start;"
     if stepping.fixed is None:
         of_that = f"time.safety, {stepping.safety:g}, of that"
         yield f"       {sim.dt:.4g} s is the first of the run: {of_that}"
     else:
         times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
-        yield f"       {sim.dt:.4g} s is that of the run, since time.fixed is given: {times}"
+        yield f"       {sim.dt:.4g} s is used in the run, since time.fixed is given: {times}"

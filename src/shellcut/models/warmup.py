@@ -1,7 +1,7 @@
 """Compile every kernel once, by cutting a tiny film.
 
-Numba keeps the machine code in its cache, so this costs seconds on a machine's first run and a
-fraction of a second on later ones. Timings that shall not contain compilation call it first.
+Numba stores the machine code in its cache, so this takes half a minute on a machine's first run and
+a fraction of a second later. Call it before timing anything.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ def warmup(
 ) -> None:
     """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
 
-    Pictures of the film are compiled for too.
+    Also compile the kernels for pictures of the film.
 
     Parameters
     ----------
     criteria : sequence of str
-        Which criteria of :class:`Fracture` to compile for.
+        Criteria of :class:`Fracture` to compile for.
     precisions : sequence of str
-        Which precisions of :class:`Simulation`.
+        Precisions of :class:`Simulation` to compile for.
 
     Examples
     --------

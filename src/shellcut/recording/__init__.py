@@ -1,7 +1,7 @@
-"""What a running simulation writes: frames, history, checkpoints, pictures, summary, progress.
+"""Output of a running simulation: frames, history, checkpoints, pictures, summary, progress.
 
 May import ``simulation``, ``results``, ``checks`` and rows below. ``recorder`` is the hook that
-owns the order; every file it writes is described in :mod:`shellcut.results`.
+calls the other files in order; :mod:`shellcut.results` describes every file written.
 """
 
 from .checkpoint import load_checkpoint, save_checkpoint

@@ -1,16 +1,16 @@
-"""Checkpoints: all that has changed since a simulation was built, in one HDF5 file.
+"""Checkpoints: everything that changed since the simulation was built, in one HDF5 file.
 
-The file begins with a text of 512 bytes, HDF5's user block: what it is, the number of its format,
-and the SHA-256 of all that follows. It is compared before HDF5 sees the file, which might find
-other numbers in a damaged one, or types that are none.
+The file begins with 512 bytes of text (HDF5's user block): the kind of file, its format number and
+the SHA-256 of the rest. Loading compares the digest before HDF5 opens the file, because HDF5 may
+read wrong numbers or invalid types from a damaged file.
 
-A checkpoint holds no model. The simulation is built again from the same inputs, by the same script
-or model file, and then takes over the checkpoint; functions of the user's own (factors of loads,
-velocities of supports) are part of the script. What makes a run what it is, mesh, material, tool
-and so on, is written down as text and digests, and compared before anything is taken over.
+A checkpoint does not contain the model. The same script or model file builds the simulation again
+from the same inputs, and the simulation then loads the checkpoint; the user's own functions
+(factors of loads, velocities of supports) are part of the script. The checkpoint lists the inputs
+(mesh, material, tool and so on) as text and digests, and loading compares them first.
 
-From a checkpoint a run goes on bit for bit: each class names its own history in ``saved`` and takes
-it over in ``restore``; what follows from it by the same functions is made again.
+A resumed run continues bit for bit: each class saves its own history in ``saved`` and loads it in
+``restore``; everything that follows from the history is recomputed.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.pose import Pose
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 7  # to be raised whenever the names or the meaning of what is saved change
+_FORMAT = 7  # raise it whenever names or meaning of the saved values change
 
-_HEADER = 512  # bytes; the least that HDF5 takes for a user block
+_HEADER = 512  # bytes; the smallest user block HDF5 accepts
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())
-_HDF5 = b"\x89HDF\r\n\x1a\n"  # begins a file without user block, as of format 3 and before
+_HDF5 = b"\x89HDF\r\n\x1a\n"  # start of a file without user block: format 3 and older
 _PIECE = 1 << 20  # bytes read at a time
 
-# What names and describes an input without being part of it.
+# Fields that only name or describe an input.
 _LABELS = frozenset({"name", "parameters"})
 
 _KINDS_OF_NUMBERS = {"b": "bool", "i": "int", "u": "int", "f": "float", "U": "text", "O": "text"}
 
 _MOST_DIFFERENCES = 10
-_SHOWN = 9  # numbers of an array that are written out
+_SHOWN = 9  # arrays up to this many numbers are written out
 
 
 class CheckpointError(ValueError):
-    """A file that is no checkpoint, or one of another model; the message lists what differs."""
+    """The file is no checkpoint, or belongs to another model; the message lists the differences."""
 
 
 def save_checkpoint(
@@ -60,25 +60,25 @@ def save_checkpoint(
     *,
     extra: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write a checkpoint; the run is not changed by it.
+    """Write a checkpoint; this does not change the run.
 
-    The file is written beside ``path`` and takes its place when it is complete and on the disk: a
-    kill or a full disk leaves the former checkpoint as it was.
+    The file is written under a temporary name and replaces ``path`` once it is complete on the
+    disk: after a kill or on a full disk the previous checkpoint is still there.
 
     Parameters
     ----------
     sim : Simulation
         Between two steps.
     path : path
-        The file, by custom ``checkpoint.h5``.
+        The file, usually ``checkpoint.h5``.
     extra : mapping of str, optional
-        Numbers, texts and arrays to go with it, nested if need be; :func:`load_checkpoint` returns
-        them.
+        Numbers, texts and arrays to store with it, nested if needed; :func:`load_checkpoint`
+        returns them.
 
     Raises
     ------
     RuntimeError
-        If an exception has left the simulation in the middle of a step.
+        If an exception stopped the simulation in the middle of a step.
     OSError
         If the file cannot be written.
 
@@ -101,11 +101,11 @@ def save_checkpoint(
     """
     if not sim.between_steps:
         raise RuntimeError(
-            f"a checkpoint is made between two steps, but step {sim.state.step} was not completed; "
-            "go on from an earlier checkpoint"
+            f"a checkpoint must be made between two steps, but step {sim.state.step} was not "
+            "completed; resume from an earlier checkpoint"
         )
     path = Path(path)
-    # In memory first: what meets a full disk shall not be HDF5, see hdf_target.
+    # Build the file in memory: HDF5 must not hit a full disk itself, see hdf_target.
     image = io.BytesIO()
     with h5py.File(image, "w", userblock_size=_HEADER) as file:
         file.attrs["version"] = version("shellcut")
@@ -118,23 +118,23 @@ def save_checkpoint(
 
 
 def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Put a simulation that was just built into the state of a checkpoint; return its ``extra``.
+    """Put a newly built simulation into the state of a checkpoint; return its ``extra``.
 
     Parameters
     ----------
     sim : Simulation
-        Built from the same inputs, at its first step; the number of threads and the
+        Built from the same inputs and not yet run; the number of threads and the
         :class:`Stepping` may differ.
     path : path
-        A file of :func:`save_checkpoint`.
+        A file written by :func:`save_checkpoint`.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such file.
+        If the file does not exist.
     CheckpointError
-        If it is no checkpoint, damaged, of another format, or of other inputs, with all that
-        differs; the simulation is then as it was.
+        If the file is no checkpoint, is damaged, has another format or other inputs; the message
+        lists all differences, and the simulation is unchanged.
     ValueError
         If the simulation has already run.
 
@@ -153,8 +153,8 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
     """
     if sim.state.step:
         raise ValueError(
-            f"a checkpoint is loaded into a simulation just built, this one is at step "
-            f"{sim.state.step}: build it again"
+            f"a checkpoint must be loaded into a simulation that has not run yet, but this one is "
+            f"at step {sim.state.step}: build it again"
         )
     path = Path(path)
     content = _read_file(path)
@@ -166,7 +166,7 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
         if known.get(name) != given.get(name)
     ]
     if not differing:
-        # Tables that are empty at the start have no types yet to compare with.
+        # Tables that are empty at the start have no types to compare yet.
         differing = [*_differing_layout("run", sim.saved(), content["run"])]
     if not differing:
         differing = _differing_poses(sim, content["run"])
@@ -174,15 +174,15 @@ def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, 
         more = len(differing) - _MOST_DIFFERENCES
         lines = differing[:_MOST_DIFFERENCES] + ([f"and {more} more"] if more > 0 else [])
         raise CheckpointError(
-            f"{path} belongs to another model; build the simulation as it was, or begin anew:\n"
+            f"{path} belongs to another model; build the same simulation again, or start anew:\n"
             + "\n".join(f"- {line}" for line in lines)
         )
     try:
         sim.restore(content["run"])
     except (ValueError, TypeError, KeyError, IndexError, AttributeError) as problem:
         raise CheckpointError(
-            f"{path} cannot be taken over ({problem}): another program wrote it; begin anew, with "
-            "the simulation built again"
+            f"{path} cannot be loaded ({problem}): another program wrote it; build the simulation "
+            "again and start a new run"
         ) from problem
     extra: dict[str, Any] = content["extra"]
     return extra
@@ -196,9 +196,9 @@ def _header(digest: str) -> bytes:
 def _read_file(path: Path) -> dict[str, Any]:
     if not path.exists():
         raise FileNotFoundError(f"there is no checkpoint {path}")
-    damage = f"{path} is damaged, or no checkpoint of shellcut"
+    damage = f"{path} is damaged, or not a checkpoint of shellcut"
     if not path.is_file():
-        raise CheckpointError(f"{damage} (no regular file)")
+        raise CheckpointError(f"{damage} (not a regular file)")
     try:
         with path.open("rb") as file:
             header = file.read(_HEADER)
@@ -207,19 +207,19 @@ def _read_file(path: Path) -> dict[str, Any]:
                 digest.update(piece)
         told = _FORMAT_TOLD.match(header)
         if (told and int(told[1]) != _FORMAT) or header.startswith(_HDF5):
-            found = f"has format {int(told[1])}" if told else "is none, or of an older format"
+            found = f"has format {int(told[1])}" if told else "has no or an older format number"
             raise CheckpointError(
-                f"{path} {found}; this version of shellcut reads its checkpoints of format "
-                f"{_FORMAT}: go on with the version that wrote it, or begin anew"
+                f"{path} {found}; this version of shellcut reads checkpoints of format {_FORMAT}: "
+                "resume with the version that wrote it, or start a new run"
             )
         if header != _header(digest.hexdigest()):
-            raise CheckpointError(f"{damage} (its SHA-256 is another); begin anew")
+            raise CheckpointError(f"{damage} (wrong SHA-256); start a new run")
         with h5py.File(path, "r") as file:
             content = _read(file)
     except OSError as problem:
-        raise CheckpointError(f"{damage} ({problem}); begin anew") from problem
+        raise CheckpointError(f"{damage} ({problem}); start a new run") from problem
     if set(content) != {"inputs", "run", "extra"}:
-        raise CheckpointError(f"{damage} (it holds {', '.join(content)}); begin anew")
+        raise CheckpointError(f"{damage} (it contains {', '.join(content)}); start a new run")
     return content
 
 
@@ -249,11 +249,11 @@ def _read(group: Any) -> dict[str, Any]:
     return content
 
 
-# ---------------------------------------------------------------- what a run is made of
+# ---------------------------------------------------------------- inputs of a run
 
 
 def _described_inputs(sim: Simulation) -> dict[str, str]:
-    """Return every number and array of the inputs as text, by a name like "law.strength"."""
+    """Return every number and array of the inputs as text, under names like "law.strength"."""
     return dict(line for name, value in sim.inputs.items() for line in _described(name, value))
 
 
@@ -293,7 +293,7 @@ def _digest(rows: Any) -> str:
 
 
 def _differing_layout(name: str, wanted: Any, found: Any) -> Iterator[str]:
-    """Yield what of the checkpoint could not be taken over: names and kinds of numbers."""
+    """Yield the names and number types in which checkpoint and simulation differ."""
     if isinstance(wanted, Mapping) and isinstance(found, Mapping):
         for key in {**wanted, **found}:
             if key in wanted and key in found:
@@ -314,7 +314,7 @@ def _kind_of(value: Any) -> str:
 
 
 def _differing_poses(sim: Simulation, run: dict[str, Any]) -> list[str]:
-    """Compare the tool's present pose, which any motion has, also one of the user's own."""
+    """Compare the tool's present pose: this works for any motion, also a user's own class."""
     if sim.motion is None:
         return []
     time = run["state"]["time"]

@@ -1,14 +1,14 @@
-"""What a run itself shows of its cut: whether cracks kept to the way of the edge, and what it cost.
+"""Evidence from the run about its cut: cracks off the path, overshoot, energy dissipated elsewhere.
 
 ======================  ==========================================================================
-off_path_mm             how far from the way of the cutting edges a split lay at most, in the
-                        reference film; cracks may run ahead of it by ``Sweep``'s AHEAD
-n_split_off_path        splits farther from it than a fifth of an edge of the film
-overshoot_rel           how far the edge had passed the cables when it met them, in the mean, over
-                        the half of ``opening_u`` by which it then drags them: what the joints
-                        missed of their work (0.28 mm of 2 mm cost 15-17 %)
-cables_rel              work of the cables over all work that is spent and not stored: the rest
-                        went into damping and contact
+off_path_mm             largest distance of a split from the path of the cutting edges, in the
+                        reference film; cracks may run ahead of the path by ``Sweep``'s AHEAD
+n_split_off_path        splits farther from the path than a fifth of a film edge
+overshoot_rel           mean distance the edge had passed the cables when their joints were made,
+                        over half of ``opening_u``, by which the edge then drags them: the share of
+                        work the joints missed (0.28 mm of 2 mm cost 15-17 %)
+cables_rel              work of the cables over all dissipated work; damping and contact dissipate
+                        the rest
 ======================  ==========================================================================
 """
 
@@ -22,20 +22,20 @@ from shellcut.checks import Sweep
 from shellcut.simulation.simulation import Simulation
 
 OFF_PATH = 0.2
-"""In edge lengths: a row of nodes under the path is within 0.03, chords included."""
+"""In edge lengths: a row of nodes under the path lies within 0.03, including chord error."""
 
 
 def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
-    """Return the finite ones of the figures by name, as far as the run has come.
+    """Return the figures that are finite, by name, up to the present step.
 
     Parameters
     ----------
     sim : Simulation
         At its end.
     sweep : Sweep or None
-        The way of its cutting edges.
+        Path of the cutting edges.
     """
-    s, book = sim.state, sim.ledger
+    s, ledger = sim.state, sim.ledger
     sides = sim.mesh.edge_lengths()
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}
     if sim.law is None:
@@ -54,8 +54,8 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
         missed = float(s.cable.overshoot[: s.n_cable].sum()) / sim.cables.n_joint_made
         figures["overshoot_rel"] = missed / (0.5 * sim.law.opening_u)
     if sim.cables.n_broken:
-        cables = book.cohesive_work + book.cohesive_start_work
-        spent = cables + book.damping + abs(book.contact_work)
+        cables = ledger.cohesive_work + ledger.cohesive_start_work
+        spent = cables + ledger.damping + abs(ledger.contact_work)
         if spent > 0.0:
             figures["cables_rel"] = cables / spent
     return {name: value for name, value in figures.items() if isfinite(value)}

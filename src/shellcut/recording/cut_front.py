@@ -1,20 +1,21 @@
-r"""Where the cuts of a run stand: what each edge has cut, what still holds, what lies ahead.
+r"""Position of the cuts: cut length, process zone, uncut film ahead and edge to spare.
 
 ======================  ==========================================================================
-cut length              reference length of cut that the edge has met: half-edges of the cables
+cut length              reference length of cut that the edge has passed: half-edges of the cables
                         that were bent around it
-process zone            the part of it whose cables still hold, dragged by the edge
-uncut film ahead        way from the crack tip that the edge drives on to the first node of the
-                        film's boundary or of any crack, along the circle (or line) that the tool's
-                        motion describes in the sheet there: exact for screws and straight motions
-edge to spare           length of the edge from its joints to its nearer end, the least of those in
-                        the process zone: 0 where the edge is just entering the film or leaving it
+process zone            the part of the cut length whose cables the edge still drags
+uncut film ahead        distance from the crack tip driven by the edge to the first boundary node
+                        or node of any crack, along the circle (or line) that the tool's motion
+                        traces in the film there: exact for screws and straight motions
+edge to spare           length of the edge from a joint to its nearer end, the smallest in the
+                        process zone: 0 where the edge is just entering or leaving the film
 ======================  ==========================================================================
 
-All of it is of the reference film: what lies ahead has hardly moved, what lies at the tip is bent
-aside. A cutting edge is a chain of :meth:`shellcut.tool.Tool.chains`. Its tip is the one nearest to
-its process zone among those that lie ahead, seen as the tool moves. A tool that moves through the
-sheet without moving along it has no such way; there the last edge of the crack points ahead.
+All lengths are measured in the reference film: the film ahead has hardly moved, the film at the tip
+is bent aside. A cutting edge is a chain of :meth:`shellcut.tool.Tool.chains`. Its tip is the one
+nearest to its process zone among the tips ahead in the direction of the tool's motion. A tool that
+moves through the film without moving along it has no such path; the last edge of the crack then
+gives the direction.
 
 These figures tell whether a cut is steady (:mod:`shellcut.results.steady_window`).
 """
@@ -34,19 +35,19 @@ from shellcut.state import JOINTED, NOT_MET
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-# Of a node beside the way, in local edge lengths: a boundary that crosses the way between two of
-# its nodes has one of them within half of that.
+# Distance of a node beside the path, in local edge lengths: where a boundary crosses the path
+# between two of its nodes, one of them lies within half of that.
 _BESIDE = 0.75
-# How far ahead in time the way is looked at, relative to the run.
+# Time over which the path ahead is sampled, relative to the run.
 _LOOK_AHEAD = 5e-3
-# Of the speed: below, the tool does not move along the sheet.
+# Relative to the speed: below this, the tool does not move along the film.
 _ALONG = 1e-3
-# Of a curvature times the film's extent: straight.
+# Relative to curvature times the film's extent: below this, the path is straight.
 _STRAIGHT = 1e-9
 
 
 class _EdgeLength:
-    """Lengths along the cutting edges of a tool."""
+    """Arc lengths along the cutting edges of a tool."""
 
     def __init__(self, tool: Tool) -> None:
         ends = tool.vertices[tool.edges]
@@ -62,9 +63,9 @@ class _EdgeLength:
         self._closed = closed[tool.edge_chain]
 
     def to_spare(self, segment: Ints, point: Floats) -> float:
-        """Return the least way from points on segments to the nearer end of the edge [mm].
+        """Return the distance from points on segments to the nearer end of the edge [mm].
 
-        A closed edge has no end: half of its length.
+        A closed edge has no end: half its length is returned.
         """
         on = np.einsum("ic,ic->i", point - self._start[segment], self._unit[segment])
         before, length = self._before[segment] + on, self._length[segment]
@@ -74,7 +75,7 @@ class _EdgeLength:
 
 
 class CutFront:
-    """Read the cuts of a simulation with a tool; what was found lasts until a cable changes.
+    """Measure the cuts of a simulation with a tool; results are kept until a cable changes.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ class CutFront:
     def rows(self, sim: Simulation) -> Floats:
         """Return cut length, process zone, uncut film ahead, edge to spare, (n_chain, 4), [mm].
 
-        The last two are 0 where an edge has no process zone.
+        The last two are 0 for an edge without process zone.
         """
         seen = (sim.state.revision, sim.cables.n_joint_made, sim.cables.n_broken)
         if seen != self._seen:
@@ -107,11 +108,11 @@ class CutFront:
         return self._rows
 
     def saved(self) -> dict[str, Any]:
-        """Return what was found last, and when: the same found later differs in its last digits."""
+        """Return the last result and its step: evaluated later, its last digits would differ."""
         return {"seen": np.array(self._seen), "rows": self._rows}
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take over :meth:`saved`."""
+        """Load :meth:`saved`."""
         self._seen, self._rows = tuple(saved["seen"].tolist()), saved["rows"]
 
     def _read(self, sim: Simulation) -> Floats:
@@ -134,12 +135,12 @@ class CutFront:
         return rows
 
     def _obstacles(self, sim: Simulation, tips: Ints) -> Ints:
-        """Return the nodes of boundary and cracks."""
+        """Return the nodes of the boundary and of cracks."""
         halves = np.flatnonzero(sim.state.node.halved[: sim.state.n_node])
         return np.unique(np.concatenate([self._rim, halves, tips]))
 
     def _driven(self, sim: Simulation, zone: Ints, tips: Ints) -> int | None:
-        """Return the tip that the tool drives on from a process zone, None if none is ahead."""
+        """Return the tip driven by the edge of a process zone, None if no tip is ahead."""
         if not tips.size:
             return None
         n = sim.state.node
@@ -154,7 +155,7 @@ class CutFront:
         return int(tips[best]) if np.isfinite(nearest[best]) else None
 
     def _velocity(self, sim: Simulation, nodes: Ints) -> Floats:
-        """Return the tool's velocity along the sheet at nodes, 0 where it only goes through."""
+        """Return the tool's velocity along the film at nodes, 0 where it only passes through."""
         assert sim.motion is not None
         spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
         n = sim.state.node
@@ -175,7 +176,7 @@ class CutFront:
         if abs(curvature) * self._extent <= _STRAIGHT:
             way, beside = a, np.abs(b)
         else:
-            # Seen from the centre of the circle, which lies on the side that it turns to.
+            # Work from the centre of the circle, which lies on the side of the turn.
             radius = 1.0 / abs(curvature)
             b = np.copysign(1.0, curvature) * b
             way = radius * np.mod(np.arctan2(a, radius - b), 2.0 * np.pi)
@@ -186,7 +187,7 @@ class CutFront:
         return float(way[met].min(initial=self._extent))
 
     def _course(self, sim: Simulation, tip: int) -> tuple[Floats, Floats, float]:
-        """Return unit vectors ahead and to the left in the sheet, and the curvature to the left."""
+        """Return in-film unit vectors ahead and to the left, and the curvature to the left."""
         n, motion = sim.state.node, sim.motion
         assert motion is not None
         director, here = self._normal[n.origin[tip]], n.X[tip]
@@ -203,10 +204,10 @@ class CutFront:
         chord = first / length
         left = np.cross(director, chord)
         onward = second - first
-        if np.linalg.norm(onward) <= _ALONG * length:  # it comes to rest
+        if np.linalg.norm(onward) <= _ALONG * length:  # the tool comes to rest
             return chord, left, 0.0
-        # Circle through three points: curvature 4 area / product of the sides; the tangent at the
-        # first is the chord turned back by half the arc.
+        # Circle through three points: curvature = 4 area / product of the sides; the tangent at
+        # the first point is the chord turned back by half the arc.
         sides = length * float(np.linalg.norm(second) * np.linalg.norm(onward))
         curvature = 2.0 * length * float(second @ left) / sides
         sine = 0.5 * curvature * length
@@ -214,7 +215,7 @@ class CutFront:
         return ahead, np.cross(director, ahead), curvature
 
     def _last_edge(self, sim: Simulation, tip: int) -> Floats:
-        """Return the direction in which a crack's last edge points."""
+        """Return the direction of a crack's last edge."""
         n = sim.state.node
         crack = arriving(sim.state, fans_of(sim.state, tip))
         way = n.X[tip] - n.X[crack[0][0]]

@@ -1,7 +1,7 @@
-"""Take one :class:`Frame`, a picture of the run at t_n, from a simulation.
+"""Capture one :class:`Frame` of a simulation at t_n.
 
-Most of the work is deriving what a frame shows from the state: stresses, crack, branches of the
-cables. A run that goes on meanwhile only waits for an :class:`Exposure`, copies of what changes.
+Most of the work is deriving stresses, crack and cable branches from the state. If the run continues
+meanwhile, it only waits for an :class:`Exposure`, which copies the arrays that change.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-# What a frame needs of the tables, all that is copied of them; the reference never changes.
+# Node arrays that a frame needs and that change during the run; only these are copied.
 _OF_NODES = ("x", "t", "velocity_half", "supported", "halved", "origin", "quads", "n_quad_at")
 _OF_CABLES = ("ends", "status", "joint", "traction", "opening")
 
@@ -29,7 +29,7 @@ _Table = TypeVar("_Table", NodeTable, CableTable)
 
 @dataclass(frozen=True)
 class Exposure:
-    """What a frame needs of a simulation at t_n, which may go on while the frame is made."""
+    """Copies of everything a frame needs at t_n, so that the simulation can continue."""
 
     _shell: MITC4Shell
     _tool: Tool | None
@@ -39,7 +39,7 @@ class Exposure:
 
     @classmethod
     def of(cls, sim: Simulation, **figures: Any) -> Exposure:
-        """Copy what changes; ``figures`` as the keywords of :func:`capture`."""
+        """Copy the arrays that change; ``figures`` are the keywords of :func:`capture`."""
         s = sim.state
         state = replace(
             s,
@@ -51,7 +51,7 @@ class Exposure:
         return cls(sim.shell, sim.tool, sim.pose.copied(), state, figures)
 
     def frame(self) -> Frame:
-        """Return the frame; raises ValueError as :class:`Frame`."""
+        """Return the frame; raises ValueError like :class:`Frame`."""
         s, n = self._state, self._state.n_node
         faces = self._shell.face_stresses(s)
         return Frame(
@@ -91,11 +91,11 @@ def capture(
     Parameters
     ----------
     sim : Simulation
-        What to look at.
+        The simulation.
     coordinate, coordinate_name, coordinate_unit : float, str, str
-        What curves are drawn over, as :class:`Frame`.
+        Abscissa of curves, as in :class:`Frame`.
     scalars, scalar_units : mapping, optional
-        Figures to go with the picture.
+        Figures to store with the frame.
     """
     return Exposure.of(
         sim,
@@ -108,7 +108,7 @@ def capture(
 
 
 def _copied(table: _Table, names: tuple[str, ...]) -> _Table:
-    """Return a table that has copies of these arrays; the others it shares."""
+    """Return a table with copies of the named arrays; it shares the others."""
     return replace(table, **{name: getattr(table, name).copy(order="K") for name in names})
 
 

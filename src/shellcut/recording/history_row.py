@@ -1,4 +1,4 @@
-"""One row of ``history.csv``: what is written of a run at a moment, and in which units."""
+"""One row of ``history.csv``: its values and units at one moment."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ def history_row(
 ) -> Iterator[tuple[str, str, float]]:
     """Yield name, unit and value of every column.
 
-    Time, the coordinate and the figure to plot come first.
+    Time, the coordinate and the plotted figure come first.
 
     Parameters
     ----------
     sim : Simulation
         Between two steps, with a tool.
     resistance : Resistance
-        Of its motion.
+        Resistance of its motion.
     front : CutFront
-        Of its cuts.
+        Front of its cuts.
     unfelt : float
-        How deep the tool was between nodes without being felt, when last looked at [mm].
+        Penetration between nodes, which nodal contact misses, when last measured [mm].
     """
     s, r = sim.state, resistance
     origin = sim.pose.translation
@@ -66,11 +66,11 @@ def history_row(
     whole = r.components(sum(term.forces.wrench.sum(axis=0) for term in sim.tool_terms), origin)
     for (component, unit), value in zip(COMPONENTS, whole, strict=True):
         yield component, unit, value
-    book = sim.close_ledger()
+    ledger = sim.close_ledger()
     for energy in _ENERGIES:
-        yield energy, "N*mm", getattr(book, energy)
-    yield "imbalance", "N*mm", book.imbalance
-    yield "imbalance_rel", "-", book.relative(book.imbalance)
+        yield energy, "N*mm", getattr(ledger, energy)
+    yield "imbalance", "N*mm", ledger.imbalance
+    yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
     yield "dt", "s", s.dt
     yield "cables_created", "-", s.n_cable
     yield "cables_jointed", "-", sim.cables.n_joint_made

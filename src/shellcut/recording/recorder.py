@@ -1,9 +1,9 @@
-"""Recorder: the hook that leaves a run in a folder, as it goes.
+"""Recorder: the hook that writes a run to a folder while it proceeds.
 
-History, frames and pictures of the film are written during the run, so that a killed run leaves
-what it had; figures, splits and curves when it ends, however it ends
-(:mod:`shellcut.files.run_folder` lists the files). The checkpoint is renewed now and then, so that
-an interrupted run can go on: what was written after it is then dropped and written again.
+History, frames and pictures are written during the run, so a killed run leaves them behind;
+figures, splits and curves are written when it ends, for whatever reason
+(:mod:`shellcut.files.run_folder` lists the files). A checkpoint is saved at intervals, so that an
+interrupted run can resume: it drops the output after the checkpoint and writes it again.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ from .history_row import history_row
 from .run_files import RunFiles
 from .run_options import RunOptions
 from .run_summary import run_summary
-from .schedule import Bookmark
-from .status_line import account_line
+from .schedule import Schedule
+from .status_line import status_line
 from .tool_resistance import Resistance
 
 _log = logging.getLogger(__name__)
 
-# Lines of account over a run: where it is, its energies, cracks and cables.
-_N_ACCOUNT = 20
+# Status lines over a run.
+_N_STATUS = 20
 
-# Wall time between two looks whether the files are still where they were [s].
+# Wall time between two checks that the files are still in place [s].
 _LOOK_EVERY = 1.0
 
 
 class RunEnded(Exception):
-    """A run to be resumed has reached its end already: there is nothing left to do."""
+    """The run to resume has already reached its end: there is nothing left to do."""
 
 
 class Recorder:
@@ -66,43 +66,43 @@ class Recorder:
     sim : Simulation
         The run; it must have a tool.
     folder : path
-        Where to; made if need be, and held until :meth:`close`: no other run may write there. The
-        files of an earlier run are removed, all of them and no others, unless it is resumed.
+        Output folder; created if missing, and locked until :meth:`close`: no other run can write
+        there. All files of an earlier run, and no others, are removed unless it is resumed.
     until : float
-        End of the run [s], for the intervals and the progress.
+        End of the run [s]; sets the intervals and the progress.
     name : str
         Stem of the result file and title of the pictures.
     check : ModelCheck, optional
-        Of this very model, if it is known; else it is made here.
+        Check of this model, if already made; otherwise it is made here.
     also : sequence of str
-        Names of further files in the folder that belong to the run and go with it.
+        Names of further files in the folder that belong to the run.
     **options
-        As the fields of :class:`~shellcut.recording.run_options.RunOptions`.
+        Fields of :class:`~shellcut.recording.run_options.RunOptions`.
 
     Attributes
     ----------
     verdict : tuple of Line
-        What of the run may be trusted; empty before it has ended.
+        How far the results can be trusted; empty before the end of the run.
 
     Raises
     ------
     FolderInUse
-        If another run writes in the folder, of this or of another process; it is not disturbed.
+        If another run, of this or another process, writes in the folder; that run is not disturbed.
     FileExistsError
-        If something in the folder that no run has written would be replaced, or an earlier run that
-        shall not be; nothing in the folder has been touched.
+        If this would replace a file that no run has written, or an earlier run that must not be
+        replaced; nothing in the folder has been changed.
     FileNotFoundError
-        If there is no run in the folder to resume, or one of its files is gone.
+        If there is no run to resume in the folder, or one of its files is missing.
     CheckpointError
-        If it was a run of another model.
+        If the run in the folder was one of another model.
     RunEnded
-        If the run to resume has reached ``until``; nothing in the folder has been touched.
+        If the run to resume has reached ``until``; nothing in the folder has been changed.
     RefusedModel
-        If a check of the model refuses it; nothing in the folder has been touched.
+        If a check refuses the model; nothing in the folder has been changed.
     FolderLost
         During the run, if somebody removes, moves or empties the folder.
     OSError
-        During the run, if a file cannot be written, as on a full disk: it goes on with ``resume``.
+        During the run, if a file cannot be written, as on a full disk; ``resume`` continues it.
     """
 
     def __init__(
@@ -131,10 +131,10 @@ class Recorder:
         self._front = CutFront(sim, until)
         self._until = until
         self._can_draw = _matplotlib_is_there()
-        # One scale for all pictures of a run: from nothing to where the film splits. Without a law
-        # nothing is known beforehand, and each picture has its own.
+        # One stress scale for all pictures: from 0 to the strength. Without a law the maximum is
+        # not known beforehand, so each picture has its own scale.
         self._stress_limits = None if sim.law is None else (0.0, sim.law.strength)
-        self._mark = Bookmark.at_start(
+        self._schedule = Schedule.at_start(
             until=until,
             n_row=chosen.n_row,
             n_frame=chosen.n_frame,
@@ -148,21 +148,21 @@ class Recorder:
         curve = self.resistance.columns[0][0]
         self._files = RunFiles(folder, name, curve, columns=columns, pvd=chosen.pvd, also=also)
         with ExitStack() as on_error:
-            on_error.callback(self._files.give_back)
+            on_error.callback(self._files.release)
             if chosen.resume:
-                self._mark = self._take_up_run()
-                self._files.go_on(
-                    row_time=self._mark.row_time,
-                    frame_time=self._mark.frame_time,
-                    n_picture=self._mark.n_picture,
+                self._schedule = self._resume_from_checkpoint()
+                self._files.resume(
+                    row_time=self._schedule.row_time,
+                    frame_time=self._schedule.frame_time,
+                    n_picture=self._schedule.n_picture,
                 )
             else:
                 self._files.begin(
                     n_snapshot=chosen.n_snapshot, n_frame=chosen.n_frame, replace=chosen.replace
                 )
             on_error.pop_all()
-        self._account_due = Trigger(until / _N_ACCOUNT)
-        self._accounted = -1  # step of the last line of account
+        self._status_due = Trigger(until / _N_STATUS)
+        self._status_step = -1  # step of the last status line
         self._progress = self._make_progress(chosen.log) if chosen.progress else None
         self._wires = ToolWires(sim.tool)
         self._checkpoint_every = (
@@ -174,23 +174,23 @@ class Recorder:
         self._record_failed = self._closed = False
 
     def due(self, sim: Simulation) -> bool:
-        """Whether a row, a frame or a picture is due, or the progress wants to be shown."""
+        """Whether a row, a frame or a picture may be due, or the progress display."""
         return sim.state.step % 10 == 0
 
     def __call__(self, sim: Simulation) -> None:
         """Write what is due."""
         now = sim.state.time
-        if self._mark.due(now):
-            before = self._mark.copy()
+        if self._schedule.due(now):
+            before = self._schedule.copy()
             try:
-                self._record(sim, now, self._mark)
+                self._record(sim, now, self._schedule)
             except BaseException:
-                # What was due is due again when the run goes on from here.
-                self._mark, self._record_failed = before, True
+                # Record the same again when the run is resumed.
+                self._schedule, self._record_failed = before, True
                 raise
         if self._progress is not None:
-            if self._account_due(now) and now > 0.0:
-                self._give_account(self._progress)
+            if self._status_due(now) and now > 0.0:
+                self._note_status(self._progress)
             if self._progress.wants:
                 self._show_progress(self._progress)
         clock = time.perf_counter()
@@ -200,21 +200,21 @@ class Recorder:
         if clock - self._saved >= self._checkpoint_every:
             self._save_checkpoint()
 
-    def _record(self, sim: Simulation, now: float, mark: Bookmark) -> None:
-        if mark.row_due(now):
+    def _record(self, sim: Simulation, now: float, schedule: Schedule) -> None:
+        if schedule.row_due(now):
             self._files.history.append({column: value for column, _, value in self._row()})
-            mark.row_time = now
-        if mark.look_due(now):
-            _, mark.unfelt = unfelt_penetration(self._wires, sim.state, sim.pose)
-            mark.largest_unfelt = max(mark.largest_unfelt, mark.unfelt)
-        frame_due = mark.frame_due(now)
-        picture_due = mark.picture_due is not None and mark.picture_due(now)
+            schedule.row_time = now
+        if schedule.look_due(now):
+            _, schedule.unfelt = unfelt_penetration(self._wires, sim.state, sim.pose)
+            schedule.largest_unfelt = max(schedule.largest_unfelt, schedule.unfelt)
+        frame_due = schedule.frame_due(now)
+        picture_due = schedule.picture_due is not None and schedule.picture_due(now)
         if frame_due or picture_due:
             exposure = self._expose(sim)
-            mark.captured_time = now
+            schedule.captured_time = now
             if frame_due:
                 self._files.frames.append(exposure.frame)
-                mark.frame_time = now
+                schedule.frame_time = now
             if picture_due:
                 self._draw(exposure.frame())
 
@@ -227,14 +227,14 @@ class Recorder:
     def close(self) -> None:
         """Write checkpoint, summary and curves, log the verdict, close files and folder.
 
-        After an error of writing there is nothing but the checkpoint, where it can be written: the
-        rest is of a run that has ended, and comes when this one has been gone on with.
+        After a failed write, only the checkpoint is written, if possible: the rest describes a
+        completed run and is written once this run has been resumed.
         """
         if self._closed:
             return
         self._closed = True
-        with ExitStack() as at_last:  # all of it, whatever goes wrong with any
-            at_last.callback(self._files.give_back)
+        with ExitStack() as at_last:  # do everything, even if one part fails
+            at_last.callback(self._files.release)
             with ExitStack() as before:
                 before.callback(self._end_progress)
                 before.callback(self._files.close)
@@ -244,7 +244,7 @@ class Recorder:
         say(self.verdict)
 
     def give_up(self) -> None:
-        """Close the files of a run that shall not begin: none of them is left, or all as before."""
+        """Close the files of a run that does not start; a resumed run's files stay as they were."""
         if not self._closed:
             self._closed = True
             self._files.give_up()
@@ -254,7 +254,7 @@ class Recorder:
             self._settle_quietly()
         if not self._has_failed():
             self._files.look()
-        # A run that died within a step, or lacks a frame, goes on from its last checkpoint.
+        # A run that failed within a step, or lost a frame, resumes from its last checkpoint.
         if self._sim.between_steps and not (self._files.lost or self._files.frames.failed):
             self._save_checkpoint()
         if not self._has_failed():
@@ -265,7 +265,7 @@ class Recorder:
         return self._record_failed or self._files.lost or frame_failed
 
     def _settle_quietly(self) -> None:
-        """Wait for a frame on its way: what broke the step is what the caller shall be told."""
+        """Wait for a pending frame; log its error, since the failed step's error is raised."""
         try:
             self._files.frames.settle()
         except ValueError as problem:
@@ -274,29 +274,29 @@ class Recorder:
     # ------------------------------------------------------------------ restart
 
     def _wall(self) -> float:
-        return self._mark.wall + time.perf_counter() - self._started
+        return self._schedule.wall + time.perf_counter() - self._started
 
-    def _take_up_run(self) -> Bookmark:
-        """Put the simulation where the checkpoint was made; return where the records were."""
+    def _resume_from_checkpoint(self) -> Schedule:
+        """Load the checkpoint into the simulation; return the schedule."""
         path = self.folder / CHECKPOINT
         saved = load_checkpoint(self._sim, path)
         self._front.restore(saved.pop("cut_front", self._front.saved()))
-        mark = Bookmark.restored(saved)
-        if mark is None:
+        schedule = Schedule.restored(saved)
+        if schedule is None:
             raise CheckpointError(
-                f"{path} was saved by hand: it goes on with load_checkpoint, in another folder"
+                f"{path} was saved by hand: resume it with load_checkpoint, in another folder"
             )
-        # Killed, or failed, after its last step it has still to be summed up.
+        # A run that was killed or failed after its last step still needs its summary.
         if self._sim.state.time >= self._until and self._files.are_summed_up(self._can_draw):
-            raise RunEnded(f"{self.name} in {self.folder} ended already, at {self.place()}")
-        return mark
+            raise RunEnded(f"{self.name} in {self.folder} has already ended, at {self.place()}")
+        return schedule
 
     def _save_checkpoint(self) -> None:
-        # What it counts as written shall be there when it is gone on with, whatever happens.
+        # Flush pending frames first: a resumed run must find them.
         self._files.frames.settle()
-        mark = replace(self._mark, wall=self._wall())
+        schedule = replace(self._schedule, wall=self._wall())
         try:
-            saved = {**mark.saved(), "cut_front": self._front.saved()}
+            saved = {**schedule.saved(), "cut_front": self._front.saved()}
             self._files.frames.sync()
             self._files.history.sync()
             save_checkpoint(self._sim, self.folder / CHECKPOINT, extra=saved)
@@ -310,22 +310,22 @@ class Recorder:
     # ------------------------------------------------------------------ parts
 
     def _row(self) -> Iterator[tuple[str, str, float]]:
-        return history_row(self._sim, self.resistance, self._front, unfelt=self._mark.unfelt)
+        return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
 
     def _felt(self) -> list[float]:
-        """Return the figures of the resistance, contact and joints of all teeth together."""
+        """Return the resistance from contact and joints of all teeth together."""
         sim, origin = self._sim, self._sim.pose.translation
         return self.resistance.of(sim.tooth_wrenches.sum(axis=0), origin, sim.state.time)
 
     def _show_end(self) -> None:
-        """Leave a frame and a picture of the end of the run.
+        """Write a frame and a picture of the end of the run.
 
-        A film that blew up may have no finite stress: then the frames before are the last.
+        A film that blew up may have no finite stress: then the earlier frames are the last ones.
         """
         sim, now = self._sim, self._sim.state.time
-        frame_due = now > self._mark.frame_time
-        picture_due = self._can_draw and self._mark.picture_due is not None
-        picture_due = picture_due and now > self._mark.captured_time
+        frame_due = now > self._schedule.frame_time
+        picture_due = self._can_draw and self._schedule.picture_due is not None
+        picture_due = picture_due and now > self._schedule.captured_time
         if not (frame_due or picture_due):
             return
         with np.errstate(all="ignore"):
@@ -334,7 +334,7 @@ class Recorder:
             except ValueError:
                 if sim.between_steps:
                     raise
-                return  # what broke the step is on its way to the caller
+                return  # the error of the failed step is already being raised
             if frame_due:
                 self._files.frames.append(lambda: frame)
             if picture_due:
@@ -348,19 +348,19 @@ class Recorder:
 
     @property
     def _share(self) -> float:
-        """Part of the run that is done, 0 to 1."""
+        """Completed part of the run, 0 to 1."""
         return self._sim.state.time / self._until
 
     def _end_progress(self) -> None:
         if self._progress is not None:
-            if self._accounted < self._sim.state.step:
-                self._give_account(self._progress)
+            if self._status_step < self._sim.state.step:
+                self._note_status(self._progress)
             self._show_progress(self._progress)
             self._progress.close()
 
-    def _give_account(self, progress: Progress) -> None:
-        progress.note(account_line(self._sim, self.resistance, self._share))
-        self._accounted = self._sim.state.step
+    def _note_status(self, progress: Progress) -> None:
+        progress.note(status_line(self._sim, self.resistance, self._share))
+        self._status_step = self._sim.state.step
 
     def _show_progress(self, progress: Progress) -> None:
         sim, r = self._sim, self.resistance
@@ -389,21 +389,21 @@ class Recorder:
         from shellcut.view import draw_snapshot
 
         began = time.perf_counter()
-        path = self._files.new_picture(self._mark.n_picture)
+        path = self._files.new_picture(self._schedule.n_picture)
         draw_snapshot(path, frame, stress_limits=self._stress_limits)
-        self._mark.n_picture += 1
-        self._mark.drawing += time.perf_counter() - began
+        self._schedule.n_picture += 1
+        self._schedule.drawing += time.perf_counter() - began
 
     def _sum_up(self) -> None:
-        """Write what is known at the end: figures, splits, curves."""
+        """Write the files of a completed run: figures, splits, curves."""
         results = read(result_file(self.folder, self.name))
         figures = run_summary(
             self._sim,
             self.resistance,
             results.history,
-            stepping=self._wall() - self._mark.drawing,
-            drawing=self._mark.drawing,
-            unfelt=self._mark.largest_unfelt,
+            stepping=self._wall() - self._schedule.drawing,
+            drawing=self._schedule.drawing,
+            unfelt=self._schedule.largest_unfelt,
         )
         figures |= cut_evidence(self._sim, self._check.sweep)
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)

@@ -1,4 +1,4 @@
-"""The files of a run: opened anew or gone on with, and looked after, in a folder of its own."""
+"""The files of a run in its folder: created or reopened to resume, and watched while it runs."""
 
 from __future__ import annotations
 
@@ -24,38 +24,38 @@ from shellcut.results.history import HistoryWriter
 
 
 class FolderLost(OSError):
-    """Somebody has removed, moved or emptied the folder of a run that goes on."""
+    """Somebody removed, moved or emptied the folder of a running simulation."""
 
 
 class RunFiles:
-    """Hold the folder of a run, and in it the files that grow.
+    """Hold the folder of a run and its growing files.
 
-    One of :meth:`begin` and :meth:`go_on` opens them; :meth:`close` closes them, and
-    :meth:`give_back` the folder.
+    Open the files with :meth:`begin` or :meth:`resume`; close them with :meth:`close` and free the
+    folder with :meth:`release`.
 
     Parameters
     ----------
     folder : path
-        The folder; made if need be.
+        The folder; created if missing.
     name : str
-        Stem of the result file.
+        Stem of the result file's name.
     curve : str
-        What the curve of the run shows, like ``"torque"``.
+        Quantity plotted over the run, like ``"torque"``.
     columns : sequence of (name, unit)
-        Of the history.
+        Columns of the history.
     pvd : bool
-        Whether to write the frames as PVD + VTU too.
+        Whether to write the frames also as PVD + VTU.
     also : sequence of str
         Names of further files that belong to the run.
 
     Raises
     ------
     ValueError
-        If the name is not that of a file in the folder.
+        If the name is not a file name without folder.
     FolderInUse
         If another run writes in the folder.
     OSError
-        If it cannot be made or written.
+        If the folder cannot be created or written.
     """
 
     history: HistoryWriter
@@ -77,11 +77,11 @@ class RunFiles:
         self._curve, self._columns, self._pvd, self._also = curve, columns, pvd, also
         self._taken = TakenFolder(self.folder)
         self.lost = False
-        """Whether the folder is no longer that of this run."""
+        """Whether the folder is no longer the one of this run."""
         self._is_new = False
 
     def begin(self, *, n_snapshot: int, n_frame: int, replace: bool) -> None:
-        """Remove the run before, if it may be, and begin anew.
+        """Remove the previous run, if allowed, and create new files.
 
         Raises
         ------
@@ -99,22 +99,22 @@ class RunFiles:
             raise
         self._is_new = True
 
-    def go_on(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
-        """Go on with the run in the folder behind its checkpoint, and drop what came after it.
+    def resume(self, *, row_time: float, frame_time: float, n_picture: int) -> None:
+        """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
         Parameters
         ----------
         row_time, frame_time : float
-            Of the last row and the last frame before the checkpoint [s].
+            Times of the last row and the last frame before the checkpoint [s].
         n_picture : int
-            Number of pictures before it.
+            Number of pictures before the checkpoint.
 
         Raises
         ------
         FileNotFoundError
-            If a file is not there.
+            If a file is missing.
         ValueError
-            If a file is not of this run.
+            If a file belongs to another run.
         OSError
             If a file cannot be written.
         """
@@ -125,30 +125,30 @@ class RunFiles:
                 f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
             )
         own = [snapshot(self.folder, k).name for k in range(n_picture)]
-        self._taken.go_on([*self._planned(n_snapshot=0, n_frame=0)[0], *own])
+        self._taken.resume([*self._planned(n_snapshot=0, n_frame=0)[0], *own])
         later = [path.name for path in snapshots(self.folder, first=n_picture)]
         self._taken.remove([*self._last_names(drawn=True), *later])
         self._open("a", row_time, frame_time)
 
     def are_summed_up(self, drawn: bool) -> bool:
-        """Whether all files are there that tell that the run has ended, drawn ones if need be."""
+        """Whether all files written at the end of a run exist, drawings included if asked for."""
         return all((self.folder / name).exists() for name in self._last_names(drawn))
 
     def new_picture(self, number: int) -> Path:
-        """Return where the next picture of the film goes."""
+        """Return the path of the next snapshot."""
         path = snapshot(self.folder, number)
         self._taken.add(path)
         return path
 
     def look(self) -> None:
-        """Look whether the files are still where they are written.
+        """Check that the files are still in the folder.
 
         Raises
         ------
         FolderLost
-            If they are not: what would still be written would be nowhere.
+            If they are not: further output would be lost.
         FolderInUse
-            If another run has the folder now.
+            If another run uses the folder now.
         OSError
             If a frame could not be written.
         """
@@ -170,15 +170,15 @@ class RunFiles:
             self.history.close()
 
     def give_up(self) -> None:
-        """Close the files of a run that has not begun, and remove them unless it was to go on."""
+        """Close the files of a run that did not start; remove them unless it was to resume."""
         try:
             self.close()
             if self._is_new:
                 self._taken.clear()
         finally:
-            self.give_back()
+            self.release()
 
-    def give_back(self) -> None:
+    def release(self) -> None:
         """Let others write in the folder; a second call does nothing."""
         self._taken.close()
 

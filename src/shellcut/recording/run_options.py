@@ -1,4 +1,4 @@
-"""What a run leaves in its folder, and how it goes on: the options of a run, in one place."""
+"""Options of a run: its output files, checkpoints and restart."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Options of :class:`Recorder` and of ``Case.run``, given there by these names.
+    """Options of :class:`Recorder` and of ``Case.run``, under the same names.
 
     Raises
     ------
@@ -26,25 +26,25 @@ class RunOptions:
     """Pictures of the film over the run; 0 for none."""
 
     progress: bool = True
-    """Whether to show on standard error how far the run is, with a line of figures every 5 %."""
+    """Whether to show progress on standard error, with a status line every 5 %."""
 
     pvd: bool = False
-    """Whether to write the frames as PVD + VTU too, for ParaView before 5.12; that takes some eight
-    times as long as the result file."""
+    """Whether to write the frames also as PVD + VTU, for ParaView before 5.12; this takes about
+    eight times as long as the result file."""
 
     log: Callable[[str], None] | None = None
-    """Also given each line that is shown."""
+    """Function that also receives each line shown."""
 
     checkpoint_every: float | None = 60.0
-    """Wall time between two checkpoints [s], the first one at the start; None makes one only when
-    the run ends or is interrupted. One is always made then, unless the run died within a step."""
+    """Wall time between two checkpoints [s], the first one at the start; None writes one only when
+    the run ends or is interrupted. The end always writes one, unless a step failed."""
 
     resume: bool = False
-    """Go on from the checkpoint in the folder, with a simulation just built from the same inputs;
-    the files are appended to. Rows, frames and pictures keep the intervals they began with."""
+    """Resume from the checkpoint in the folder, with a simulation newly built from the same inputs;
+    the files are appended to. Rows, frames and pictures keep their original intervals."""
 
     force: bool = False
-    """Run what a check of the model refuses, where that can make sense."""
+    """Run a model that a check refuses, where that can make sense."""
 
     replace: bool = True
     """Whether the files of an earlier run in the folder may be removed."""

@@ -1,4 +1,4 @@
-"""The figures of ``summary.json``: what a run came to, in numbers whose names carry the units."""
+"""The figures of ``summary.json``, with the unit in each name."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ def run_summary(
     drawing: float,
     unfelt: float,
 ) -> dict[str, float | str]:
-    """Return the figures by name; counts are whole numbers, reasons are texts.
+    """Return the figures by name; counts are integers, reasons are texts.
 
-    A figure that is not finite, of a film that blew up, is left out: JSON has no word for it.
+    Figures that are not finite (a film that blew up) are left out: JSON cannot express them.
 
     Parameters
     ----------
     sim : Simulation
         At its end, with a tool.
     resistance : Resistance
-        Of its motion.
+        Resistance of its motion.
     history : mapping of ndarray, shape (n_row,)
         Its history.
     stepping, drawing : float
         Wall time without and for the pictures [s].
     unfelt : float
-        How deep the tool was between nodes at most without being felt [mm].
+        Largest penetration between nodes, which nodal contact misses [mm].
     """
     s, r = sim.state, resistance
-    book = sim.close_ledger()
+    ledger = sim.close_ledger()
     figures = {
         "n_quad": sim.mesh.n_quad,
         "n_step": s.step,
@@ -51,16 +51,16 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        "tool_work_Nmm": book.tool_work,
-        "kinetic_Nmm": book.kinetic,
-        "strain_Nmm": book.strain,
-        "material_dissipated_Nmm": book.material_dissipated,
-        "cohesive_work_Nmm": book.cohesive_work,
-        "cohesive_dissipated_Nmm": book.cohesive_dissipated,
-        "cohesive_stored_Nmm": book.cohesive_stored,
-        "contact_Nmm": book.contact_work,
-        "contact_absorbed_Nmm": book.contact_absorbed,
-        "damping_Nmm": book.damping,
+        "tool_work_Nmm": ledger.tool_work,
+        "kinetic_Nmm": ledger.kinetic,
+        "strain_Nmm": ledger.strain,
+        "material_dissipated_Nmm": ledger.material_dissipated,
+        "cohesive_work_Nmm": ledger.cohesive_work,
+        "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
+        "cohesive_stored_Nmm": ledger.cohesive_stored,
+        "contact_Nmm": ledger.contact_work,
+        "contact_absorbed_Nmm": ledger.contact_absorbed,
+        "damping_Nmm": ledger.damping,
         **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
         "n_cable_jointed": sim.cables.n_joint_made,
@@ -85,7 +85,7 @@ def run_summary(
 
 
 def _peaks(history: Mapping[str, Floats], r: Resistance) -> dict[str, float]:
-    """Return the value of the largest magnitude, with its sign, and where it was met."""
+    """Return the value of largest magnitude, with its sign, and where it occurred."""
     name, unit = r.columns[0]
     values = history[name]
     finite = np.flatnonzero(np.isfinite(values))

@@ -1,4 +1,4 @@
-"""Where the records of a run are: what goes with a checkpoint, besides the simulation."""
+"""Schedule and running totals of the recorder, stored in its checkpoints."""
 
 from __future__ import annotations
 
@@ -11,48 +11,48 @@ import numpy as np
 from shellcut.simulation.hooks import Trigger
 
 _N_LOOK = 100
-"""Looks at how deep the tool is between nodes, in a run: whatever is recorded, since a verdict
-follows from them."""
+"""Measurements of the penetration between nodes over a run; independent of the output intervals,
+because the verdict uses the result."""
 
 
 @dataclass
-class Bookmark:
-    """When the next row, frame and picture are due, and what the records have come to.
+class Schedule:
+    """When the next row, frame and picture are due, and running totals of the recorder.
 
     Examples
     --------
-    >>> mark = Bookmark.at_start(until=1.0, n_row=100, n_frame=10, n_snapshot=0)
-    >>> mark.row_due(0.0), mark.row_due(0.005), mark.picture_due
+    >>> schedule = Schedule.at_start(until=1.0, n_row=100, n_frame=10, n_snapshot=0)
+    >>> schedule.row_due(0.0), schedule.row_due(0.005), schedule.picture_due
     (True, False, None)
-    >>> Bookmark.restored(mark.saved()) == mark
+    >>> Schedule.restored(schedule.saved()) == schedule
     True
     """
 
     row_due: Trigger
     frame_due: Trigger
     picture_due: Trigger | None
-    """None where none are wanted."""
+    """None if no pictures are wanted."""
     look_due: Trigger
-    """Of a look at how deep the tool is between nodes."""
+    """Of the measurement of penetration between nodes."""
     row_time: float = -np.inf
-    """Of the last row [s]."""
+    """Time of the last row [s]."""
     frame_time: float = -np.inf
-    """Of the last frame [s]."""
+    """Time of the last frame [s]."""
     captured_time: float = -np.inf
-    """Of the last frame or picture [s]."""
+    """Time of the last frame or picture [s]."""
     n_picture: int = 0
     unfelt: float = 0.0
-    """How deep the tool was between nodes without being felt, when last looked at [mm]."""
+    """Penetration between nodes, which nodal contact misses, when last measured [mm]."""
     largest_unfelt: float = 0.0
-    """The most that it ever was [mm]."""
+    """Its largest value so far [mm]."""
     wall: float = 0.0
-    """Wall time until it was saved [s]."""
+    """Wall time up to the checkpoint [s]."""
     drawing: float = 0.0
-    """The part of it that the pictures took [s]."""
+    """Part of ``wall`` spent on pictures [s]."""
 
     @classmethod
-    def at_start(cls, *, until: float, n_row: int, n_frame: int, n_snapshot: int) -> Bookmark:
-        """Return that of a run that begins, with records at equal intervals up to ``until`` [s]."""
+    def at_start(cls, *, until: float, n_row: int, n_frame: int, n_snapshot: int) -> Schedule:
+        """Return the schedule of a new run, with equal intervals up to ``until`` [s]."""
         return cls(
             Trigger(until / n_row),
             Trigger(until / n_frame),
@@ -61,12 +61,12 @@ class Bookmark:
         )
 
     def due(self, time: float) -> bool:
-        """Whether anything is due; it stays so."""
+        """Whether anything is due; asking does not change that."""
         triggers = (self.row_due, self.frame_due, self.picture_due, self.look_due)
         return any(one is not None and time >= one.next for one in triggers)
 
-    def copy(self) -> Bookmark:
-        """Return one that stays as it is when this one goes on."""
+    def copy(self) -> Schedule:
+        """Return an independent copy."""
         return replace(
             self,
             row_due=replace(self.row_due),
@@ -76,7 +76,7 @@ class Bookmark:
         )
 
     def saved(self) -> dict[str, Any]:
-        """Return it as numbers and dictionaries of numbers, by name."""
+        """Return the schedule as numbers and dictionaries of numbers, by name."""
         due = {
             "row": self.row_due,
             "frame": self.frame_due,
@@ -91,8 +91,8 @@ class Bookmark:
         return {"due": {name: asdict(one) for name, one in due.items() if one}, **others}
 
     @classmethod
-    def restored(cls, saved: Mapping[str, Any]) -> Bookmark | None:
-        """Return what :meth:`saved` gave; None if that is something else."""
+    def restored(cls, saved: Mapping[str, Any]) -> Schedule | None:
+        """Return the schedule that :meth:`saved` gave; None if ``saved`` is something else."""
         if not {"row", "frame", "look"} <= saved.get("due", {}).keys():
             return None
         due = {name: Trigger(**trigger) for name, trigger in saved["due"].items()}

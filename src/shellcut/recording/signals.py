@@ -1,8 +1,8 @@
-"""Ctrl-C between two steps: the first signal is a request, the second one goes through.
+"""Ctrl-C between two steps: the first signal asks the run to stop, the second one kills it.
 
-A KeyboardInterrupt in the middle of a step would leave the state half done. Within an
-:class:`Interruption` the first SIGINT or SIGTERM is only noted; the run looks at it between steps,
-saves what there is to save, and then lets the signal do what it would have done.
+A KeyboardInterrupt in the middle of a step would leave the state half updated. Inside an
+:class:`Interruption` the first SIGINT or SIGTERM is only recorded; the run checks it between steps,
+saves its results and then raises the signal again.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 class Interruption:
     """Hold back the first SIGINT or SIGTERM while its block runs.
 
-    With the first signal the former handlers are back: a second one ends the process at once, if
-    that is what they do. Signals that are ignored stay ignored, and outside the main thread, where
-    Python takes no signals, nothing is held back.
+    The first signal puts the previous handlers back, so a second one usually ends the process at
+    once. Ignored signals stay ignored; outside the main thread, where Python handles no signals,
+    nothing is held back.
 
     Examples
     --------
@@ -36,19 +36,19 @@ class Interruption:
 
     @property
     def requested(self) -> bool:
-        """Whether a signal has come."""
+        """Whether a signal has arrived."""
         return self._number is not None
 
     @property
     def ends_process(self) -> bool:
-        """Whether the signal that was held back, if any, ends the process at once."""
+        """Whether the signal held back, if any, would end the process at once."""
         return self._number is not None and signal.getsignal(self._number) is signal.SIG_DFL
 
     def deliver(self) -> None:
-        """Raise the signal that was held back, if any, after the block.
+        """Raise the signal held back, if any; call it after the block.
 
         SIGINT becomes the usual KeyboardInterrupt, SIGTERM ends the process, unless the program
-        handles them in ways of its own.
+        has its own handlers.
         """
         number, self._number = self._number, None
         if number is not None:
@@ -58,7 +58,7 @@ class Interruption:
         if threading.current_thread() is threading.main_thread():
             for one in _SIGNALS:
                 handler = signal.getsignal(one)
-                # None: installed by other than Python, which could not put it back.
+                # None: not installed from Python, which therefore cannot restore it.
                 if handler not in (None, signal.SIG_IGN):
                     self._former[one] = handler
                     signal.signal(one, self._note)
@@ -70,13 +70,13 @@ class Interruption:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._give_back()
+        self._restore_handlers()
 
     def _note(self, number: int, _: FrameType | None) -> None:
         self._number = number
-        self._give_back()
+        self._restore_handlers()
 
-    def _give_back(self) -> None:
+    def _restore_handlers(self) -> None:
         for one, handler in self._former.items():
             signal.signal(one, handler)
         self._former = {}

@@ -1,4 +1,4 @@
-"""A run in plain lines: what it starts from, and where its work has gone so far."""
+"""Status lines of a run: its model at the start, energies and cracks as it proceeds."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from shellcut.view.progress import percent
 if TYPE_CHECKING:
     from .tool_resistance import Resistance
 
-# Cost of a step [s] as of the opening test in docs/performance.md, M1 and M2 on one free core: a
-# part that does not depend on the film, and one a quad.
+# Time of a step [s] from the opening test in docs/performance.md, M1 and M2 on one free core: a
+# constant part and a part per quad.
 _STEP_COST, _QUAD_COST = 50e-6, 48e-9
 
 
 def start_lines(
     sim: Simulation, resistance: Resistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
-    """Yield what a run starts from: film, tool, step, and how long it may take.
+    """Yield lines on film, tool, time step and estimated run time.
 
     Parameters
     ----------
     sim : Simulation
         Before its first step, with a tool.
     resistance : Resistance
-        Of its motion.
+        Resistance of its motion.
     until : float
         End of the run [s].
     sweep : Sweep, optional
-        The way of the cutting edges, for what becomes of them.
+        Path of the cutting edges, to report the cuts.
     """
     mesh, tool = sim.mesh, sim.tool
     edges = mesh.edge_lengths()
@@ -62,42 +62,42 @@ def start_lines(
     )
 
 
-def account_line(sim: Simulation, resistance: Resistance, share: float) -> str:
-    """Return where a run is: coordinate, resistance, energies, balance, crack and cables.
+def status_line(sim: Simulation, resistance: Resistance, share: float) -> str:
+    """Return a status line: coordinate, resistance, energies, balance, crack and cables.
 
     Parameters
     ----------
     sim : Simulation
         After a complete step, with a tool.
     resistance : Resistance
-        Of its motion.
+        Resistance of its motion.
     share : float
-        Part of the run that is done.
+        Completed part of the run, 0 to 1.
     """
-    r, s, book = resistance, sim.state, sim.ledger
+    r, s, ledger = resistance, sim.state, sim.ledger
     figure, unit = r.columns[0]
     energies = {
-        "kin": book.kinetic,
-        "int": book.strain,
-        **({"material": book.material_dissipated} if book.material_dissipated else {}),
-        "cohesive": book.cohesive_work + book.cohesive_start_work,
-        "contact": book.contact_work,
-        "damping": book.damping,
-        "ext": book.put_in,
+        "kin": ledger.kinetic,
+        "int": ledger.strain,
+        **({"material": ledger.material_dissipated} if ledger.material_dissipated else {}),
+        "cohesive": ledger.cohesive_work + ledger.cohesive_start_work,
+        "contact": ledger.contact_work,
+        "damping": ledger.damping,
+        "ext": ledger.put_in,
     }
     felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.pose.translation, s.time)[0]
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "
         f"{r.coordinate_unit}, {figure} {felt:.4g} {unit} | "
-        f"E: {parts} N*mm | balance {100.0 * book.relative(book.imbalance):+.2f} % | "
+        f"E: {parts} N*mm | balance {100.0 * ledger.relative(ledger.imbalance):+.2f} % | "
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
         f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )
 
 
 def _rough(seconds: float) -> str:
-    """Return a time to the precision of an estimate."""
+    """Return a time rounded as an estimate deserves."""
     for size, unit in ((3600.0, "h"), (60.0, "min")):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.0f} {unit}"

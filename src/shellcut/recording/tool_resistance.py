@@ -1,28 +1,28 @@
-r"""What the drive of the tool has to overcome, read from the wrench on the tool.
+r"""Torque or cutting force on the tool, from its wrench.
 
-Signs: all figures are of what the tool does to the film, so that what resists is positive and
-resistance x rate is the power that the tool puts in.
+Signs: all figures are exerted by the tool on the film, so a resistance is positive and
+resistance x rate is the power of the tool.
 
 ==================  ========================  ======================================================
-the motion keeps    figures                   power
+invariant           figures                   power
 ==================  ========================  ======================================================
-an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the way along the advance;
-                                              of a screw of pitch p du = p/(2 pi) dtheta
+an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the advance; for a screw of
+                                              pitch p du = p/(2 pi) dtheta
 a line              force F along it          F ds/dt
-neither             dW/dq                     (dW/dq) dq/dt, q the coordinate
+none                dW/dq                     (dW/dq) dq/dt, q the coordinate
 ==================  ========================  ======================================================
 
 The last one is the generalised force of the coordinate q: with f and m the force and the moment
-about a point that the tool exerts, w and v its angular velocity and the velocity of that point,
+about a point exerted by the tool, w and v its angular velocity and the velocity of that point,
 
     dW/dq = (f · v + m · w) / (dq/dt).
 
-Over an angle it is a torque [N·mm], over a path a force [N], and is named so. Where a motion keeps
-an axis and does not slide along it, or keeps a line, it is the same number as T or F. Where the
-coordinate rests no work tells it: the wrench is then taken along the way of the nearest instant at
-which the coordinate moves.
+Over an angle it is a torque [N·mm], over a path a force [N], and is named so. It equals T or F if
+the motion has an invariant axis without sliding along it, or an invariant line. While the
+coordinate rests, dW/dq is undefined: the wrench is then projected on the motion at the nearest
+instant at which the coordinate moves.
 
-Besides, the whole wrench is given in the axes of the world, its moment about the world's origin.
+The whole wrench is also given in world axes, with its moment about the world's origin.
 """
 
 from __future__ import annotations
@@ -42,25 +42,25 @@ _Triple = Sequence[float]
 
 
 class Resistance:
-    """Read the resistance from the wrench on the tool.
+    """Compute the resistance from the wrench on the tool.
 
     Parameters
     ----------
     motion : Motion
-        Of the tool.
+        Motion of the tool.
     until : float
-        End of the run [s]: what a motion keeps is looked for up to there.
+        End of the run [s]: the motion's axis or line is searched up to there.
 
     Attributes
     ----------
     columns : list of (name, unit)
-        Names and units of the figures; the first is the one that does the work.
+        Names and units of the figures; the first is the one that does work.
     meaning : str
-        What the first one is.
+        Description of the first figure.
     coordinate_name, coordinate_unit : str
-        What the figures are plotted over, in the unit shown to users.
+        Abscissa of the figures, in the unit shown to users.
     coordinate_scale : float
-        From the motion's own coordinate to that unit.
+        Factor from the motion's own coordinate to that unit.
 
     Examples
     --------
@@ -90,29 +90,29 @@ class Resistance:
         return self._motion.coordinate(time) * self.coordinate_scale
 
     def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
-        """Return the figures of one wrench, in the order of ``columns``.
+        """Return the figures for one wrench, in the order of ``columns``.
 
         Parameters
         ----------
         wrench : ndarray, shape (6,)
             Force [N] and moment about ``origin`` [N·mm] on the tool.
         origin : ndarray, shape (3,)
-            Where the moment is taken: the present place of the body's origin [mm].
+            Point of the moment: the present position of the body's origin [mm].
         time : float
-            Now [s].
+            Present time [s].
         """
-        # Plain numbers: six of them in NumPy cost ten times as much.
+        # Plain floats: NumPy takes ten times as long for six numbers.
         *force, mx, my, mz = wrench.tolist()
         return self._reading.of(force, (mx, my, mz), origin.tolist(), time)
 
     def components(self, wrench: Floats, origin: Floats) -> list[float]:
-        """Return the wrench that the tool exerts, in the order of :data:`COMPONENTS`.
+        """Return the wrench exerted by the tool, in the order of :data:`COMPONENTS`.
 
-        ``wrench`` and ``origin`` as of :meth:`of`; the moment is about the world's origin.
+        ``wrench`` and ``origin`` as in :meth:`of`; the moment is about the world's origin.
         """
         *force, mx, my, mz = wrench.tolist()
         moment = _moment_about((0.0, 0.0, 0.0), force, (mx, my, mz), origin.tolist())
-        # Taken from zero rather than negated: nothing shall read 0, not -0.
+        # 0.0 - c instead of -c, so that zero never prints as -0.
         return [0.0 - c for c in (*force, *moment)]
 
 
@@ -183,7 +183,7 @@ class _OfCoordinate:
 def _moment_about(
     point: _Triple, force: _Triple, moment: _Triple, origin: _Triple
 ) -> tuple[float, float, float]:
-    """Return the moment about a point of a wrench whose moment is about ``origin``."""
+    """Return the moment about ``point``, given the moment about ``origin``."""
     (px, py, pz), (fx, fy, fz), (x, y, z) = point, force, origin
     x, y, z = x - px, y - py, z - pz
     mx, my, mz = moment

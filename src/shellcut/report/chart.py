@@ -1,9 +1,9 @@
 """Curves as inline SVG: sharp on paper, dark in the dark, no library.
 
-What is written here is the whole chart, for paper and for browsers without JavaScript. With it
-``chart.js`` draws the chart anew from the same numbers, in the pixels that there are, and lets
-curves be switched off and ranges be looked at closely. Words that must be readable on a phone
-(legend, axis names) are HTML around the SVG; of its own it has the numbers at the ticks only.
+The SVG written here is the complete chart, for paper and for browsers without JavaScript. With
+JavaScript, ``chart.js`` redraws it from the same numbers at screen resolution, with switchable
+curves and zoom. Text that must be readable on a phone (legend, axis names) is HTML around the SVG;
+the SVG itself contains only the tick numbers.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ Floats = npt.NDArray[np.float64]
 
 _WIDTH = 720.0
 _RIGHT, _TOP, _BOTTOM = 20.0, 12.0, 30.0
-_DIGIT = 13.0  # width of one at a tick, as wide as a phone shows it without JavaScript
-_COLUMNS = 500  # steps that a curve is drawn in: about the pixels there are
-_ROUND_OFF = 0.01  # below zero by this part of the top gets no room of its own
-_N_POINT = 4000  # of a curve to be looked at closely: more are thinned out, peaks are kept
+_DIGIT = 13.0  # width of a digit at a tick, as shown on a phone without JavaScript
+_COLUMNS = 500  # columns that a curve is drawn in: about the number of pixels
+_ROUND_OFF = 0.01  # negative values up to this part of the maximum get no room of their own
+_N_POINT = 4000  # points kept for zooming: longer curves are thinned out, keeping peaks
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Curve:
     style: str
     area: bool = False
     x: Floats | None = None
-    """Places of its own, ascending; by default those of the chart."""
+    """Its own abscissae, ascending; by default those of the chart."""
 
 
 def chart(
@@ -50,19 +50,19 @@ def chart(
     described: str,
     height: float = 300.0,
 ) -> str:
-    """Return a ``<figure>`` with legend, curves and what ``chart.js`` needs.
+    """Return a ``<figure>`` with legend, curves and the data for ``chart.js``.
 
     Parameters
     ----------
     x : ndarray, shape (n,)
-        Ascending, n of two at least.
+        Ascending, n at least 2.
     curves : sequence of Curve
-        Areas are stacked in their order, lines drawn over them. Curves of one name share a place
-        in the legend and are switched together. Areas have the places of the chart.
+        Areas are stacked in order, lines are drawn over them. Curves with the same name share a
+        legend entry and are switched together. Areas use the abscissae of the chart.
     x_name, x_unit, name, unit : str
-        Of the axes; units as people write them.
+        Names and units of the axes; units in common notation.
     described : str
-        What those hear or read who do not see the picture.
+        Text for screen readers.
     """
     axes = _Axes.around(x, curves, height)
     drawn = "".join([*axes.grid(), *_areas(axes, x, curves), *_lines(axes, x, curves)])
@@ -85,7 +85,7 @@ def chart(
 
 @dataclass(frozen=True)
 class _Axes:
-    """From values to places in the picture."""
+    """Map values to positions in the picture."""
 
     left: float
     height: float
@@ -156,7 +156,7 @@ def _lines(axes: _Axes, x: Floats, curves: Sequence[Curve]) -> Iterator[str]:
 
 
 def _legend(curves: Sequence[Curve]) -> str:
-    # The stack reads from above, as it lies; the lines come first, as they are drawn over it.
+    # List the stack from top to bottom; lines come first because they are drawn over it.
     order = [c for c in curves if not c.area] + [c for c in reversed(curves) if c.area]
     styles = {curve.name: curve for curve in reversed(order)}
     names = dict.fromkeys(curve.name for curve in order)
@@ -175,7 +175,7 @@ def _swatch(curve: Curve) -> str:
 
 
 def _numbers(x: Floats, curves: Sequence[Curve]) -> dict[str, object]:
-    """Return the places of the chart and its curves, some with places of their own."""
+    """Return the abscissae of the chart and its curves; some curves have their own."""
     kept = np.arange(len(x))
     if len(x) > _N_POINT:
         common = [curve.values for curve in curves if curve.x is None]
@@ -190,7 +190,7 @@ def _numbers(x: Floats, curves: Sequence[Curve]) -> dict[str, object]:
 
 
 def _columns(x: Floats, y: Floats, n: int) -> npt.NDArray[np.int64]:
-    # Lowest and highest row of every column of n: no peak is lost, no point is wasted.
+    # Keep the lowest and highest row of each of n columns: no peak is lost.
     if len(x) <= 2 * n:
         return np.arange(len(x))
     column = ((x - x[0]) / (x[-1] - x[0]) * (n - 1)).astype(int)

@@ -19,7 +19,7 @@ from .markup import figure_of, in_unit, missing, pretty, table
 
 
 def resistance(run: Gathered) -> str:
-    """Return torque (or force) over the tool's way."""
+    """Return torque (or force) over the tool's coordinate."""
     if not run.history:
         return missing("No curve: the history is missing.")
     first, unit = run.resistance
@@ -42,24 +42,24 @@ def resistance(run: Gathered) -> str:
 
 
 def _said_of(run: Gathered) -> str:
-    """Return what the resistance is, and where it is steady."""
+    """Return the meaning of the resistance, and its steady mean."""
     first, unit = run.resistance
     figures = run.figures
     said = []
     if "resistance" in figures:
-        said.append(f"Shown is the {figures['resistance']}; positive resists.")
+        said.append(f"Shown is the {figures['resistance']}; positive resists the tool.")
     mean = figures.get(f"{first}_plateau_{unit.replace('*', '')}")
     if mean is not None:
         said.append(
             f"The mean over the steady window, {window_of(figures)}, is {mean:.4g} {pretty(unit)}."
         )
     elif "no_window" in figures:
-        said.append(f"There is no steady window, hence no mean: {figures['no_window']}.")
+        said.append(f"There is no steady window, so there is no mean: {figures['no_window']}.")
     return " ".join(said)
 
 
 def measured(run: Gathered) -> str:
-    """Return the run beside the measured curve; nothing if there is none."""
+    """Return the run compared with the measured curve; "" without one."""
     found = run.measured
     if found is None:
         return ""
@@ -76,7 +76,7 @@ def measured(run: Gathered) -> str:
         name=found.y_name,
         unit=pretty(found.y_unit),
         described=f"Curves: {found.y_name} over {found.x_name}, measured and simulated; "
-        f"they differ by {found.rms:.4g} {found.y_unit} in the root mean square.",
+        f"their root-mean-square difference is {found.rms:.4g} {found.y_unit}.",
     )
     head = ("", "measured", "simulated", "difference")
     notes = "".join(f'<li class="note"><b>note</b>{escape(note)}</li>' for note in found.notes)
@@ -88,7 +88,7 @@ def measured(run: Gathered) -> str:
 
 
 def energy(run: Gathered) -> str:
-    """Return the ledger: the work put in and where it went, and what it misses."""
+    """Return the energy ledger: work put in, energies, and imbalance."""
     h = run.history
     if "tool_work" not in h:
         return missing("No ledger: the history is missing.")
@@ -111,17 +111,17 @@ def energy(run: Gathered) -> str:
         missed,
         f"imbalance of the ledger from {start} on",
         "%",
-        "what the ledger misses",
+        "imbalance of the ledger",
         height=170.0,
         rows=trusted,
     )
 
 
 def step(run: Gathered) -> str:
-    """Return the time step, in numbers and over the tool's way."""
+    """Return the time step, in numbers and over the tool's coordinate."""
     if "dt" not in run.history:
         return ""
-    steps = 1e9 * run.history["dt"][1:]  # the first row stands before the first step
+    steps = 1e9 * run.history["dt"][1:]  # the first row is before the first step
     rows = [("smallest", f"{steps.min():.4g} ns"), ("largest", f"{steps.max():.4g} ns")]
     if "n_step" in run.summary:
         rows.append(("steps", f"{run.summary['n_step']:,}"))
@@ -143,7 +143,7 @@ def _chart(
 ) -> str:
     coordinate, coordinate_unit = run.coordinate
     x = run.history[coordinate][rows]
-    # A motion may rest or go back; a curve read by its coordinate must not.
+    # A motion may rest or reverse; a curve over its coordinate needs ascending values.
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
     if ahead.sum() < 2:
         return missing(f"No curve of {name}: the tool has not moved.")

@@ -1,4 +1,4 @@
-"""What a run left, gathered piece by piece, so that a missing or broken piece spoils no other."""
+"""Data of a run, gathered piece by piece, so that one missing or broken file does not stop it."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ _SIGNS = (HISTORY, SUMMARY, _MODEL)
 
 @dataclass
 class Gathered:
-    """A run's folder as far as it can be read.
+    """Everything readable in a run's folder.
 
     Attributes
     ----------
     folder : Path
     name : str
-        Of the run, else of the folder.
+        Name of the run, otherwise of the folder.
     results : Results or None
         None if the result file is missing or broken.
     history, units : dict
-        As of :class:`Results`, empty if there are none.
+        As in :class:`Results`, empty if there are no results.
     model : str
-        The text of ``used.toml``, empty if there is none.
+        Text of ``used.toml``, empty if there is none.
     problems : list of str
-        What is missing, in sentences for the reader.
+        Missing data, in sentences for the reader.
     measured : Comparison or None
-        The run beside a measured curve.
+        The run compared with a measured curve.
     """
 
     folder: Path
@@ -67,24 +67,24 @@ class Gathered:
 
     @property
     def coordinate(self) -> tuple[str, str]:
-        """Name and unit of what curves are drawn over, the history's second column."""
+        """Name and unit of the curves' abscissa, the history's second column."""
         name = list(self.history)[1]
         return name, self.units[name]
 
     @property
     def resistance(self) -> tuple[str, str]:
-        """Name and unit of what the drive has to overcome, the history's third column."""
+        """Name and unit of the resistance, the history's third column."""
         name = list(self.history)[2]
         return name, self.units[name]
 
     @property
     def trusted(self) -> Bools:
-        """Rows in which the tool has done enough work to compare with, shape (n_row,)."""
+        """Rows in which the tool has done enough work for comparison, shape (n_row,)."""
         return trusted_rows(self.history)
 
     @property
     def figures(self) -> dict[str, Any]:
-        """The summary; of a run that has not ended what it would have said of judged figures."""
+        """The summary; for an unfinished run, its judged figures up to the last record."""
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
@@ -96,19 +96,19 @@ class Gathered:
             "crack_length_mm": float(h["crack_length"][-1]),
             **steady_figures(h, self.coordinate, self.resistance),
         }
-        if "contact_absorbed" in h:  # runs of older versions have none
+        if "contact_absorbed" in h:  # runs of older versions lack it
             figures["contact_absorbed_Nmm"] = float(h["contact_absorbed"][-1])
         return figures
 
     @property
     def last_frame(self) -> Frame | None:
-        """The last frame there is."""
+        """The last frame, None without frames."""
         if self.results is None or not self.results.n_frame:
             return None
         return self.results.frame(-1)
 
     def frames(self, n: int) -> list[Frame]:
-        """Return up to ``n`` frames spread evenly over the run, the last one among them."""
+        """Return up to ``n`` frames spread evenly over the run, including the last one."""
         if self.results is None or not self.results.n_frame:
             return []
         last = self.results.n_frame - 1
@@ -117,12 +117,12 @@ class Gathered:
 
 
 def gather(folder: Path) -> Gathered:
-    """Read what is there.
+    """Read everything in the folder.
 
     Raises
     ------
     FileNotFoundError
-        If nothing in the folder is of a run.
+        If nothing in the folder belongs to a run.
     """
     there = folder.is_dir() and (
         any((folder / sign).exists() for sign in _SIGNS) or any(folder.glob("*.vtkhdf"))
@@ -154,18 +154,18 @@ def gather(folder: Path) -> Gathered:
         run.model = (folder / _MODEL).read_text(encoding="utf-8", errors="replace")
     if not (folder / SUMMARY).exists():
         run.problems.append(
-            "summary.json is missing: the run has not ended, or it was killed. What follows is as "
-            "far as it came."
+            "summary.json is missing: the run has not ended, or it was killed. The report shows "
+            "the run up to its last record."
         )
     return run
 
 
 def run_or_say(run: Gathered, what: str, attempt: Callable[[], T]) -> T | None:
-    """Return the attempt's result; if there is none, note why among the problems."""
+    """Return the attempt's result; if it fails, add the reason to the problems."""
     try:
         return attempt()
     except KeyError as error:
-        run.problems.append(f"The {what} cannot be shown: there is no {error} in the files.")
+        run.problems.append(f"The {what} cannot be shown: the files contain no {error}.")
         return None
     except (OSError, ValueError, IndexError) as error:
         run.problems.append(f"The {what} cannot be shown: {error}.")

@@ -1,7 +1,7 @@
 """Sections with pictures: crack map, film strip, snapshots.
 
-The pictures of frames have no words in them: captions, scale and legend are HTML, which is as large
-on a phone as on a desk.
+The pictures of frames contain no text: captions, scale and legend are HTML, equally readable on a
+phone and on a desktop.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ from shellcut.view import (
 from .gathered import Gathered
 from .markup import missing
 
-_N_MAP = 100  # frames that the crack map takes its times from
+_N_MAP = 100  # frames read for the crack map
 _N_FRAME = 6  # frames in the film strip, and among the snapshots
-_LEAST_SHARE = 0.2  # of a stress scale that stresses should reach for the film to have colours
+_LEAST_SHARE = 0.2  # part of a stress scale that stresses should reach to show colours
 _STRIP_WIDTH = 480  # pixels of a picture in the film strip
 _SHOT = (500, 640)  # height and width of each picture of a snapshot [pixel]
-_N_COLOR = 12  # of the stress scale; between them colours are mixed
+_N_COLOR = 12  # colours of the stress scale; CSS interpolates between them
 _MISSING = "Not drawn: pictures need Matplotlib (pip install shellcut[plot])."
 
 
 def crack_map(run: Gathered) -> str:
-    """Return the crack on the uncut film, in one shape for desks and one for phones."""
+    """Return the crack on the uncut film, in one format for desktops and one for phones."""
     frames = run.frames(_N_MAP)
     if not frames:
         return missing("No crack map: there are no frames.")
@@ -63,8 +63,8 @@ def crack_map(run: Gathered) -> str:
     name = frames[-1].coordinate_name
     alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
     caption = (
-        f"The crack on the uncut film. An edge is dated by the first frame that has it open; of "
-        f"{run.results.n_frame if run.results else 0} frames {len(frames)} were looked at."
+        f"The crack on the uncut film. Each edge is dated by the first frame in which it is "
+        f"open; {len(frames)} of {run.results.n_frame if run.results else 0} frames were read."
     )
     return (
         f'<figure><picture><source media="(max-width: 40rem)" srcset="{_data(narrow)}">'
@@ -74,7 +74,7 @@ def crack_map(run: Gathered) -> str:
 
 
 def film_strip(run: Gathered) -> str:
-    """Return a few frames beside each other."""
+    """Return a few frames side by side."""
     frames = run.frames(_N_FRAME)
     if not frames:
         return missing("No film strip: there are no frames.")
@@ -90,13 +90,13 @@ def film_strip(run: Gathered) -> str:
     except ImportError:
         return missing(_MISSING)
     return (
-        f'<div class="strip">{views}</div>{words}<p class="caption">All by one camera, and on the '
-        "stress scale of all pictures of this report.</p>"
+        f'<div class="strip">{views}</div>{words}<p class="caption">All with the same camera, and '
+        "with one stress scale for all pictures of this report.</p>"
     )
 
 
 def snapshots(run: Gathered) -> str:
-    """Return the whole film and one tooth, behind a slider where there is JavaScript."""
+    """Return the whole film and one tooth; JavaScript adds a slider."""
     frames = run.frames(_N_FRAME)
     if not frames:
         return ""
@@ -115,10 +115,10 @@ def snapshots(run: Gathered) -> str:
 
 
 def _scale(run: Gathered, frames: Sequence[Frame]) -> tuple[float, float]:
-    """Return the ends of the stress scale of all pictures [MPa]: that of the run's snapshots.
+    """Return the stress limits of all pictures [MPa]: those of the run's snapshots.
 
-    Theirs ends at the strength, which was known before the run. Of a film whose stresses stay far
-    below it nothing would be seen; then, and where the snapshots do not tell, it is the frames'.
+    These end at the strength, which was known before the run. If the stresses stay far below it,
+    nothing could be seen: then, or if the snapshots have no limits, use those of the frames.
     """
     own = limits_for(frames, "largest principal")
     try:
@@ -183,7 +183,7 @@ def _stress(panels: Panels, frames: Sequence[Frame]) -> str:
 
 
 def _marks(low: float, high: float) -> Iterator[str]:
-    """Yield numbers at equal distances, the ends among them: as few digits as may be."""
+    """Yield evenly spaced numbers including the ends, with as few digits as possible."""
     ways = [[f"{value:.4g}" for value in np.linspace(low, high, n + 1)] for n in (4, 5, 3, 6)]
     yield from min(ways, key=lambda way: max(map(len, way)))
 

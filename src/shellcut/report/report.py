@@ -1,4 +1,4 @@
-"""Put the sections into the page."""
+"""Assemble the sections of the report into a page."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def report(
     *,
     measured: str | os.PathLike[str] | MeasuredCurve | Comparison | None = None,
 ) -> Path:
-    """Write one self-contained HTML file on a run: what ran, what may be trusted, what came out.
+    """Write one self-contained HTML file about a run: model, verdict, results.
 
-    Pictures are embedded, nothing is loaded from the network. A run that was interrupted or lacks
-    files gets a report that says so. Curves need nothing; crack map and film strip need Matplotlib.
+    Pictures are embedded; nothing is loaded from the network. The report of an interrupted or
+    incomplete run says so. Curves need no extra; crack map and film strip need Matplotlib.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def report(
     path : str or Path, optional
         The file to write, replaced if it exists; by default ``report.html`` in the folder.
     measured : path, MeasuredCurve or Comparison, optional
-        A measured curve to be shown with the simulated one and compared with it, or what
-        :func:`compare` found, where it needs to be told about columns and units.
+        A measured curve to show and compare with the simulated one, or the result of
+        :func:`compare`, if columns and units have to be given.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def report(
     Raises
     ------
     FileNotFoundError
-        If the folder is not there or nothing in it is of a run.
+        If the folder does not exist or nothing in it belongs to a run.
     ValueError
         If the measured curve cannot be compared with the run.
 
@@ -117,6 +117,6 @@ def _body(run: Gathered, out: Path) -> str:
         "Files": lambda: words.files(run, out),
     }
     made = {title: run_or_say(run, title.lower(), make) or "" for title, make in makers.items()}
-    # Last, since it tells what went wrong in the others.
+    # Last, because it reports the problems of the other sections.
     verdict = words.judgement(run, last)
     return "".join(section(title, body) for title, body in {"Verdict": verdict, **made}.items())

@@ -1,4 +1,4 @@
-"""Sections in words and numbers: verdict, figures, quality, splits, tool, versions, files."""
+"""Sections of text and numbers: verdict, figures, quality, splits, tool, versions, files."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from shellcut.view import edge_length
 from .gathered import Gathered
 from .markup import figure_of, in_unit, missing, table
 
-_N_QUALITY = 5  # frames whose cut is described
-_DIGEST_LIMIT = 200_000_000  # bytes of a file whose digest is worth the wait
+_N_QUALITY = 5  # frames for which the quality of the cut is listed
+_DIGEST_LIMIT = 200_000_000  # bytes; larger files get no digest, which would take too long
 
 _QUALITY = {
     "crack_length": "crack length",
     "cut_share": "share of the line that is cut",
     "n_bridge": "uncut bridges",
-    "bridge_width": "bridges, all together",
+    "bridge_width": "bridges, total width",
     "bridge_width_least": "narrowest bridge",
     "slit_width_mean": "slit, mean width",
     "n_flap": "flaps",
@@ -41,7 +41,7 @@ _QUALITY = {
 
 
 def what_was_run(run: Gathered) -> str:
-    """Return the model file, or that there is none."""
+    """Return the model file, or a sentence that there is none."""
     if not run.model:
         return missing("No used.toml: the model was built in Python, or the file was removed.")
     return (
@@ -52,8 +52,8 @@ def what_was_run(run: Gathered) -> str:
 
 
 def judgement(run: Gathered, last: Frame | None) -> str:
-    """Return the verdict, doubts first, with all that is missing."""
-    if "verdict" in run.summary:  # what the run itself said
+    """Return the verdict, doubts first, and the list of missing data."""
+    if "verdict" in run.summary:  # the run's own verdict
         lines = [Line(**line) for line in run.summary["verdict"]]
     else:
         figures = run.figures
@@ -83,20 +83,20 @@ def quality(run: Gathered) -> str:
         return missing("No figures of the cut: there are no frames.")
     rows = [cut_quality(frame).figures() for frame in frames]
     coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
-    # Units stand once in a row, so that the numbers have room beside each other on a phone.
+    # Give units once per row, so that the numbers fit beside each other on a phone.
     head = [in_unit(f"at {coordinate}", unit), *(figure_of(f.coordinate, "-") for f in frames)]
     lines = [
         [in_unit(label, CUT_UNITS[name]), *(figure_of(row[name], "-") for row in rows)]
         for name, label in _QUALITY.items()
     ]
     return table(lines, head) + (
-        '<p class="caption">Counted in the frames; cables are not film. A bridge is film between '
-        "two crack ends that face each other; the cut-out is the piece that the cut is to free.</p>"
+        '<p class="caption">Evaluated on the frames; cables are not film. A bridge is film between '
+        "two crack ends that face each other; the cut-out is the piece to be cut free.</p>"
     )
 
 
 def splits(run: Gathered) -> str:
-    """Return how many nodes were split by what, when, and how large the jumps of force were."""
+    """Return number, cause and time of the splits, and their largest jumps of force."""
     if not run.splits:
         return missing(
             "No splits: splits.csv is written when a run ends, or the frames are missing."
@@ -123,7 +123,7 @@ def splits(run: Gathered) -> str:
 
 
 def tool(run: Gathered, last: Frame | None) -> str:
-    """Return the tool's size, edges and last place."""
+    """Return the tool's size, edges and last position."""
     if last is None or not len(last.tool_triangles):
         return ""
     edges = np.linalg.norm(last.edge_points[:, 1] - last.edge_points[:, 0], axis=1)
@@ -140,18 +140,18 @@ def tool(run: Gathered, last: Frame | None) -> str:
 
 
 def versions() -> str:
-    """Return what the report was written by."""
+    """Return the versions of the packages that wrote the report."""
     rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
     for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:
             rows.append((package, "not installed"))
-    return table(rows) + '<p class="caption">Of the installation that wrote this report.</p>'
+    return table(rows) + '<p class="caption">In the installation that wrote this report.</p>'
 
 
 def files(run: Gathered, report: Path) -> str:
-    """Return links to all that is in the folder, with sizes and digests."""
+    """Return links to all files in the folder, with sizes and digests."""
     rows = []
     for path in sorted(run.folder.iterdir()):
         if not path.is_file() or path.resolve() == report.resolve():

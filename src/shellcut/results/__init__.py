@@ -1,4 +1,4 @@
-"""What a run leaves behind, read back: frames, history, splits, verdict, comparison of curves.
+"""Results of a run, read back: frames, history, splits, verdict, comparison of curves.
 
 May import ``view``, ``frame``, ``formats``, ``files`` and rows below; nothing here runs a
 simulation.

@@ -1,16 +1,16 @@
-r"""A run beside a measured curve: figures of how far they differ, each with its definition.
+r"""Comparison of a run with a measured curve: its figures and their definitions.
 
-Both curves are broken lines, m(x) through the measured points and s(x) through the rows of the
-history, compared on the range [a, b] that both cover. The points x_i are the measured ones within
-it and its two ends; w_i are the weights of the trapezoidal rule over them, so that points that lie
-close together do not count for more.
+Both curves are piecewise linear, m(x) through the measured points and s(x) through the rows of the
+history, and are compared on the range [a, b] that both cover. The points x_i are the measured ones
+within it and its two ends; w_i are the weights of the trapezoidal rule over them, so that closely
+spaced points do not count for more.
 
 ==================  ===========================================================================
 RMS difference      sqrt(sum w_i (s(x_i) - m(x_i))² / (b - a)); relative: over the measured peak
-peak                the value of the largest magnitude on [a, b], of s among all its own corners
+peak                the value of largest magnitude on [a, b]; of s among all its own points
 peak error          (peak of s - peak of m) / abs(peak of m)
-place of the peak   where it is met, the first time
-work                integral from a to b of the broken line, exact; angles in radians
+place of the peak   where the peak is first reached
+work                exact integral of the piecewise linear curve from a to b; angles in radians
 mean                over the part of [a, b] in which the run cuts steadily
                     (:mod:`shellcut.results.steady_window`)
 work error          (work of s - work of m) / abs(work of m)
@@ -18,9 +18,9 @@ correlation         of s(x_i) and m(x_i) with the weights w_i (Pearson)
 ==================  ===========================================================================
 
 The torque of a cut is a sawtooth with the spacing of the nodes. ``window`` replaces s(x) by its
-mean over [x - h, x + h], h half the window or the distance to the nearer end of the history if that
-is less: a straight line stays what it is, the work is taken of the unsmoothed curve. By default
-nothing is smoothed, so that the figures speak of what was simulated.
+mean over [x - h, x + h], with h half the window or the distance to the nearer end of the history if
+that is less: a straight line stays the same, and the work is that of the unsmoothed curve. By
+default nothing is smoothed, so the figures describe the simulated curve itself.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from .measured_curve import MeasuredCurve, read_measured_curve
 from .run_results import Results, read
 
 _SAME_END = 0.01
-"""Of the common range: ends of two curves that lie closer are not worth a note."""
+"""Relative to the common range: ends of two curves that lie closer together need no note."""
 _FEW_POINTS = 10
 
 
@@ -52,7 +52,7 @@ _FEW_POINTS = 10
 class Comparison:
     """A run and a measured curve on their common range; built by :func:`compare`.
 
-    Relative figures are fractions; they are nan where what they refer to is zero.
+    Relative figures are fractions; they are nan if their reference is zero.
 
     Examples
     --------
@@ -75,15 +75,15 @@ class Comparison:
     simulated: Floats
     """Simulated curve there, averaged over the window, shape (n,), [y_unit]."""
     measured_curve: tuple[Floats, Floats]
-    """The measured points, also those outside the common range [x_unit], [y_unit]."""
+    """All measured points, also outside the common range [x_unit], [y_unit]."""
     simulated_curve: tuple[Floats, Floats]
-    """The same of the simulated curve, averaged over the window."""
+    """The same for the simulated curve, averaged over the window."""
     window: float | None
     """Width of the mean over the simulated curve [x_unit]."""
     rms: float
-    """Difference in the root mean square [y_unit]."""
+    """Root-mean-square difference [y_unit]."""
     rms_relative: float
-    """The same over the measured peak [-]."""
+    """``rms`` over the measured peak [-]."""
     peak_measured: float
     """[y_unit]."""
     peak_simulated: float
@@ -101,11 +101,11 @@ class Comparison:
     work_error: float
     """[-]."""
     work_unit: str
-    """N*mm of a torque over an angle or a force over a path, else the product of both units."""
+    """N*mm for a torque over an angle or a force over a path, else the product of both units."""
     correlation: float
     """[-], from -1 to 1."""
     steady_range: tuple[float, float] | None
-    """Part of the common range in which the run cuts steadily [x_unit], None if there is none."""
+    """Part of the common range with steady cutting [x_unit], None if there is none."""
     mean_measured: float
     """Over that part, nan without it [y_unit]."""
     mean_simulated: float
@@ -113,7 +113,7 @@ class Comparison:
     mean_error: float
     """[-]."""
     notes: tuple[str, ...]
-    """What to know before trusting the figures, as ranges that overlap in part."""
+    """Notes for the reader, such as ranges that overlap only partly."""
 
     @property
     def range(self) -> tuple[float, float]:
@@ -127,7 +127,7 @@ class Comparison:
     def to_json(self, path: str | os.PathLike[str]) -> Path:
         """Write the figures, each as ``{"value", "unit"}``, and both curves; return the path.
 
-        What is not a number is written as null.
+        Values that are not finite are written as null.
         """
         x, y, work = self.x_unit, self.y_unit, self.work_unit
         figures = {
@@ -172,7 +172,7 @@ class Comparison:
         return path
 
     def plot(self, path: str | os.PathLike[str]) -> Path:
-        """Draw one curve over the other with their difference below; return the path.
+        """Draw both curves with their difference below; return the path.
 
         Raises
         ------
@@ -215,25 +215,25 @@ def compare(
     Parameters
     ----------
     run : path or Results
-        The folder of a run, or what :func:`shellcut.read` gave.
+        The folder of a run, or the result of :func:`shellcut.read`.
     measured : path or MeasuredCurve
-        A table as :func:`read_measured_curve` reads it, or the curve itself.
+        A table readable by :func:`read_measured_curve`, or the curve itself.
     x, y : str, optional
         Columns of the run's history; by default its coordinate (angle or path) and its resistance
         (torque or force).
     columns : (str or int, str or int), optional
-        The file's columns for ``x`` and ``y``, by heading or by number from 1 on; by default those
-        of the same names, else the two that there are.
+        The file's columns for ``x`` and ``y``, by heading or by number from 1; by default those
+        with the same names, or the only two columns.
     units : str or (str, str), optional
-        Units of the file's columns, as ``"deg, N*mm"``; by default those of its headings.
+        Units of the file's columns, as ``"deg, N*mm"``; by default those in its headings.
     window : float, optional
-        Width over which the simulated curve is averaged, in the unit of ``x``. Twice the spacing
-        of the nodes along the cut takes the sawtooth away.
+        Width over which the simulated curve is averaged, in the unit of ``x``. Twice the node
+        spacing along the cut removes the sawtooth.
 
     Raises
     ------
     ValueError
-        Listing what is wrong with columns, units and ranges; a curve that shares no range with the
+        Lists what is wrong with columns, units and ranges; a curve that shares no range with the
         run is refused.
 
     Examples
@@ -245,7 +245,7 @@ def compare(
     """
     results = run if isinstance(run, Results) else read(run)
     if not results.history:
-        raise ValueError(f"{results.folder} must hold the run's history.csv, it does not")
+        raise ValueError(f"{results.folder} must contain the run's history.csv, but does not")
     x = results.coordinate_name if x is None else x
     y = results.resistance_name if y is None else y
     wrong = [f"no {k!r} in the history" for k in (x, y) if k not in results.history]
@@ -266,13 +266,13 @@ def compare(
         raise ValueError(
             f"the curves must share a range of {x}, measured is {m.x[0]:.4g} to {m.x[-1]:.4g} "
             f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
-            "look at units and at where zero is"
+            "check the units and the zero point"
         )
     if window is not None and window > b - a:
         raise ValueError(
             f"window must be less than the common range, {b - a:.4g} {x_unit}, got {window:g}"
         )
-    # the curves on [a, b]: at the points of each, and of the smoothed one at all of them
+    # the curves on [a, b]: each at its own points, the smoothed one at the points of both
     points, corners = m.points_within(a, b), s.points_within(a, b)
     there, ours = m.at(points), s.mean_at(points, window or 0.0)
     fine = np.union1d(points, corners) if window else corners
@@ -324,12 +324,12 @@ def compare(
 def _steady_range(
     results: Results, x: str, a: float, b: float
 ) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the steady part of [a, b], or a note on why there is none."""
+    """Return the steady part of [a, b], or a note with the reason why there is none."""
     if x != results.coordinate_name:
         return None, []
     window = results.steady_window
     if not window:
-        return None, [f"no steady window, hence no mean: {window.reason}"]
+        return None, [f"no steady window, so no mean: {window.reason}"]
     low, high = max(window.low, a), min(window.high, b)
     if not low < high:
         steadily = window.text(results.units[x])
@@ -354,12 +354,12 @@ def _increasing(name: str, x: Floats, y: Floats) -> BrokenLine:
     back = np.flatnonzero(np.diff(x) < 0.0)
     if len(back):
         raise ValueError(
-            f"{name} must not fall in the history, it does in row {back[0] + 2}: "
+            f"{name} must not decrease in the history, but does in row {back[0] + 2}: "
             "compare over another column"
         )
     _, first = np.unique(x, return_index=True)
     if len(first) < 2:
-        raise ValueError(f"{name} must grow in the history, it has {len(first)} values")
+        raise ValueError(f"{name} must increase in the history, but has {len(first)} values")
     return BrokenLine(x[first], y[first])
 
 
@@ -401,11 +401,11 @@ def _notes(
     (m0, m1), (s0, s1) = ends
     if max(abs(m0 - s0), abs(m1 - s1)) > _SAME_END * (points[-1] - points[0]):
         notes.append(
-            f"the ranges overlap in part: measured {m0:.4g} to {m1:.4g} {unit}, "
+            f"the ranges overlap only partly: measured {m0:.4g} to {m1:.4g} {unit}, "
             f"simulated {s0:.4g} to {s1:.4g} {unit}"
         )
     if len(points) < _FEW_POINTS:
         notes.append(f"only {len(points) - 2} measured points lie inside the common range")
     if opposed:
-        notes.append(f"the peaks have opposite signs: is {name} or the sign convention turned?")
+        notes.append(f"the peaks have opposite signs: is {name} or the sign convention reversed?")
     return notes

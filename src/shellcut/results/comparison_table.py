@@ -1,4 +1,4 @@
-"""The figures of a comparison as one reads them: rows for a page, a table for a terminal."""
+"""The figures of a comparison: rows for a page, a table for a terminal."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
 
 class Row(NamedTuple):
-    """A figure in words: empty where there is none of one of the curves."""
+    """A figure as text; cells are empty if a curve has no such figure."""
 
     name: str
     unit: str
-    """Of the three, but for a difference in per cent."""
+    """Unit of the three values, except for a difference in per cent."""
     measured: str
     simulated: str
     difference: str
@@ -66,7 +66,7 @@ def rows_of(found: Comparison) -> list[Row]:
 
 
 def scope_of(found: Comparison) -> str:
-    """Return what is compared: the common range, the points in it, and the mean if there is one."""
+    """Return the scope of a comparison: common range, number of points, smoothing."""
     x = _shown(found.x_unit)
     a, b = found.range
     smoothed = "" if found.window is None else f", simulated mean over {found.window:g}{x}"

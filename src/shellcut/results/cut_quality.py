@@ -1,35 +1,35 @@
-"""Figures of a cut's quality at one frame: what is cut, what still holds, how far it has tipped.
+"""Quality of a cut at one frame: cut length, bridges, flaps, cut-out, loose pieces.
 
-Everything is found from the quads, the two flanks of the crack edges and the held nodes; lengths
-and areas are those of the reference surface, widths of the slit and angles those of the present.
+Everything is derived from the quads, the two flanks of the crack edges and the held nodes. Lengths
+and areas are in the reference, widths of the slit and angles in the present position.
 
-**Cracks.** A *place* is where flanks lie one on the other before the cut: one node, or a node and
-its twins. Crack edges with a place in common are one *crack*, unless the node there is still whole:
-there cracks *end*. An end on the film's boundary is open and no end in this sense.
+**Cracks.** A *place* is a point at which flanks coincide before the cut: one node, or a node and
+its twins. Crack edges with a common place belong to one *crack*, unless the node there is not
+split: there cracks *end*. An end on the film's boundary is open and not an end in this sense.
 
 **Bridges.** Two crack ends face each other if each lies ahead of the other, less than 90° off the
-direction in which the last crack edge points. Ends that face each other are paired, the narrowest
-bridge first. Its *width* is the arc between the ends, c a / sin a, with c their distance and
-a the mean angle between the crack edges and the line that joins the ends: exact on a circle and on
-a straight path. Where cracks meet at a node that still holds, the width is 0. A single crack around
-a circle has a bridge once it has gone half of the way.
+direction of the last crack edge. Ends that face each other are paired, narrowest bridge first. The
+*width* is the arc between the ends, c a / sin a, with c their distance and a the mean angle between
+the crack edges and the line that joins the ends: exact on a circle and on a straight path. Where
+cracks meet at a node that still holds, the width is 0. A single crack around a circle has a bridge
+once it has covered half the circle.
 
-**Flaps.** A flap is the film between a crack and the straight line between its two ends, which is
-the hinge by which it hangs. Its *angle* is that between its mean normal (of the area vectors) now
-and in the reference; its *steepest* angle is the largest of that of any of its quads. A crack
-without two ends, and a straight one, has no flap.
+**Flaps.** A flap is the film between a crack and the straight line between its two ends, its hinge.
+Its *angle* is the angle between its mean normal (of the area vectors) now and in the reference; its
+*steepest* angle is the largest such angle of any of its quads. A crack without two ends, or a
+straight one, has no flap.
 
-**Cut-out.** The piece that the cut is to free: the film inside the closed line of cracks and the
+**Cut-out.** The piece that is to be cut free: the film inside the closed line of cracks and the
 straight lines across bridges, once there is such a line. The tipping of a disc that still hangs by
-four bridges, by one, or by none is the angle of its mean normal, as of a flap. The share of the
-line that is cut is crack length over crack length and bridge widths together.
+four bridges, by one, or by none is the angle of its mean normal, as for a flap. The share of the
+line that is cut is the crack length over the sum of crack length and bridge widths.
 
-**Pieces.** Quads that share a node are of one piece; cables are not counted. A piece is loose if it
-has no held node; where nothing is held, if it is not the largest. A piece that hangs on others by
-live cables is loose, too: none of its film holds.
+**Pieces.** Quads that share a node belong to one piece; cables do not count. A piece is loose if it
+has no held node; if nothing is held, if it is not the largest. A piece connected to others only by
+live cables is loose, too.
 
-The cut-out and flaps are found in the plane that fits the line best, so the film should be flat or
-gently curved in the reference, as an imprinted one is.
+The cut-out and flaps are found in the plane that best fits the line, so the film should be flat or
+gently curved in the reference, like an imprinted one.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ UNITS = {
 }
 """Names and units of :meth:`CutQuality.figures`."""
 
-# A flap is more than round-off of a straight crack: of the square of the hinge's length.
+# Smallest area of a flap, relative to the square of the hinge's length: less is round-off.
 _LEAST_FLAP = 1e-6
 
 
@@ -76,7 +76,7 @@ class Bridge:
     ends: Floats
     """Reference positions of the two ends, shape (2, 3), [mm]."""
     width: float
-    """Length of the arc between them [mm]."""
+    """Arc length between them [mm]."""
 
 
 @dataclass(frozen=True)
@@ -86,22 +86,22 @@ class Part:
     quads: Ints
     """Its quads, ascending, shape (n,)."""
     line: Floats
-    """The closed line around it in the reference, shape (n_point, 3), [mm]; of a flap the hinge
+    """The closed line around it in the reference, shape (n_point, 3), [mm]; for a flap the hinge
     joins the last point to the first."""
     area: float
     """Reference area [mm²]."""
     angle: float
-    """Between its mean normal now and in the reference [deg]."""
+    """Angle between its mean normal now and in the reference [deg]."""
     steepest: float
     """Largest angle of any of its quads [deg]."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Quads that hang together."""
+    """Connected quads."""
 
     quads: Ints
-    """Ascending, shape (n,)."""
+    """Quad ids, ascending, shape (n,)."""
     area: float
     """Reference area [mm²]."""
     loose: bool
@@ -109,30 +109,30 @@ class Piece:
 
 @dataclass(frozen=True)
 class CutQuality:
-    """What :func:`cut_quality` found in a frame."""
+    """Result of :func:`cut_quality` for a frame."""
 
     cracks: tuple[Floats, ...]
-    """Reference places along each crack, from end to end, shape (n_place, 3), [mm]; of a branched
-    one along its longest way. A closed crack has its first place again at the end."""
+    """Reference places along each crack, from end to end, shape (n_place, 3), [mm]; for a branched
+    crack along its longest path. A closed crack repeats its first place at the end."""
     crack_length: float
-    """Of all crack edges [mm], pre-cuts included."""
+    """Length of all crack edges [mm], including pre-cuts."""
     slit_width: Floats
     """Present distance of the two flanks at the middle of each crack edge, shape (n_crack_edge,),
     [mm]."""
     slit_width_mean: float
-    """Over the crack length [mm]."""
+    """Mean width of the slit, over the crack length [mm]."""
     bridges: tuple[Bridge, ...]
     flaps: tuple[Part, ...]
-    """The largest first."""
+    """Largest first."""
     cutout: Part | None
-    """The largest, if there are several closed lines."""
+    """The largest one, if there are several closed lines."""
     cut_share: float
-    """Part of the cut-out's line that is cut; 0 without such a line."""
+    """Cut share of the cut-out's line; 0 without such a line."""
     pieces: tuple[Piece, ...]
-    """The largest first."""
+    """Largest first."""
 
     def figures(self) -> dict[str, float]:
-        """Return the figures by the names of :data:`UNITS`; 0 where there is no such thing."""
+        """Return the figures by the names of :data:`UNITS`; 0 if a quantity does not exist."""
         loose = [piece.area for piece in self.pieces if piece.loose]
         widths = [bridge.width for bridge in self.bridges]
         return {
@@ -156,7 +156,7 @@ class CutQuality:
 
 
 def cut_quality(frame: Frame) -> CutQuality:
-    """Return the figures of a cut's quality at one frame; the module defines each.
+    """Return the quality of a cut at one frame; the module defines each figure.
 
     Examples
     --------
@@ -210,7 +210,7 @@ def cut_quality(frame: Frame) -> CutQuality:
 
 @dataclass(frozen=True, eq=False)
 class _Tip:
-    """An end of a crack, with the direction in which its last edge points."""
+    """An end of a crack, with the direction of its last edge."""
 
     place: Floats
     ahead: Floats
@@ -222,19 +222,19 @@ class _Crack:
     length: float
     closed: bool
     tips: list[_Tip] = field(default_factory=list)
-    """At most two, the one at the begin of the line first."""
+    """At most two, the one at the start of the line first."""
 
 
 def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
     edges = frame.crack_edges
     if len(edges) == 0:
         return
-    # Places: the two flanks of a crack edge begin at one and end at one.
+    # Places: the two flanks of a crack edge start at the same place and end at the same place.
     n_node = len(frame.points)
     flanks = edges.transpose(1, 0, 2).reshape(2, -1)
     place = connected_parts(flanks[0], flanks[1], n_node)
     whole = np.bincount(place, minlength=n_node)[place[flanks[0]]] == 1
-    # A node that is still whole is an end of every crack that arrives: a place for each.
+    # A node that is not split is an end of every crack that arrives: give each its own place.
     ends = np.where(whole, n_node + np.arange(whole.size), place[flanks[0]])
     names, first, ends = np.unique(ends, return_index=True, return_inverse=True)
     ends = ends.reshape(-1, 2)
@@ -256,10 +256,10 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
     """Return the places along a crack: from end to end, or around."""
     places, degree = np.unique(edges, return_counts=True)
     ends = places[degree == 1]
-    if ends.size == 0:  # closed: the other way between the ends of one of its edges, and back
+    if ends.size == 0:  # closed: remove one edge, join its ends by the remaining ones
         for k, (start, stop) in enumerate(edges.tolist()):
             way = _shortest(np.delete(edges, k, 0), np.delete(lengths, k), start, stop)
-            if way.size:  # empty at an edge that joins two loops
+            if way.size:  # empty for an edge that joins two loops
                 return np.append(way, start)
     tips = ends[is_tip[ends]]
     begins = tips if tips.size else ends
@@ -272,7 +272,7 @@ def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
 
 
 def _shortest(edges: Ints, lengths: Floats, begin: int, stop: int) -> Ints:
-    """Return the places on the shortest way, none if there is no way."""
+    """Return the places on the shortest path, empty if there is none."""
     graph = _graph(edges, lengths)
     _, before = scipy.sparse.csgraph.dijkstra(
         graph, directed=False, indices=begin, return_predecessors=True
@@ -366,13 +366,13 @@ class _Surface:
         self.area = np.linalg.norm(self.before, axis=1)
 
     def part(self, line: Floats) -> Part | None:
-        """Return the film inside a closed line; None if the line goes around next to nothing."""
+        """Return the film inside a closed line; None if the enclosed area is almost zero."""
         middle = line.mean(axis=0)
         _, size, axes = np.linalg.svd(line - middle, full_matrices=False)
         if len(line) < 3 or size[1] ** 2 <= _LEAST_FLAP * size[0] ** 2:
             return None
         inside = _inside((self.centre - middle) @ axes[:2].T, (line - middle) @ axes[:2].T)
-        # Above and below the line's own plane may lie other film: of a tube the far side.
+        # Other film may lie above and below the line's plane, such as the far side of a tube.
         near = np.abs((self.centre - middle) @ axes[2]) <= size[0]
         quads = np.flatnonzero(inside & near)
         if quads.size == 0:
@@ -408,7 +408,7 @@ def _area_vectors(points: Floats, quads: Ints) -> Floats:
 
 
 def _angles(a: Floats, b: Floats) -> Floats:
-    # By sine and cosine: the arc cosine alone loses half of the digits at small angles.
+    # From sine and cosine: the arc cosine alone loses half the digits at small angles.
     sine = np.linalg.norm(np.cross(a, b), axis=-1)
     return np.asarray(np.degrees(np.arctan2(sine, (a * b).sum(axis=-1))))
 

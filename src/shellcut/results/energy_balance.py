@@ -1,4 +1,4 @@
-"""The ledger over a run, from the columns of its history: what was put in, where it went."""
+"""The energy ledger over a run, from the columns of its history."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 
-# Imbalance and kinetic energy are compared with the tool's work where that is at least this part of
-# the most it ever is: at first touch there is next to nothing to compare with.
+# Imbalance and kinetic energy are compared with the tool's work once it reaches this part of its
+# maximum: at first touch there is almost no work to compare with.
 _COMPARED_FROM = 0.1
 
-# A share below this, relative to the largest, is not drawn: thinner than a line.
+# A share below this, relative to the largest, is not drawn: it is thinner than a line.
 _NEGLIGIBLE_SHARE = 2e-3
 
 
@@ -22,10 +22,10 @@ def work_put_in(history: Mapping[str, Floats]) -> Floats:
 
 
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return where the work is by name, each of shape (n_row,), [N·mm].
+    """Return the energies by name, each of shape (n_row,), [N·mm].
 
-    What the film's material dissipated is a share of its own if it did; likewise what absorbed
-    jumps took from the contact's share or gave the film, unless it is negligible.
+    Energy dissipated by the film's material, if any, is a separate share; so is energy that
+    absorbed jumps took from the contact or gave to the film, unless it is negligible.
     """
     shares = {
         "cables": history["cohesive_work"] + history["cohesive_start_work"],
@@ -34,10 +34,10 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
         "kinetic": history["kinetic_translation"] + history["kinetic_rotation"],
         "contact": history["contact_work"],
     }
-    dissipated = history.get("material_dissipated", np.zeros(0))  # older runs have none
+    dissipated = history.get("material_dissipated", np.zeros(0))  # older runs lack it
     if dissipated.any():
         shares["material"] = dissipated
-    absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions have none
+    absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions lack it
     largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
     if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:
         shares["contact"] = shares["contact"] - absorbed
@@ -46,10 +46,10 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
 
 
 def trusted_rows(history: Mapping[str, Floats]) -> Bools:
-    """Return in which rows the tool has done enough work to compare with, shape (n_row,).
+    """Return the rows in which the tool has done enough work for comparison, shape (n_row,).
 
-    These are the rows with a tenth of the most that it has done in the run, short or long; none of
-    a run in which it has done no work.
+    These are the rows with at least a tenth of the largest work of the run; none if the tool has
+    done no work.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def trusted_rows(history: Mapping[str, Floats]) -> Bools:
 def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
     """Return the largest imbalance and kinetic energy relative to the tool's work, [-].
 
-    Nothing if no row can be trusted: where the tool has done no work there is no balance to close.
+    Empty if no row can be trusted: without work of the tool there is no balance to close.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Digests of the frames in a result file, so that damage is told and not read as numbers.
+"""Digests of the frames in a result file, which reveal damage.
 
-Every frame has two, 32-bit CRCs as of zlib: one of its row (time, coordinate, figures, pose,
-counts, where its arrays lie, and the names and units that the file gives them), one of its arrays.
-They are taken of the numbers as a reader gets them, and so see whatever lies between: data, shapes
-of the columns, the index of their chunks, which HDF5 itself does not guard.
+Each frame has two 32-bit CRCs (zlib): one of its row (time, coordinate, figures, pose, counts,
+positions of its arrays, names and units) and one of its arrays. They are computed from the numbers
+as a reader gets them, and so cover everything in between: data, shapes of the columns, and the
+index of their chunks, which HDF5 itself does not protect.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 DIGESTS = "crc32"
-"""Column of the digests, of the row and of the arrays, beside VTK's own columns."""
+"""Column of the digests of row and arrays, beside VTK's own columns."""
 
 PLACES = (
     "PartOffsets",
@@ -27,14 +27,14 @@ PLACES = (
     "FieldDataOffsets/time [s]",
     "FieldDataSizes/time [s]",
 )
-"""Columns of ``Steps`` that say where a frame's arrays lie."""
+"""Columns of ``Steps`` with the positions of a frame's arrays."""
 
 SIZES = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
-"""Columns of the parts that say how long they are."""
+"""Columns with the lengths of the parts."""
 
 
 def digest_of_arrays(arrays: Mapping[str, Any]) -> int:
-    """Return the digest of named arrays, whatever their order; their types are part of it."""
+    """Return the digest of named arrays, in any order; their types are included."""
     crc = 0
     for name in sorted(arrays):
         rows = np.ascontiguousarray(arrays[name])
@@ -49,7 +49,7 @@ def digest_of_row(description: str, numbers: Iterable[float], places: Iterable[i
     Parameters
     ----------
     description : str
-        Names and units, as :func:`described` gives them.
+        Names and units from :func:`described`.
     numbers : iterable of float
         Time, the series in the order of their names, pose.
     places : iterable of int
@@ -69,12 +69,12 @@ def described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str
 
 
 def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
-    """Return the digests of the rows of the first frames of a file, as they are read now.
+    """Return the digests of the rows of the first frames of a file, as they read now.
 
     Parameters
     ----------
     root, beside : h5py.Group
-        VTK's group and ours.
+        VTK's group and the library's own.
     n_frame : int
         One or more.
     """
@@ -96,7 +96,7 @@ def row_digests(root: Any, beside: Any, n_frame: int) -> list[int]:
 
 
 def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
-    """Return the first of the frames whose row is not what was written, None if all are."""
+    """Return the first of the frames whose row has changed since it was written, None if none."""
     if not n_frame:
         return None
     now = np.array(row_digests(root, beside, n_frame), np.uint32)

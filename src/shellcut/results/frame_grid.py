@@ -1,16 +1,16 @@
-"""A frame as one unstructured grid with named arrays, the form in which result files hold it.
+"""A frame as one unstructured grid with named arrays, as stored in result files.
 
 Points: the nodes in their deformed positions, so that the crack opens without a filter; then the
-ends of the cables' branches, two a segment; the vertices of the tool; the ends of the segments of
-the cutting edges, two a segment. Cells, told apart by the cell array ``part``:
+ends of the cables' branches, two per segment; the vertices of the tool; the ends of the segments of
+the cutting edges, two per segment. The cell array ``part`` distinguishes the cells:
 
 ====  ============  =======================================================================
 part  cell          is
 ====  ============  =======================================================================
-0     quad          the membrane
+0     quad          the film
 1     line          a straight branch of a cable
 2     triangle      the tool
-3     line          a flank of the crack: an edge of the membrane; two in a row, minus and
+3     line          a flank of the crack, an edge of the film; two consecutive ones, minus and
                     plus, were one edge before the cut
 4     line          a segment of a cutting edge
 ====  ============  =======================================================================
@@ -21,15 +21,15 @@ array                                    on      holds
 ``displacement [mm]``                    points  3 components
 ``velocity [mm per s]``                  points  3 components
 ``director``                             points  3 components
-``held``                                 points  1 where a support prescribes a motion
+``held``                                 points  1 if a support prescribes a motion
 ``part``                                 cells   as above
-``membrane stress [MPa]``                cells   s11, s22, s12 in the lamina
-``top stress [MPa]``                     cells   likewise at the outer face of the top layer
-``bottom stress [MPa]``                  cells   likewise at the outer face of the bottom layer
-``largest principal stress [MPa]``       cells   of the membrane
-``smallest principal stress [MPa]``      cells   of the membrane
-``largest principal stress, top [MPa]``  cells   likewise ``smallest``, likewise ``bottom``
-``thickness [mm]``                       cells   of the membrane, at present
+``membrane stress [MPa]``                cells   s11, s22, s12 in the lamina frame
+``top stress [MPa]``                     cells   the same at the outer face of the top layer
+``bottom stress [MPa]``                  cells   the same at the outer face of the bottom layer
+``largest principal stress [MPa]``       cells   of the film, mean over the thickness
+``smallest principal stress [MPa]``      cells   of the film, mean over the thickness
+``largest principal stress, top [MPa]``  cells   also ``smallest``, and ``bottom``
+``thickness [mm]``                       cells   of the film, at present
 ``traction [MPa]``                       cells   of the cables
 ``opening [mm]``                         cells   of the cables, both branches together
 ``cable state``                          cells   0 straight, 1 jointed
@@ -38,9 +38,9 @@ array                                    on      holds
                                                  of the material, by the names its law gives
 =======================================  ======  ==============================================
 
-Where an array has nothing to say it is zero. A "/" in a unit becomes "per", because HDF5 reads it
-as a path. Floating-point arrays are rounded to 12 bits (1.2e-4 of the value), which packs them to
-half their size; points are left in single precision (1e-6 mm at 10 mm).
+An array is zero on the points and cells it does not apply to. A "/" in a unit becomes "per",
+because HDF5 reads it as a path. Floating-point arrays are rounded to 12 bits (1.2e-4 of the value),
+which halves their packed size; points stay in single precision (1e-6 mm at 10 mm).
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ LINE, TRIANGLE, QUAD = 3, 5, 9
 """VTK's numbers of cell types."""
 
 KEPT_BITS = 12
-"""Of the 23 in the mantissa of a single, for all floating-point arrays but the points."""
+"""Mantissa bits kept out of the 23 of a single, for all floating-point arrays except points."""
 
 _KEPT_AS = {np.float64: np.float32, np.bool_: np.uint8, np.int8: np.uint8, np.int64: np.uint16}
 """Type of an array in a file by the type of its field."""
@@ -79,22 +79,22 @@ def _tables(of_points: bool) -> dict[str, tuple[Any, tuple[int, ...]]]:
 _DISPLACEMENT = "displacement [mm]"
 
 POINT_ARRAYS = {_DISPLACEMENT: (np.float32, (3,))} | _tables(of_points=True)
-"""Type and shape of a row of each array on the points; they speak of the nodes."""
+"""Type and row shape of each array on the points; these belong to the nodes."""
 
 CELL_ARRAYS = {"part": (np.uint8, ())} | _tables(of_points=False)
-"""Type and shape of a row of each array on the cells that every frame has."""
+"""Type and row shape of each array on the cells of every frame."""
 
-# Begins the names of the arrays that materials with history bring, single numbers.
+# Start of the names of history arrays of the material, one number per cell.
 _HISTORY = "history, "
 
 
 def is_history(name: str) -> bool:
-    """Whether an array on the cells holds a history number of the material."""
+    """Whether an array on the cells contains a history variable of the material."""
     return name.startswith(_HISTORY)
 
 
 class Counts(NamedTuple):
-    """How many of each a frame has; what the grid's arrays do not say of themselves."""
+    """Number of each entity in a frame, which the grid's arrays alone do not tell."""
 
     node: int
     quad: int
@@ -106,11 +106,11 @@ class Counts(NamedTuple):
 
     @classmethod
     def of(cls, frame: Frame) -> Counts:
-        """Count what a frame holds."""
+        """Count the entities of a frame."""
         return cls(**{entity: len(getattr(frame, array)) for entity, array in SIZED_BY.items()})
 
     def rows(self, entity: str) -> slice:
-        """Return the rows of an entity's arrays, on the points of a node's, else on the cells."""
+        """Return the rows of an entity's arrays: on points for nodes, else on cells."""
         if entity == "node":
             return slice(0, self.node)
         part = ("quad", "segment", "triangle", "crack", "edge").index(entity)
@@ -118,18 +118,18 @@ class Counts(NamedTuple):
 
     @property
     def points(self) -> tuple[int, ...]:
-        """Where the nodes, cable ends, vertices and edge ends end among the points."""
+        """End indices of nodes, cable ends, vertices and edge ends among the points."""
         return _ends(self.node, 2 * self.segment, self.vertex, 2 * self.edge)
 
     @property
     def cells(self) -> tuple[int, ...]:
-        """Where the parts 0 to 4 end among the cells."""
+        """End indices of parts 0 to 4 among the cells."""
         return _ends(self.quad, self.segment, self.triangle, 2 * self.crack, self.edge)
 
 
 @dataclass(frozen=True)
 class FrameGrid:
-    """One frame as one unstructured grid; arrays as the module's tables say."""
+    """One frame as one unstructured grid; the module's tables list the arrays."""
 
     counts: Counts
     points: Any
@@ -137,7 +137,7 @@ class FrameGrid:
     connectivity: Any
     """Point ids, cell after cell."""
     types: Any
-    """VTK's number of the type of each cell, shape (n_cell,)."""
+    """VTK's type number of each cell, shape (n_cell,)."""
     sizes: Any
     """Number of points of each cell, shape (n_cell,)."""
     point_arrays: Mapping[str, Any]
@@ -188,11 +188,11 @@ def frame_of(
     counts : Counts
         As written.
     points, connectivity : ndarray
-        As of :class:`FrameGrid`.
+        As in :class:`FrameGrid`.
     arrays : mapping of str to ndarray
         Arrays on points and cells by name.
     **others
-        Fields of :class:`Frame` that a grid does not hold: time, coordinate, scalars, pose.
+        Fields of :class:`Frame` that a grid lacks: time, coordinate, scalars, pose.
     """
     n = counts
     nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])
@@ -272,7 +272,7 @@ def _zeros(table: Mapping[str, tuple[Any, tuple[int, ...]]], count: int) -> dict
 
 
 def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
-    """Write the fields of a frame into those of their arrays that are here."""
+    """Write the fields of a frame into those of their arrays that are present."""
     for name, rows in ROWS.items():
         values = getattr(frame, name)
         if rows.dtype is np.float64:
@@ -284,7 +284,7 @@ def _fill(arrays: dict[str, Any], frame: Frame, n: Counts) -> None:
 
 
 def _rounded(values: Floats) -> Any:
-    # To nearest, on the bits of the single: half of the last kept bit is added, the rest cut off.
+    # Round to nearest on the bits of the single: add half of the last kept bit, cut off the rest.
     dropped = 23 - KEPT_BITS
     bits = values.astype(np.float32).view(np.int32)
     return ((bits + (1 << (dropped - 1))) & -(1 << dropped)).view(np.float32)

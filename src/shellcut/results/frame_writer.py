@@ -1,8 +1,8 @@
-"""Frames on their way into the files of a run, while the run goes on.
+"""Write frames to the files of a run in a background thread.
 
-Making, packing and writing a frame takes as long as forty steps of a small film; a thread of its
-own does it. At most one frame is on its way: the next one waits for it, and so does whoever needs
-the files whole.
+Making, packing and writing a frame takes as long as forty steps of a small film, so a separate
+thread does it. At most one frame is pending: the next one waits for it, as does a caller who needs
+complete files.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ class FrameOutput:
     Parameters
     ----------
     folder : Path
-        Where to.
+        Output folder.
     name : str
         NAME.
     pvd : bool
         Whether to write PVD + VTU too.
     mode, until
-        As :class:`GrowingFile`, ``until`` in s.
+        As in :class:`GrowingFile`, ``until`` in s.
     announce : callable, optional
-        Given the path of each further file before it is written.
+        Receives the path of each further file before it is written.
 
     Raises
     ------
     ValueError
-        If the file to go on with was not written by :class:`VtkHdfWriter`.
+        If the existing file was not written by :class:`VtkHdfWriter`.
     """
 
     def __init__(
@@ -61,15 +61,15 @@ class FrameOutput:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._writing: Future[None] | None = None
         self.failed = False
-        """Whether a frame that was handed over is not in the files."""
+        """Whether a frame could not be written."""
 
     def append(self, make: Callable[[], Frame]) -> None:
-        """Begin to make and write a frame; raises what went wrong with the one before it."""
+        """Start to make and write a frame; raises the error of the previous frame, if any."""
         self.settle()
         self._writing = self._thread.submit(lambda: self._write(make()))
 
     def settle(self) -> None:
-        """Wait until all frames are in the files; raises what went wrong with the last."""
+        """Wait until all frames are in the files; raises the error of the last frame, if any."""
         writing, self._writing = self._writing, None
         if writing is not None:
             try:
@@ -84,18 +84,18 @@ class FrameOutput:
         Raises
         ------
         OSError
-            If it cannot be.
+            If that fails.
         """
         self.settle()
         self._result.sync()
 
     def check(self) -> None:
-        """Raise what went wrong with the last frame, without waiting for one on its way."""
+        """Raise the error of the last frame, if any, without waiting for a pending one."""
         if self._writing is not None and self._writing.done():
             self.settle()
 
     def close(self) -> None:
-        """Settle and close the files; a second call does nothing."""
+        """Flush pending frames and close the files; a second call does nothing."""
         try:
             self.settle()
         finally:
@@ -105,7 +105,7 @@ class FrameOutput:
                 self._pvd.close()
 
     def _pvd_writer(self, path: Path) -> PvdWriter:
-        if self._result.goes_on:  # with the frames that are kept there
+        if self._result.goes_on:  # with the frames kept there
             until = self._result.last_time
             return PvdWriter(path, mode="a", until=until, announce=self._announce)
         return PvdWriter(path, announce=self._announce)

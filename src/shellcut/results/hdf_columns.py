@@ -1,16 +1,15 @@
 """Long columns in an HDF5 file to which a run appends rows, frame by frame.
 
-A *packed* column is compressed chunk by chunk, a chunk being the piece that is packed as a whole.
-Every block of rows begins a new chunk there: a written chunk is never touched again, so a run
-killed at any moment cannot spoil an earlier block (with shared chunks it did; now 138 kills at
-random left 138 sound files).
+A *packed* column is compressed chunk by chunk. Every block of rows starts a new chunk there, and a
+written chunk is never touched again, so killing a run at any moment cannot damage an earlier block
+(with shared chunks it did; now 138 kills at random left 138 intact files).
 
-The chunks are shuffled and deflated here and handed to HDF5 as they are. Bytes of floating-point
-numbers are noise but for runs of equal ones, so only runs are looked for in them: half the time of
-the ordinary search for 15 % more bytes, in a format that any reader of deflated data takes. Behind
-each stands its checksum, HDF5's filter Fletcher-32: any reader refuses a chunk that is damaged.
-Columns that are not packed have none: their chunks are written again with every row, and a kill in
-the middle of one would take the rows before it along.
+The chunks are shuffled and deflated here and passed to HDF5 unchanged. Bytes of floating-point
+numbers are noise except for runs of equal ones, so only runs are searched: half the time of the
+ordinary search for 15 % more bytes, in a format that any deflate reader accepts. HDF5's checksum
+filter Fletcher-32 follows each chunk, so every reader refuses a damaged chunk. Unpacked columns
+have no checksum: their chunks are rewritten with every row, and a kill in the middle of that would
+lose the earlier rows too.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ import numpy as np
 
 _BLOCK_CHUNK = 4096  # rows; a frame of 2,604 quads has few chunks, a small one little padding
 _ROW_CHUNK = 128
-_CHECKED_ONLY = 0b011  # the mask that tells HDF5 that a chunk is neither shuffled nor deflated
+_CHECKED_ONLY = 0b011  # mask that tells HDF5 that a chunk is neither shuffled nor deflated
 
 
 @dataclass
 class _Column:
-    """A dataset, with what asking HDF5 for each time would cost 10 us apiece."""
+    """A dataset with cached properties, each of which takes HDF5 10 us to return."""
 
     dataset: Any
     dtype: Any
@@ -53,7 +52,7 @@ class Columns:
     Parameters
     ----------
     root : h5py.Group
-        Holds the columns; those it has already are taken over.
+        Group of the columns; existing ones are used.
     """
 
     def __init__(self, root: Any) -> None:
@@ -62,7 +61,7 @@ class Columns:
         self._register("", root)
 
     def __getitem__(self, name: str) -> Any:
-        """Return the dataset of a column, to be read."""
+        """Return the dataset of a column, for reading."""
         return self._columns[name].dataset
 
     def __iter__(self) -> Iterator[str]:
@@ -77,7 +76,7 @@ class Columns:
         blocks: bool = False,
         packed: bool = False,
     ) -> None:
-        """Create an empty column of rows of a type and shape, to be written singly or in blocks."""
+        """Create an empty column with rows of a type and shape, written singly or in blocks."""
         packing: dict[str, Any] = {}
         if packed:
             packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -98,7 +97,7 @@ class Columns:
             self._root[alias] = self._root[name]
 
     def end(self, name: str) -> int:
-        """Return where the next rows of a column begin: a chunk of their own if it is packed."""
+        """Return the start of a column's next rows: a new chunk if the column is packed."""
         column = self._columns[name]
         return column.aligned(column.size)
 
@@ -116,23 +115,23 @@ class Columns:
         if column.packed:
             for first in range(0, len(block), column.chunk):
                 rows = block[first : first + column.chunk]
-                if not rows.view(np.bool_).any():  # ten times as fast as of the numbers
-                    continue  # what is not written reads as zeros
+                if not rows.view(np.bool_).any():  # ten times as fast as on the numbers
+                    continue  # rows not written read as zeros
                 piece = _whole(rows, column.chunk)
-                # A chunk that is mostly filling is worth packing whatever its rows are.
+                # A chunk that is mostly padding is worth packing in any case.
                 raw = noise and 2 * len(rows) > column.chunk
                 data, left_out = (piece.tobytes(), _CHECKED_ONLY) if raw else (_packed(piece), 0)
                 checked = data + fletcher32(data)
                 dataset.write_direct_chunk((begin + first, *across), checked, left_out)
             return block
-        # Past h5py's own indexing, which costs three times as much for one row.
+        # Bypass h5py's own indexing, which takes three times as long for one row.
         there = dataset.get_space()
         there.select_hyperslab((begin, *across), block.shape)
         dataset.write(h5py.h5s.create_simple(block.shape), there, block)
         return block
 
     def cut(self, name: str, end: int) -> None:
-        """Drop the rows from ``end`` on, up to the end of a chunk: cutting inside rewrites it."""
+        """Drop the rows from ``end`` to the end of a chunk: cutting inside rewrites the chunk."""
         column = self._columns[name]
         column.size = min(column.aligned(end), column.size)
         column.dataset.resize(column.size, axis=0)
@@ -146,14 +145,14 @@ class Columns:
 
 
 def _whole(rows: Any, chunk: int) -> Any:
-    """Return the rows filled up to a chunk with zeros."""
+    """Return the rows padded with zeros to a full chunk."""
     if len(rows) == chunk:
         return rows
     return np.concatenate([rows, np.zeros((chunk - len(rows), *rows.shape[1:]), rows.dtype)])
 
 
 def _packed(rows: Any) -> bytes:
-    """Return a chunk as the filters of HDF5 would leave it: bytes shuffled, then deflated."""
+    """Return a chunk as the filters of HDF5 would store it: bytes shuffled, then deflated."""
     planes = rows.view(np.uint8).reshape(-1, rows.itemsize).T.tobytes()
     search = zlib.Z_RLE if rows.dtype.kind == "f" else zlib.Z_DEFAULT_STRATEGY
     deflate = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, search)
@@ -161,11 +160,11 @@ def _packed(rows: Any) -> bytes:
 
 
 def fletcher32(data: bytes) -> bytes:
-    """Return the checksum that HDF5's filter puts behind a chunk.
+    """Return the checksum that HDF5's filter appends to a chunk.
 
-    Two sums modulo 65,535 over the words of two bytes, high byte first: of the words, and of the
-    sums so far, in which the i-th of n words counts n - i times. A sum above zero that is a
-    multiple of 65,535 stands as 65,535.
+    Two sums modulo 65,535 over the two-byte words, high byte first: the sum of the words, and the
+    sum of its partial sums, in which the i-th of n words counts n - i times. A sum above zero that
+    is a multiple of 65,535 is stored as 65,535.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""The time histories of a run: one CSV file, units in its header, one flushed line a row.
+"""The time histories of a run: one CSV file with units in its header; each row is flushed.
 
-The file reads in any spreadsheet and by one line of NumPy. Numbers are written with the fewest
-digits that give the same double back. A killed run leaves whole lines, because each line goes to
-the operating system in one piece before `HistoryWriter.append` returns.
+Any spreadsheet reads the file, and so does one line of NumPy. Numbers have the fewest digits that
+give the same double back. A killed run leaves complete lines, because each line goes to the
+operating system in one piece before `HistoryWriter.append` returns.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from shellcut.files.appendable_file import GrowingFile
 from shellcut.files.whole_file import write_all
 
 _FORBIDDEN = ',"[]\r\n'
-_SHOWN_BYTES = 120  # as much of a foreign file's first line as an error message quotes
+_SHOWN_BYTES = 120  # part of a foreign file's first line quoted in an error message
 
 
 def _header(columns: Sequence[tuple[str, str]]) -> str:
@@ -33,7 +33,7 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
         name, bracket, unit = cell.partition(" [")
         if not bracket or not unit.endswith("]"):
             raise ValueError(
-                f"{path} is no history file: its header must be 'name [unit],...', "
+                f"{path} is not a history file: its header must be 'name [unit],...', "
                 f"got {cell[:_SHOWN_BYTES]!r}"
             )
         columns.append((name, unit[:-1]))
@@ -50,14 +50,13 @@ class HistoryWriter(GrowingFile):
     columns : sequence of (name, unit)
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
     mode, until
-        As :class:`GrowingFile`; an unfinished last line is dropped, and with ``until`` the rows
+        As in :class:`GrowingFile`; an unfinished last line is dropped, and with ``until`` the rows
         whose first column exceeds it, in its unit.
 
     Raises
     ------
     ValueError
-        If a name or unit cannot stand in the header, or the file of mode ``"a"`` has other
-        columns.
+        If a name or unit is invalid in the header, or the file of mode ``"a"`` has other columns.
     """
 
     def __init__(
@@ -83,15 +82,15 @@ class HistoryWriter(GrowingFile):
         self._can_be_told = self._is_the_one_there()
 
     def append(self, row: Mapping[str, float]) -> None:
-        """Write one row; its keys must be the names of the columns, all of them.
+        """Write one row; its keys must be exactly the names of the columns.
 
         Raises
         ------
         KeyError
             If names are missing or unknown; nothing is written then.
         OSError
-            If the disk is full; of the row there may be a part then, which is dropped when the file
-            is gone on with.
+            If the disk is full; part of the row may have been written, which is dropped when the
+            file is reopened.
         """
         if tuple(row) != self._names:
             missing = [name for name in self._names if name not in row]
@@ -103,7 +102,7 @@ class HistoryWriter(GrowingFile):
         write_all(self._file, line.encode("ascii"))
 
     def in_place(self) -> bool:
-        """Whether the file is still where it was begun: nobody has moved or removed it."""
+        """Whether the file is still in place: nobody has moved or removed it."""
         return self._is_the_one_there() if self._can_be_told else self.path.exists()
 
     def sync(self) -> None:
@@ -112,7 +111,7 @@ class HistoryWriter(GrowingFile):
         Raises
         ------
         OSError
-            If they cannot be.
+            If that fails.
         """
         os.fsync(self._file.fileno())
 
@@ -147,7 +146,7 @@ class HistoryWriter(GrowingFile):
         if found != _header(self.columns):
             raise ValueError(
                 f"{self.path} has other columns than this run: {found[:_SHOWN_BYTES]!r}; "
-                f"move it away or begin anew with mode 'w'"
+                f"move it away or start anew with mode 'w'"
             )
         if until is not None:
             while len(lines) > 1 and float(lines[-1].split(b",", 1)[0]) > until:
@@ -161,7 +160,7 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     Parameters
     ----------
     path : str or Path
-        A file of `HistoryWriter`, of a finished or of a killed run, or one still being written.
+        A file of `HistoryWriter`, from a finished, killed or running run.
 
     Returns
     -------
@@ -178,13 +177,14 @@ def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[
     path = Path(path)
     with path.open("rb") as file:
         lines = file.read().decode().split("\n")
-    # What follows the last line break is empty, or a line that was never finished.
+    # After the last line break there is nothing, or an unfinished line.
     header, rows = lines[0].rstrip("\r"), lines[1:-1]
     columns = _parse_header(header, path)
     for i, row in enumerate(rows):
         n_cell = row.count(",") + 1
         if n_cell != len(columns):
-            raise ValueError(f"{path}, line {i + 2}: {len(columns)} numbers wanted, got {n_cell}")
+            wrong = f"must have {len(columns)} numbers, got {n_cell}"
+            raise ValueError(f"{path}, line {i + 2}: {wrong}")
     cells = chain.from_iterable(row.split(",") for row in rows)
     table = np.fromiter(map(float, cells), float).reshape(-1, len(columns))
     values = {name: table[:, k].copy() for k, (name, _) in enumerate(columns)}

@@ -1,7 +1,7 @@
-"""A curve that a test machine has recorded, in the library's units.
+"""A measured curve in the library's units.
 
-The file is a table as :mod:`shellcut.formats.number_table` reads it; which columns are meant is
-said by heading or number, their units stand in the headings or are given.
+The file is a table as read by :mod:`shellcut.formats.number_table`; its columns are selected by
+heading or number, their units come from the headings or are given.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.unit import DIMENSIONS, LIBRARY_UNITS, canonical, conversion, dimension
 
 _JITTER = 0.01
-"""Of the range: as far as a coordinate may run back and still be the noise of an encoder."""
+"""Relative to the range: backward motion of a coordinate up to this is encoder noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,29 +35,29 @@ class MeasuredCurve:
     """
 
     x: npt.ArrayLike
-    """Coordinate, increasing, shape (n,); given in ``x_unit``, held in the library's."""
+    """Coordinate, increasing, shape (n,); given in ``x_unit``, stored in the library's unit."""
     y: npt.ArrayLike
-    """What was measured, shape (n,); given in ``y_unit``, held in the library's."""
+    """Measured values, shape (n,); given in ``y_unit``, stored in the library's unit."""
     x_unit: str
-    """Given as people write it, held as the library's unit of that dimension: deg, mm or s."""
+    """Given in common notation, stored as the library's unit of that dimension: deg, mm or s."""
     y_unit: str
-    """The same of ``y``: N*mm, N, ..."""
+    """The same for ``y``: N*mm, N, ..."""
     x_name: str = "x"
     y_name: str = "y"
     notes: tuple[str, ...] = ()
-    """What was done to the points, in words."""
+    """Changes made to the points, in words."""
 
     def __post_init__(self) -> None:
         x, y = np.array(self.x, dtype=float), np.array(self.y, dtype=float)
         problems = []
         if x.ndim != 1 or x.shape != y.shape or len(x) < 2:
             problems.append(
-                "x and y must have one dimension and the same two points or more, got shapes "
+                "x and y must have one dimension and the same length of two or more, got shapes "
                 f"{x.shape} and {y.shape}"
             )
         elif not (np.isfinite(x).all() and np.isfinite(y).all()):
             rows = np.flatnonzero(~np.isfinite(x) | ~np.isfinite(y))
-            problems.append(f"x and y must be finite, they are not in rows {named(rows)}")
+            problems.append(f"x and y must be finite, but are not in rows {named(rows)}")
         problems += [
             f"{name}: {_unknown(unit)}"
             for name, unit in (("x_unit", self.x_unit), ("y_unit", self.y_unit))
@@ -83,29 +83,29 @@ def read_measured_curve(
     units: str | Sequence[str] | None = None,
     expected: tuple[str, str] | None = None,
 ) -> MeasuredCurve:
-    """Read two columns of a table of text.
+    """Read two columns of a text table.
 
     Parameters
     ----------
     path : str or Path
         A file with semicolons, tabs, commas or blanks between its columns.
     x, y : str or int, optional
-        Columns by heading (with or without unit, any case) or by number from 1 on; by default
-        those of the ``expected`` headings, or the first and second of a table of two columns.
+        Columns by heading (with or without unit, any case) or by number from 1; by default those
+        with the ``expected`` headings, or the first and second of a table of two columns.
     units : str or (str, str), optional
         Units of ``x`` and ``y``, as ``"deg, N*mm"``; by default those of the headings.
     expected : (str, str), optional
-        Headings to look for where ``x`` or ``y`` is not given, as ``("angle", "torque")``.
+        Headings to use if ``x`` or ``y`` is not given, as ``("angle", "torque")``.
 
     Returns
     -------
     MeasuredCurve
-        In the library's units, the coordinate increasing.
+        In the library's units, with increasing coordinate.
 
     Raises
     ------
     FileError
-        Naming columns that are not there, units that are unknown, and lines that are not numbers.
+        Lists missing columns, unknown units, and lines that are not numbers.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def read_measured_curve(
         elif canonical(unit or written) is None:
             problems.append(f"{name}: {_unknown(unit or written)}")
         elif unit and written and canonical(written) != canonical(unit):
-            notes.append(f"{name} is headed {written}, taken as {unit} as told")
+            notes.append(f"{name} has the heading unit {written}, but is read as {unit} as given")
     if problems:
         raise FileError(path, "; ".join(problems))
     values = table.numbers(columns)
@@ -180,7 +180,7 @@ def _name(table: NumberTable, column: int) -> str:
 
 
 def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int | str:
-    """Return the index of a column, or what is wrong."""
+    """Return the index of a column, or a description of the problem."""
     n = table.n_column
     if which is None:
         hits = _headed(table, name) if name else []
@@ -188,12 +188,12 @@ def _column(table: NumberTable, which: str | int | None, position: int, name: st
             return hits[0]
         if n == 2:
             return position
-        return f"a table of {n} columns: say which are meant; there are {_listing(table)}"
+        return f"a table of {n} columns needs a choice of columns; there are {_listing(table)}"
     if isinstance(which, str):
         hits = _headed(table, which)
         if len(hits) > 1:
             numbers = " and ".join(str(k + 1) for k in hits)
-            return f"{which!r} stands above columns {numbers}: give the number"
+            return f"{which!r} is the heading of columns {numbers}: give the number"
         if hits:
             return hits[0]
         if not which.strip().isdecimal():
@@ -208,7 +208,7 @@ def _column(table: NumberTable, which: str | int | None, position: int, name: st
 
 
 def _headed(table: NumberTable, name: str) -> list[int]:
-    """Return the columns under a heading, with its unit or without."""
+    """Return the columns with a heading, with its unit or without."""
     wanted = name.strip().casefold()
     whole = [k for k, h in enumerate(table.headings) if h.text.strip().casefold() == wanted]
     return whole or [k for k, h in enumerate(table.headings) if h.name.casefold() == wanted]
@@ -217,7 +217,7 @@ def _headed(table: NumberTable, name: str) -> list[int]:
 def _listing(table: NumberTable) -> str:
     if not table.headings:
         commas = table.separator == ","
-        hint = "; if these are decimal commas, part the columns by semicolons" if commas else ""
+        hint = "; if these are decimal commas, separate the columns by semicolons" if commas else ""
         return f"{table.n_column} columns without headings{hint}"
     return ", ".join(f"{k}: {heading.text!r}" for k, heading in enumerate(table.headings, start=1))
 
@@ -230,7 +230,7 @@ def _unknown(unit: str) -> str:
 
 
 class _RunsBack(ValueError):
-    """The coordinate turns round in a row."""
+    """The coordinate reverses in a row."""
 
     def __init__(self, problem: str, row: int):
         super().__init__(problem)
@@ -238,26 +238,26 @@ class _RunsBack(ValueError):
 
 
 def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
-    """Return the points with x strictly increasing, and what was done to them."""
+    """Return the points with x strictly increasing, and the changes made to them."""
     notes = []
     n = len(x)
     reach = float(np.ptp(x))
     if reach == 0.0:
-        raise ValueError(f"the coordinate must increase, all {n} points are at {x[0]:g}")
+        raise ValueError(f"the coordinate must increase, but all {n} points are at {x[0]:g}")
     falling = x[-1] < x[0]
     if falling:
-        notes.append("the coordinate falls: points taken in turned order")
+        notes.append("the coordinate decreases: the order of the points was reversed")
         x, y = x[::-1], y[::-1]
     behind = np.maximum.accumulate(x) - x
     if behind.max() > _JITTER * reach:
         row = int(np.argmax(behind > _JITTER * reach))
         raise _RunsBack(
-            f"the coordinate must go one way, it turns round at {x[row]:g}: keep one stroke",
+            f"the coordinate must go one way, but reverses at {x[row]:g}: keep one stroke",
             n - 1 - row if falling else row,
         )
     if behind.any():
         notes.append(f"{np.count_nonzero(behind)} points ran back by up to {behind.max():.3g}")
     places, member, count = np.unique(x, return_inverse=True, return_counts=True)
     if len(places) < n:
-        notes.append(f"{n - len(places)} points at a coordinate met before: means taken")
+        notes.append(f"{n - len(places)} points at a repeated coordinate: averaged")
     return places, np.bincount(member, y) / count, notes

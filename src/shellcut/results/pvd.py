@@ -1,9 +1,9 @@
 """Frames of a run as PVD + VTU, for ParaView before 5.12 and other readers of VTK's XML files.
 
-``NAME.pvd`` lists the frames with their times, ``NAME_frames/frame_0000.vtu`` and so on hold them,
-points, cells and arrays as :mod:`shellcut.results.frame_grid` lays them out; a frame's scalars are
-not in them. Each file is written aside and renamed, the list after the frame, so that a killed run
-leaves a list of whole frames.
+``NAME.pvd`` lists the frames with their times; ``NAME_frames/frame_0000.vtu`` and so on contain
+points, cells and arrays as laid out by :mod:`shellcut.results.frame_grid`, without the frame's
+scalars. Each file is written under a temporary name and renamed, the list after the frame, so that
+a killed run leaves a list of complete frames.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ class PvdWriter(GrowingFile):
     path : str or Path
         The list, ``NAME.pvd``; frames go to ``NAME_frames``.
     mode, until
-        As :class:`GrowingFile`, ``until`` in s. Of the frames there those are removed that the old
-        list names and the new one does not.
+        As in :class:`GrowingFile`, ``until`` in s. Frames named in the old list but not in the new
+        one are removed.
     announce : callable, optional
-        Given the path of each frame before it is written.
+        Receives the path of each frame before it is written.
 
     Raises
     ------
     ValueError
-        If the file of mode ``"a"`` is no list of this class.
+        If the file of mode ``"a"`` is not a list of this class.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class PvdWriter(GrowingFile):
         Raises
         ------
         ValueError
-            If its time is not later than that of the last.
+            If its time is not later than that of the last frame.
         """
         if self._times and frame.time <= self._times[-1]:
             raise ValueError(
@@ -86,10 +86,10 @@ class PvdWriter(GrowingFile):
         self._write_list()
 
     def sync(self) -> None:
-        """Do nothing: what a power cut takes of these can be made again from the result file."""
+        """Do nothing: the result file can restore whatever a power cut destroys here."""
 
     def close(self) -> None:
-        """Do nothing: between two frames no file is open."""
+        """Do nothing: no file is open between two frames."""
 
     def _write_list(self) -> None:
         root = ElementTree.Element("VTKFile", _ROOT)
@@ -103,7 +103,7 @@ class PvdWriter(GrowingFile):
             ElementTree.ElementTree(root).write(aside, encoding="utf-8", xml_declaration=True)
 
     def _listed_times(self) -> list[float]:
-        """Return the times that the old list gives; none without one that is to be replaced."""
+        """Return the times in the old list; empty if it is to be replaced."""
         try:
             rows = ElementTree.parse(self.path).getroot().findall("Collection/DataSet")
             files = [row.attrib["file"] for row in rows]
@@ -116,7 +116,7 @@ class PvdWriter(GrowingFile):
             if not self.goes_on:
                 return []
             raise ValueError(
-                f"{self.path} was not written by shellcut; move it away or begin anew with mode 'w'"
+                f"{self.path} was not written by shellcut; move it away or start anew with mode 'w'"
             ) from error
 
 
@@ -127,7 +127,7 @@ def _file_name(k: int) -> str:
 def _mesh_of(grid: FrameGrid) -> Any:
     import meshio
 
-    # One block of cells a part, the names as meshio calls the types.
+    # One block of cells per part, under meshio's names of the types.
     kinds = (("quad", 4), ("line", 2), ("triangle", 3), ("line", 2), ("line", 2))
     blocks, rows, first, first_id = [], [], 0, 0
     for (kind, size), end in zip(kinds, grid.counts.cells, strict=True):

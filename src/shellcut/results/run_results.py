@@ -1,4 +1,4 @@
-"""Results: what a run left in its folder, read back; also of a killed run or one still going.
+"""Results of a run read from its folder; also of a killed or running one.
 
 >>> from shellcut.results.run_results import read
 >>> read("no/such/folder")
@@ -32,7 +32,7 @@ from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_window
 from .vtkhdf_reader import VtkHdfReader
 
-# The imbalance of energies is drawn from this share of the run's largest work on.
+# The imbalance of energies is drawn from this share of the run's largest work.
 _LEAST_WORK = 0.01
 
 
@@ -47,7 +47,7 @@ class FrameFigures(dict[str, Floats]):
 class Results:
     """A run's history, frames and figures; built by :func:`read`.
 
-    It shows what was there when it was built: of a run still going, read again to see more.
+    It is a snapshot of the folder: for a run in progress, read again to see more.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Results:
     name : str
         Name of the run, the stem of its ``.vtkhdf`` file.
     history : dict of ndarray, shape (n_row,)
-        The columns of ``history.csv`` by name; empty if the file is not there.
+        The columns of ``history.csv`` by name; empty if the file is missing.
     units : dict of str
         Their units by the same names.
     summary : dict
@@ -93,7 +93,7 @@ class Results:
 
     @property
     def coordinate_name(self) -> str:
-        """What curves are drawn over: ``"angle"`` or ``"path"``."""
+        """Abscissa of curves: ``"angle"`` or ``"path"``."""
         return self._frames.coordinate_name or self._column(1)
 
     @property
@@ -103,7 +103,7 @@ class Results:
 
     @property
     def resistance_name(self) -> str:
-        """What the drive has to overcome: ``"torque"`` or ``"force"``."""
+        """Resistance against the tool: ``"torque"`` or ``"force"``."""
         return self._column(2)
 
     @property
@@ -113,7 +113,7 @@ class Results:
 
     @property
     def steady_window(self) -> SteadyWindow:
-        """Where the cut is steady, by what the history says, also of a run that has not ended."""
+        """Steady window of the cut, from the history; also for a run that has not ended."""
         return steady_window(self.history, (self.coordinate_name, self.coordinate_unit))
 
     def to_pandas(self) -> Any:
@@ -150,7 +150,7 @@ class Results:
         return self._frames.n_frame
 
     def frame(self, k: int) -> Frame:
-        """Return frame ``k``, negative from the end, as :meth:`VtkHdfReader.frame`.
+        """Return frame ``k``, negative from the end, as in :meth:`VtkHdfReader.frame`.
 
         Raises
         ------
@@ -164,7 +164,7 @@ class Results:
         return (self.frame(k) for k in range(self.n_frame))
 
     def cables(self, k: int) -> dict[str, npt.NDArray[Any]]:
-        """Return the cables that hold at frame ``k``, a row a straight branch.
+        """Return the cables that hold at frame ``k``, one row per straight branch.
 
         Returns
         -------
@@ -188,10 +188,10 @@ class Results:
         return self._frames.pose(k)
 
     def cut_quality(self) -> FrameFigures:
-        """Return the figures of the cut's quality over the frames: what is cut, what still holds.
+        """Return the quality of the cut over the frames.
 
-        ``time``, the coordinate, and all of :data:`shellcut.results.cut_quality.UNITS`; that module
-        says what each is. All of one frame, bridge by bridge, is ``cut_quality(results.frame(k))``.
+        ``time``, the coordinate, and all of :data:`shellcut.results.cut_quality.UNITS`, defined in
+        that module. For all details of one frame, use ``cut_quality(results.frame(k))``.
         """
         rows = [cut_quality(frame).figures() for frame in self.frames()]
         columns = {name: np.array([row[name] for row in rows], dtype=float) for name in UNITS}
@@ -202,7 +202,7 @@ class Results:
     # ------------------------------------------------------------------ pictures
 
     def plot_torque(self, path: str | os.PathLike[str] | None = None) -> Path:
-        """Draw the torque (or force), whole, in parts and of each tooth; return the picture's path.
+        """Draw the torque (or force), in total, in parts and per tooth; return the path.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class Results:
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Draw the energy ledger; return the picture's path, by default ``energy.png``.
 
-        The imbalance is in per cent of the tool's work, from 1 % of the largest work on.
+        The imbalance is in per cent of the tool's work, from 1 % of the largest work.
 
         Raises
         ------
@@ -250,7 +250,7 @@ class Results:
         path = self.folder / ENERGY_PICTURE if path is None else Path(path)
         coordinate, history = self.coordinate_name, self.history
         work = work_put_in(history)
-        # At first touch there is next to no work to compare with.
+        # At first touch there is almost no work to compare with.
         tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
         draw_energy(
             path,
@@ -267,7 +267,7 @@ class Results:
     # ------------------------------------------------------------------ parts
 
     def _plateau(self) -> tuple[float, float, float] | None:
-        """Return from where to where the cut is steady, and the mean resistance there."""
+        """Return the ends of the steady window, and the mean resistance in it."""
         window = self.steady_window
         if not window:
             return None
@@ -276,14 +276,14 @@ class Results:
         return window.low, window.high, integral(x, y) / float(x[-1] - x[0])
 
     def _column(self, k: int) -> str:
-        # Time, coordinate and the figure to plot are the first three columns of every history.
+        # Time, coordinate and the plotted figure are the first three columns of every history.
         if not self.history:
-            raise ValueError(f"{self.folder} must hold the run's history.csv for this; it does not")
+            raise ValueError(f"{self.folder} must contain the run's history.csv for this")
         return list(self.history)[k]
 
 
 def read(path: str | os.PathLike[str]) -> Results:
-    """Read what a run left, of a finished, a killed or a running one.
+    """Read the results of a finished, killed or running run.
 
     Parameters
     ----------
@@ -295,8 +295,8 @@ def read(path: str | os.PathLike[str]) -> Results:
     FileNotFoundError
         If there is no such folder, or no result file in it.
     ValueError
-        If it holds more than one and does not list which of them is the run's, or the file is not
-        one of shellcut.
+        If it contains more than one and does not list which one belongs to the run, or the file
+        is not one of shellcut.
 
     Examples
     --------
@@ -318,7 +318,7 @@ def read(path: str | os.PathLike[str]) -> Results:
             raise FileNotFoundError(
                 f"{path} must hold the result of a run, NAME.vtkhdf; none there"
             )
-        if len(found) > 1:  # others may lie beside that of the run
+        if len(found) > 1:  # there may be others beside that of the run
             listed = names_in(path)
             found = [file for file in found if file.name in listed] or found
         if len(found) > 1:

@@ -28,7 +28,7 @@ _COLUMNS: dict[str, tuple[str, type]] = {
 
 
 def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
-    """Write a row a split, in order."""
+    """Write one row per split, in order."""
     with written_whole(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow([f"{name} [{unit}]" for name, (unit, _) in _COLUMNS.items()])
@@ -38,7 +38,7 @@ def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
 
 
 def read_splits(path: Path) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
-    """Return the columns, each of shape (n_split,), and their units; nothing without a file."""
+    """Return the columns, each of shape (n_split,), and their units; empty without a file."""
     if not path.exists():
         return {}, {}
     with path.open(newline="", encoding="utf-8") as file:

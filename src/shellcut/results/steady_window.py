@@ -1,24 +1,24 @@
-r"""The steady part of a cut, found in the history of its run.
+r"""The steady part of a cut, found from the history of its run.
 
-Steady cutting means that every cutting edge drags a process zone of full length through film that
-does not yet feel what lies ahead; mean torque and work per way are taken there and nowhere else.
-From the columns of :mod:`shellcut.recording.cut_front`, for each edge that cuts:
+In steady cutting every cutting edge drags a process zone of full length through film that does not
+yet feel the film's end or the next cut; mean torque and work per unit of travel are computed only
+there. From the columns of :mod:`shellcut.recording.cut_front`, for each edge that cuts:
 
-*The zone is full* when the edge's first cable breaks; the cut is then Z long. It is *renewed* when
-the cut is 2 Z long: all cables at work were then made while the zone was full. Here the window
-begins, if the motion has come up to speed.
+*The zone is full* when the edge's first cable breaks; the cut length is then Z. It is *renewed*
+when the cut length is 2 Z: all cables then at work were made while the zone was full. The window
+begins here, if the motion has reached its speed.
 
-*The film ahead is free* as long as the way from the crack tip to the next cut or to the film's
-boundary is at least Z / 2 long.
+*The film ahead is free* as long as the distance from the crack tip to the next cut or to the film's
+boundary is at least Z / 2.
 
 *The edge cuts* as long as it meets cable after cable, none of them at its end: there it is just
-entering the film, or leaving it. An edge that takes three times as long for a millimetre of cut as
-it mostly does has stopped.
+entering or leaving the film. An edge that takes three times its median travel per millimetre of cut
+has stopped.
 
 The window is the longest stretch in which all of this holds for all edges. Resistance is a sawtooth
-with the spacing of the nodes, so the window is shortened to whole periods of the edge that meets
-the fewest cables, of which it must hold two. An edge that has cut less than a tenth of what another
-has cut is not waited for.
+with the node spacing, so the window is shortened to whole periods of the edge that meets the fewest
+cables; it must contain two of them. An edge that has cut less than a tenth of the longest cut is
+ignored.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE = (
     "uncut_ahead_edge_",
     "to_spare_edge_",
 )
-"""Beginnings of the names of columns, before the number of the edge; all in mm."""
+"""Start of the column names, before the number of the edge; all in mm."""
 
 _RENEWED = 2.0  # cut length over Z
 _FREE = 0.5  # film ahead over Z
-_STOPPED = 3.0  # way for a millimetre of cut over the median
-_BYSTANDER = 0.1  # of the longest cut
-_UP_TO_SPEED = 0.95  # of the median speed
+_STOPPED = 3.0  # travel per millimetre of cut over the median
+_BYSTANDER = 0.1  # relative to the longest cut
+_UP_TO_SPEED = 0.95  # relative to the median speed
 _LEAST_PERIODS = 2
 _ROUND_OFF = 1e-9  # of lengths [mm]
 
 
 @dataclass(frozen=True)
 class SteadyWindow:
-    """From where to where a cut is steady, or why it is nowhere.
+    """Range of steady cutting, or the reason why there is none.
 
     Examples
     --------
@@ -62,24 +62,24 @@ class SteadyWindow:
 
     low: float = float("nan")
     high: float = float("nan")
-    """Ends, in the unit of the coordinate; nan where there is none."""
+    """Ends, in the unit of the coordinate; nan without a window."""
     first: int = 0
     last: int = -1
-    """First and last row of the history in it."""
+    """First and last row of the history in the window."""
     reason: str = ""
-    """Why there is none; empty if there is one."""
+    """Why there is no window; empty if there is one."""
 
     @property
     def rows(self) -> slice:
-        """Its rows of a column."""
+        """Return its rows of a column."""
         return slice(self.first, self.last + 1)
 
     def __bool__(self) -> bool:
-        """Whether there is one."""
+        """Whether there is a window."""
         return not self.reason
 
     def text(self, unit: str) -> str:
-        """Return it in words, with the unit of the coordinate."""
+        """Return the window in words, with the unit of the coordinate."""
         if self.reason:
             return f"none: {self.reason}"
         return f"{self.low:.3g} to {self.high:.3g} {unit}"
@@ -88,18 +88,17 @@ class SteadyWindow:
 def steady_figures(
     history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
 ) -> dict[str, float | str]:
-    """Return what a run comes to in its steady window, by names that carry the units.
+    """Return the figures of a run in its steady window, by names that include the units.
 
-    The window itself, the mean of the resistance (and of the axial force) and the work per radian
-    or millimetre of way that the cables took and that the tool did; or ``no_window``, why there is
-    none.
+    These are the window, the mean of the resistance (and of the axial force) and the work of cables
+    and of the tool per radian or millimetre; or ``no_window``, the reason why there is none.
 
     Parameters
     ----------
     history, coordinate
-        As of :func:`steady_window`.
+        As in :func:`steady_window`.
     resistance : (str, str)
-        Name and unit of what the drive has to overcome.
+        Name and unit of the resistance.
     """
     window = steady_window(history, coordinate)
     if not window:
@@ -135,9 +134,9 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
     Parameters
     ----------
     history : mapping of ndarray, shape (n_row,)
-        Its columns; also of a run that is still going, or was killed.
+        Columns of the history; also of a run in progress, or a killed one.
     coordinate : (str, str)
-        Name and unit of what curves are drawn over.
+        Name and unit of the coordinate.
     """
     cuts = _cuts(history)
     if isinstance(cuts, str):
@@ -153,7 +152,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
     joints = min((cut.joints_within(first, last) for cut in cuts), key=len)
     if len(joints) <= _LEAST_PERIODS:
         return SteadyWindow(
-            reason=f"it would last from {x[first]:.3g} to {x[last]:.3g} {unit} only, less than "
+            reason=f"it would only last from {x[first]:.3g} to {x[last]:.3g} {unit}, less than "
             f"{_LEAST_PERIODS} spacings of the nodes along the cut"
         )
     low, high = int(joints[0]), int(joints[-1])
@@ -162,7 +161,7 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
 
 @dataclass(frozen=True, eq=False)
 class _Cut:
-    """What one edge has cut, row by row."""
+    """Progress of one edge's cut, row by row."""
 
     edge: int
     length: Floats
@@ -181,7 +180,7 @@ class _Cut:
 
     @property
     def joints(self) -> Ints:
-        """Rows in which a cable has been met."""
+        """Rows in which the edge has met a cable."""
         return np.flatnonzero(np.diff(self.length, prepend=0.0) > _ROUND_OFF)
 
     def joints_within(self, first: int, last: int) -> Ints:
@@ -195,19 +194,19 @@ class _Cut:
         grown = np.diff(self.length[joints])
         slowness = np.diff(x[joints]) / grown
         slow = _STOPPED * float(np.median(slowness))
-        # To the end of the run the next cable is still to be met.
+        # At the end of the run, the next cable has not been met yet.
         slowness = np.append(slowness, (x[-1] - x[joints[-1]]) / grown[-1])
-        # A row in which a cable is met belongs to what led there.
+        # A row in which a cable is met belongs to the interval before.
         before = np.searchsorted(joints, np.arange(len(x))) - 1
         goes_on = (before >= 0) & (slowness[np.maximum(before, 0)] <= slow)
         return np.asarray(goes_on & (self.spare > _ROUND_OFF))
 
 
 def _cuts(history: Mapping[str, Floats]) -> list[_Cut] | str:
-    """Return the cuts that count, or why there is none."""
+    """Return the cuts to consider, or why there are none."""
     edges = [name.removeprefix(CUT_LENGTH) for name in history if name.startswith(CUT_LENGTH)]
     if not edges:
-        return "the history does not say what each cutting edge has cut"
+        return "the history lacks the cut length of each cutting edge"
     longest = max(float(history[CUT_LENGTH + edge].max(initial=0.0)) for edge in edges)
     if longest == 0.0:
         return "no cable was bent around a cutting edge"
@@ -245,13 +244,13 @@ def _longest(x: Floats, good: Bools) -> tuple[int, int]:
 
 
 def _why_none(cuts: list[_Cut], x: Floats, unit: str, renewed: Bools, free: Bools) -> str:
-    """Return the first condition that is nowhere met."""
+    """Return the first condition that is met nowhere."""
     for cut in cuts:
         if not cut.renewed.any():
             done = f"cutting edge {cut.edge} has cut {cut.length[-1]:.3g} mm"
             if np.isinf(cut.zone):
                 return f"{done}, and none of its cables has broken"
-            return f"{done}; its process zone is renewed after {_RENEWED * cut.zone:.3g} mm only"
+            return f"{done}; its process zone is renewed only after {_RENEWED * cut.zone:.3g} mm"
     start = int(np.argmax(renewed))
     if not renewed.any():
         return "the edges were never in the film together"

@@ -1,15 +1,15 @@
-"""Names and units of the figures in ``summary.json``, for people."""
+"""Labels and units of the figures in ``summary.json``."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-# Endings of the names tell the unit; longer ones first.
+# The end of a name gives the unit; longer ones first.
 _UNITS = {"ns_per_quad_step": "ns", "_Nmm": "N·mm", "_deg": "°", "_mm": "mm", "_N": "N", "_s": "s"}
 
 _STEADY = " over {window}"
-"""Where the window of the figures is said."""
+"""Placeholder for the steady window in a label."""
 
 LABELS = {
     "torque_plateau_Nmm": f"torque, mean{_STEADY}",
@@ -42,21 +42,21 @@ LABELS = {
     "n_split": "splits",
     "n_quad": "quads",
     "n_step": "steps",
-    "ns_per_quad_step": "time of computing per quad and step",
-    "wall_s": "time of computing and output",
-    "pictures_s": "time of drawing",
+    "ns_per_quad_step": "computing time per quad and step",
+    "wall_s": "computing and output time",
+    "pictures_s": "drawing time",
     "imbalance_rel": "largest imbalance of the energies, over the work",
     "kinetic_rel": "largest kinetic energy, over the work",
     "added_inertia_factor": "scale of the rotary inertia",
-    "deepest_penetration_mm": "nodes in the tool, at most",
+    "deepest_penetration_mm": "deepest node in the tool",
     "tool_half_thickness_mm": "tool, half thickness",
-    "unfelt_penetration_mm": "tool between nodes, unfelt, at most",
-    "largest_overshoot_mm": "edge past a cable before it was met, at most",
-    "n_recovery_borrowed": "stresses from a neighbour's patch",
+    "unfelt_penetration_mm": "deepest tool between nodes, without contact",
+    "largest_overshoot_mm": "largest overshoot of the edge past a cable",
+    "n_recovery_borrowed": "stresses taken from a neighbour's patch",
 }
-"""Of each figure, in the order in which they are shown; the unit stands in its name."""
+"""Label of each figure, in the order shown; the unit is in its name."""
 
-# Of the report: judged or shown elsewhere on the page.
+# Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
 _ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
 _ELSEWHERE |= {"resistance", "no_window"}
@@ -64,7 +64,7 @@ _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("de
 
 
 def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return label and value with its unit: the known ones in order, then the others by name.
+    """Return label and value with unit: the known figures in order, then the others by name.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[
 
 
 def window_of(summary: Mapping[str, Any]) -> str:
-    """Return the steady window of a summary as people write it; nothing if it has none.
+    """Return the steady window of a summary as text; "" without one.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def window_of(summary: Mapping[str, Any]) -> str:
 
 
 def with_unit(key: str, value: Any) -> str:
-    """Return a figure of ``summary.json`` with the unit that its name ends with."""
+    """Return a figure of ``summary.json`` with the unit at the end of its name."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
     unit = _unit(key)

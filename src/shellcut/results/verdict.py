@@ -1,7 +1,7 @@
-"""The verdict: what of a run may be trusted, judged by the figures of its summary.
+"""The verdict: how far the results of a run can be trusted, from the figures of its summary.
 
-Report, ``run.log``, ``summary.json`` and the end of the terminal's output all carry these lines. A
-new figure to judge is a function that yields its line, and a place in ``_JUDGES``.
+Report, ``run.log``, ``summary.json`` and the end of the terminal's output all contain these lines.
+To judge a new figure, write a function that yields its line and add it to ``_JUDGES``.
 """
 
 from __future__ import annotations
@@ -12,32 +12,32 @@ from dataclasses import dataclass
 from typing import Any
 
 LOGGER = logging.getLogger("shellcut.verdict")
-"""Takes the lines at the end of a run: doubts as warnings, the others as information."""
+"""Logs the lines at the end of a run: doubts as warnings, the others as information."""
 LOGGER.setLevel(logging.INFO)
 
 IMBALANCE_LIMIT = 0.01
-"""Energy that the ledger may miss, relative to the tool's work."""
+"""Largest imbalance of the ledger, relative to the tool's work."""
 KINETIC_LIMIT = 0.05
-"""Kinetic energy that slow cutting may have, relative to the tool's work."""
+"""Largest kinetic energy in slow cutting, relative to the tool's work."""
 DAMPING_LIMIT = 0.10
-"""Share of the tool's work that damping may take."""
+"""Largest share of the tool's work dissipated by damping."""
 CONTACT_LIMIT = 0.05
-"""Share of the tool's work that frictionless contact may hold."""
+"""Largest share of the tool's work stored by frictionless contact."""
 GIVEN_LIMIT = 0.01
-"""Energy that contact may give the film, or its absorbed jumps give or take, relative to the tool's
-work: as wrong as energy that the ledger misses, so it has the same limit."""
+"""Largest energy that contact gives to the film, or that its absorbed jumps give or take, relative
+to the tool's work: as wrong as an imbalance of the ledger, so it has the same limit."""
 PENETRATION_LIMIT = 0.25
-"""Depth of a node in the tool relative to the tool's half thickness. The film is pushed aside by
-that much less than the tool is thick; at the whole of it a node is as near to the other flank."""
+"""Largest depth of a node in the tool relative to the tool's half thickness. The film is pushed
+aside by that much less than the tool is thick; at 1 a node is as near to the other flank."""
 UNFELT_LIMIT = 0.5
-"""Depth of the tool between nodes that may pass unfelt, relative to the quads' edge length."""
+"""Largest penetration between nodes, which nodal contact misses, relative to the edge length."""
 OVERSHOOT_LIMIT = 0.02
-"""How far the edge may have passed the cables in the mean when it meets them, relative to the way
-on which it drags them; that share of their work is missed."""
+"""Largest mean overshoot of the edge past the cables it meets, relative to the distance over which
+it drags them; that share of their work is missed."""
 CABLES_LIMIT = 0.85
-"""Share of the work spent that cables should have taken: all but what damping and contact may."""
+"""Smallest share of the dissipated work due to cables: the rest is for damping and contact."""
 INERTIA_NOTE = 100.0
-"""Scale of the rotary inertia from which on it is mentioned."""
+"""Scale of the rotary inertia above which it is mentioned."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Line:
 
     @property
     def word(self) -> str:
-        """What is said before the sentence."""
+        """The word before the sentence."""
         return {"good": "holds", "doubt": "distrust", "note": "note"}[self.kind]
 
     def __str__(self) -> str:
@@ -57,18 +57,18 @@ class Line:
 
 
 Figures = Mapping[str, Any]
-"""Of ``summary.json``, by their names there."""
+"""Figures of ``summary.json``, by their names there."""
 
 
 def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
-    """Return a sentence for every figure that tells how far a run may be trusted, doubts first.
+    """Return a sentence for every figure that bears on trust in the results, doubts first.
 
     Parameters
     ----------
     figures : mapping
-        Of ``summary.json``; what it lacks is left out.
+        Figures of ``summary.json``; missing ones are skipped.
     doubts : iterable of str
-        Those of the model before the run.
+        Doubts about the model before the run.
 
     Examples
     --------
@@ -81,8 +81,8 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
         lines.append(
             Line(
                 "note",
-                "A closed ledger is no proof of a right crack path: the crack follows the edges of "
-                "the mesh (docs/limits.md).",
+                "A closed ledger does not prove that the crack path is right: the crack follows "
+                "the edges of the mesh (docs/limits.md).",
             )
         )
     order = {"doubt": 0, "good": 1, "note": 2}
@@ -100,7 +100,7 @@ def _judged(within: bool, good: str, bad: str) -> Line:
 
 
 def _percent(share: float) -> str:
-    # three digits near the whole: 97.5 %, not 98 %
+    # three digits near 100 %: 97.5 %, not 98 %
     return f"{100.0 * share:.{2 if abs(share) < 0.095 else 3}g} %"
 
 
@@ -117,13 +117,13 @@ def _ledger(figures: Figures) -> Iterator[Line]:
     yield _judged(
         abs(missed) <= IMBALANCE_LIMIT,
         f"The energy ledger closes within {share} of the tool's work (limit {limit}).",
-        f"The energy ledger misses up to {share} of the tool's work; it should miss less than "
-        f"{limit}. Torque and energies are not to be trusted: take a smaller time step.",
+        f"The imbalance of the energy ledger reaches {share} of the tool's work; it should stay "
+        f"below {limit}. Do not trust torque and energies: use a smaller time step.",
     )
 
 
 def _not_come_far(figures: Figures) -> bool:
-    """Whether a run was stopped before any cable broke: at first touch all is vibration."""
+    """Whether a run was stopped before any cable broke: the first touch is all vibration."""
     stopped = figures.get("share_done", 1.0) < 1.0
     return bool(stopped and figures.get("n_cable_broken", 1) == 0)
 
@@ -136,11 +136,11 @@ def _stopped(figures: Figures) -> Iterator[Line]:
     if figures.get("broke_off", False):
         yield Line(
             "doubt",
-            f"The run broke off within a step, at {at}: what is judged here is what there was "
-            "before; the message at its end says why.",
+            f"The run broke off within a step, at {at}: the verdict is on the results before that; "
+            "the message at its end gives the reason.",
         )
     else:
-        yield Line("note", f"The run was stopped at {at}: judged is what there is of it.")
+        yield Line("note", f"The run was stopped at {at}: the verdict is on its results so far.")
     if _not_come_far(figures):
         yield Line(
             "note", "No cable had broken by then: kinetic energy and damping are not judged yet."
@@ -157,7 +157,7 @@ def _inertia(figures: Figures) -> Iterator[Line]:
         f"Kinetic energy stays below {share} of the tool's work (limit {limit}): inertia does "
         "not carry the load.",
         f"Kinetic energy reaches {share} of the tool's work; slow cutting has less than "
-        f"{limit}. Inertia carries part of the load: take a slower motion.",
+        f"{limit}. Inertia carries part of the load: use a slower motion.",
     )
 
 
@@ -168,10 +168,10 @@ def _damping(figures: Figures) -> Iterator[Line]:
     share, limit = _percent(damping), _percent(DAMPING_LIMIT)
     yield _judged(
         abs(damping) <= DAMPING_LIMIT,
-        f"Damping takes {share} of the tool's work (limit {limit}).",
-        f"Damping takes {share} of the tool's work, more than {limit}: the torque is that much "
-        "too high. Film that springs open feeds it: take edges shorter than half of opening_u, a "
-        "slower motion, or less damping.",
+        f"Damping dissipates {share} of the tool's work (limit {limit}).",
+        f"Damping dissipates {share} of the tool's work, more than {limit}: the torque is that "
+        "much too high. Film that springs open causes it: use edges shorter than half of "
+        "opening_u, a slower motion, or less damping.",
     )
 
 
@@ -184,16 +184,16 @@ def _contact(figures: Figures) -> Iterator[Line]:
         yield Line(
             "doubt",
             f"Contact gave the film {_percent(-contact)} of the tool's work, more than "
-            f"{_percent(GIVEN_LIMIT)}, and it has none to give: jumps were absorbed, or nodes hit "
-            "the tool so fast that a step is too long for it (Stepping.safety).",
+            f"{_percent(GIVEN_LIMIT)}, but contact is no source of energy: jumps were absorbed, or "
+            "nodes hit the tool so fast that a step is too long for it (Stepping.safety).",
         )
         return
     yield _judged(
         contact <= CONTACT_LIMIT,
-        f"Contact holds {share} of the tool's work (limit {limit}); without friction it should "
-        "hold next to none.",
-        f"Contact holds {share} of the tool's work, more than {limit}, though it has no friction: "
-        "penetrations are large or their changes between steps are.",
+        f"Contact stores {share} of the tool's work (limit {limit}); without friction it should "
+        "store almost none.",
+        f"Contact stores {share} of the tool's work, more than {limit}, although it has no "
+        "friction: penetrations or their changes between steps are large.",
     )
 
 
@@ -211,7 +211,7 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
         f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work (limit {limit}).",
         f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work, more than {limit}: "
         "nodes are set to the other flank of the blade. Put the blade's path into the mesh "
-        "(imprint), or take a finer film near the tool.",
+        "(imprint), or use a finer film near the tool.",
     )
 
 
@@ -223,11 +223,11 @@ def _penetration(figures: Figures) -> Iterator[Line]:
     limit = PENETRATION_LIMIT * half
     yield _judged(
         depth <= limit,
-        f"Nodes go at most {depth:.3g} mm deep into the tool (limit {limit:.3g} mm, a quarter of "
+        f"Nodes penetrate the tool by at most {depth:.3g} mm (limit {limit:.3g} mm, a quarter of "
         "its half thickness).",
-        f"Nodes go {depth:.3g} mm deep into the tool, more than a quarter of its half thickness "
+        f"Nodes penetrate the tool by {depth:.3g} mm, more than a quarter of its half thickness "
         f"({limit:.3g} mm): the film is not pushed aside as far as the tool is thick. Put the "
-        "blade's path into the mesh (imprint), take a finer film near the tool, or a larger "
+        "blade's path into the mesh (imprint), use a finer film near the tool, or a larger "
         "Contact.penalty.",
     )
 
@@ -239,10 +239,10 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
     limit = UNFELT_LIMIT * figures["edge_length_mm"]
     yield _judged(
         abs(depth) <= limit,
-        f"The tool goes at most {depth:.3g} mm deep between nodes unfelt (limit {limit:.3g} mm, "
-        "half a quad's edge).",
-        f"The tool goes {depth:.3g} mm deep between nodes without being felt, more than half a "
-        f"quad's edge ({limit:.3g} mm): take a finer film near the tool.",
+        f"The tool penetrates the film between nodes, without contact, by at most {depth:.3g} mm "
+        f"(limit {limit:.3g} mm, half a quad's edge).",
+        f"The tool penetrates the film between nodes, without contact, by {depth:.3g} mm, more "
+        f"than half a quad's edge ({limit:.3g} mm): use a finer film near the tool.",
     )
 
 
@@ -251,7 +251,7 @@ def _nothing_cut(figures: Figures) -> Iterator[Line]:
         yield Line(
             "doubt",
             "Nothing was cut: no cable was created. Put a row of edges under the path of the "
-            "cutting edges (imprint); shellcut preview draws where they go.",
+            "cutting edges (imprint); shellcut preview draws the path.",
         )
 
 
@@ -262,9 +262,9 @@ def _off_path(figures: Figures) -> Iterator[Line]:
     far = figures.get("off_path_mm", float("nan"))
     yield _judged(
         off == 0,
-        f"All {n:,} splits lie on the path of the cutting edges, at most {far:.2g} mm beside it "
+        f"All {n:,} splits lie on the path of the cutting edges, at most {far:.2g} mm off it "
         "(limit a fifth of an edge of the film).",
-        f"{off:,} of {n:,} splits lie more than a fifth of an edge of the film beside the path of "
+        f"{off:,} of {n:,} splits lie more than a fifth of an edge of the film off the path of "
         f"the cutting edges, up to {far:.3g} mm: cracks left it. Put it into the mesh (imprint); "
         "the crack map shows where.",
     )
@@ -277,11 +277,11 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
     share, limit = _percent(missed), _percent(OVERSHOOT_LIMIT)
     yield _judged(
         missed <= OVERSHOOT_LIMIT,
-        f"Cables are met in time: the edge misses {share} of the way on which it drags them "
-        f"(limit {limit}).",
-        f"Cables are met late: the edge misses {share} of the way on which it drags them, more "
-        f"than {limit}, and that share of their work. Either it does not move to where it points "
-        "(reverse the motion), or too fast (look more often, fracture.check_every).",
+        f"The edge meets cables in time: it misses {share} of the distance over which it drags "
+        f"them (limit {limit}).",
+        f"The edge meets cables late: it misses {share} of the distance over which it drags them, "
+        f"more than {limit}, and that share of their work. Either its motion does not go where it "
+        "points (reverse the motion), or is too fast (check more often, fracture.check_every).",
     )
 
 
@@ -292,10 +292,10 @@ def _cables(figures: Figures) -> Iterator[Line]:
     share, limit = _percent(taken), _percent(CABLES_LIMIT)
     yield _judged(
         taken >= CABLES_LIMIT,
-        f"Cables took {share} of the work that was spent (at least {limit}).",
-        f"Cables took {share} of the work that was spent, less than {limit}: the tool presses on "
-        "film that does not part. Put a row of edges under its path (imprint), keep held nodes "
-        "out of its way, and take edges shorter than half of opening_u.",
+        f"Cables took {share} of the dissipated work (at least {limit}).",
+        f"Cables took {share} of the dissipated work, less than {limit}: the tool presses on film "
+        "that does not part. Put a row of edges under its path (imprint), keep held nodes out of "
+        "its way, and use edges shorter than half of opening_u.",
     )
 
 

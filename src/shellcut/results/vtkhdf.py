@@ -1,21 +1,21 @@
 """Frames of a run in one VTKHDF file: ParaView 5.12 or later opens it and plays the time.
 
-One temporal unstructured grid holds everything, as :mod:`shellcut.results.frame_grid` lays it out;
+One temporal unstructured grid contains everything, laid out by :mod:`shellcut.results.frame_grid`;
 nodes, cables and cracks may come and go from frame to frame. Time, the frame's coordinate and its
-scalars are field arrays (``time [s]``, ``torque [N*mm]``), exact. Beside the grid a group
-``shellcut``, of no interest to VTK, keeps per frame what reading back needs besides: how many of
-each part there are, the tool's rotation and translation, and digests by which damage is told
+scalars are exact field arrays (``time [s]``, ``torque [N*mm]``). A group ``shellcut`` beside the
+grid, which VTK ignores, stores further data per frame for reading back: the number of each part,
+the tool's rotation and translation, and digests that reveal damage
 (:mod:`shellcut.results.frame_digest`).
 
-How the file counts (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
-takes all frames for one, without a word):
-every dataset is one long column to which frames append, and ``Steps`` says where a frame begins.
+Offsets in the file (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
+silently takes all frames for one):
+every dataset is one long column to which frames append, and ``Steps`` gives the start of a frame.
 The reader finds a frame in ``Offsets``, which has one entry more than there are cells, at the sum
-of the frame's cell offset and its *part* offset. A frame with the cells of the one before re-uses
-both of them, and adds nothing to ``NumberOf*``; with only one of the two re-used, late frames
-cannot be read. Arrays that grow together have the same offsets: one dataset under several names
-(hard links), which saves most of the time that a frame would cost. How the columns grow and are
-packed is the matter of :mod:`shellcut.results.hdf_columns`.
+of the frame's cell offset and its *part* offset. A frame with the same cells as the previous one
+re-uses both offsets and adds nothing to ``NumberOf*``; if only one of the two is re-used, later
+frames cannot be read. Arrays that grow together have the same offsets: one dataset under several
+names (hard links), which saves most of the time per frame. :mod:`shellcut.results.hdf_columns`
+grows and packs the columns.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ ENDED = "n_frame"
 """Its attribute with the number of frames; :data:`NOT_ENDED` while a run writes the file."""
 NOT_ENDED = -1
 
-# The names under which shared offsets are written; the other arrays' are links to them.
+# Shared offsets are written under these names; those of the other arrays are links.
 _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
@@ -52,16 +52,15 @@ _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 class VtkHdfWriter(GrowingFile):
     """Append frames to one VTKHDF file.
 
-    Every frame is flushed, its entry in ``Steps`` last, so a killed run leaves a readable file, and
-    so does one whose disk is full.
+    Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
+    killed or the disk is full.
 
     Parameters
     ----------
     path : str or Path
-        The file, by custom ``*.vtkhdf``.
+        The file, usually ``*.vtkhdf``.
     mode, until
-        As :class:`GrowingFile`, ``until`` in s; what a killed run left of an unfinished frame is
-        dropped.
+        As in :class:`GrowingFile`, ``until`` in s; an unfinished frame of a killed run is dropped.
 
     Raises
     ------
@@ -87,8 +86,8 @@ class VtkHdfWriter(GrowingFile):
             self._target.close()
             raise
         self._series_names: tuple[str, ...] = ()
-        self._cells: tuple[Any, Any, int] | None = None  # those of the last frame
-        self._cells_entry: dict[str, Any] = {}  # and where they are
+        self._cells: tuple[Any, Any, int] | None = None  # cells of the last frame
+        self._cells_entry: dict[str, Any] = {}  # their offsets
         self._cells_written: dict[str, Any] = {}  # as they are in the file
         self._cells_sizes = 0, 0, 0  # numbers of points, cells and ids
         self._last_time = -np.inf
@@ -121,11 +120,11 @@ class VtkHdfWriter(GrowingFile):
         Raises
         ------
         ValueError
-            If the frame's scalars are not those of the first frame, or its time is not later
-            than that of the last.
+            If the frame's scalars differ from those of the first frame, or its time is not later
+            than that of the last frame.
         OSError
-            If the disk is full, or the file cannot be written for another reason: then the frames
-            before it are in the file, and no other comes to them.
+            If the disk is full, or the file cannot be written for another reason: the earlier
+            frames stay in the file, and no more can be added.
         """
         self._target.check()
         if frame.time <= self._last_time:
@@ -161,7 +160,7 @@ class VtkHdfWriter(GrowingFile):
         for name, rows in grid.cell_arrays.items():
             written[name] = self._columns.write(f"CellData/{name}", cell, rows)
         self._append_row(frame, grid, entry, digest_of_arrays(written))
-        # The frame counts only once all of it is in the file.
+        # The frame counts only once it is completely in the file.
         self._file.flush()
         self._count(self._n_frame + 1)
         self._last_time = frame.time
@@ -172,15 +171,15 @@ class VtkHdfWriter(GrowingFile):
         Raises
         ------
         OSError
-            If they cannot be.
+            If that fails.
         """
         self._target.sync()
 
     def close(self) -> None:
         """Close the file; a second call does nothing."""
         try:
-            if self._file and self._is_sound:  # how many frames there are is known for good
-                self._file[BESIDE].attrs.modify(ENDED, np.int64(self._n_frame))  # in its place
+            if self._file and self._is_sound:  # the number of frames is now final
+                self._file[BESIDE].attrs.modify(ENDED, np.int64(self._n_frame))  # in place
         finally:
             self._file.close()
             self._target.close()
@@ -246,7 +245,7 @@ class VtkHdfWriter(GrowingFile):
     def _create_new(self) -> None:
         self._root: Any = self._file.create_group("VTKHDF")
         self._root.attrs["Version"] = np.array(_VERSION)
-        # VTK wants ASCII of fixed length here, which h5py does not write by default.
+        # VTK needs ASCII of fixed length here, which h5py does not write by default.
         kind = b"UnstructuredGrid"
         self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
         self._columns = Columns(self._root)
@@ -259,7 +258,7 @@ class VtkHdfWriter(GrowingFile):
         create = self._columns.create
         for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
             create(name, np.int64)
-        # Not packed: this one cannot begin on a chunk of its own, see above.
+        # Not packed: this column cannot start on a new chunk, see above.
         create("Offsets", np.int64, blocks=True)
         create("Connectivity", np.int64, packed=True)
         create("Types", np.uint8, packed=True)
@@ -307,7 +306,7 @@ class VtkHdfWriter(GrowingFile):
         if not is_ours(self._file) or not _has_all_arrays(self._file["VTKHDF"]):
             raise ValueError(
                 f"{self.path} was not written by shellcut, or by an older version; move it away or "
-                "begin anew with mode 'w'"
+                "start anew with mode 'w'"
             )
         self._root = self._file["VTKHDF"]
         self._columns = Columns(self._root)
@@ -319,9 +318,9 @@ class VtkHdfWriter(GrowingFile):
         n_frame = int(self._root["Steps"].attrs["NSteps"])  # a killed run may have begun another
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
-            raise ValueError(f"{self.path} is damaged; begin anew with mode 'w'")
+            raise ValueError(f"{self.path} is damaged; start anew with mode 'w'")
         self._file[BESIDE].attrs.modify(ENDED, np.int64(NOT_ENDED))
-        # Frames may share cells but never go back to older ones: the last frame kept ends all.
+        # Frames may share cells but never return to older ones: the last frame kept marks the end.
         n_part = n_point = n_cell = n_id = n_cell_row = 0
         if n_frame:
             k = n_frame - 1

@@ -1,6 +1,6 @@
-"""Read the frames of a result file, with every number compared with the digests that go with it.
+"""Read the frames of a result file, comparing every number with the stored digests.
 
-A file that is not what was written, by a bit, is refused with the frame that is damaged.
+A file that differs in a single bit is refused, with the number of the damaged frame.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of, is_history
 from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
 
-# A file is read while its run goes on writing: it must not have changed meanwhile, as told by its
-# time stamp, which the system counts in ticks of up to 10 ms.
+# A file may be read while its run writes: it must not change meanwhile, judged by its time stamp,
+# which the system updates in ticks of up to 10 ms.
 _TICK_S = 0.02
 _MOST_TRIES = 250
-# A file written so lately may be written again at any moment. It is taken into memory at once, if
-# it is not too large [bytes]; and as its run may be held up in the midst of a frame, by other
-# programs, what looks like damage is looked at again.
+# A file written this recently may change at any moment. It is read into memory at once, unless it
+# is too large [bytes]; other programs may delay the run in the middle of a frame, so apparent
+# damage is checked again.
 _HELD_UP_S = 1.0
 _LARGEST_IMAGE = 200_000_000
 
@@ -37,13 +37,13 @@ _Value = TypeVar("_Value")
 
 
 class ResultFileError(ValueError):
-    """A file that is no result of shellcut, or is damaged; the message says which."""
+    """The file is no result of shellcut, or is damaged; the message says which."""
 
 
 class VtkHdfReader:
-    """Read the frames of a file, also of a killed run and of one that is still writing it.
+    """Read the frames of a file, also of a killed run or one still writing it.
 
-    What is in the file when it is opened here is read; frames that come later are not seen.
+    It reads the file as it is now; later frames are not seen.
 
     Parameters
     ----------
@@ -53,10 +53,10 @@ class VtkHdfReader:
     Raises
     ------
     FileNotFoundError
-        If it is not there.
+        If the file does not exist.
     ResultFileError
-        If it was not written by :class:`VtkHdfWriter`, or times, figures or poses in it are not
-        what was written.
+        If it was not written by :class:`VtkHdfWriter`, or its times, figures or poses have
+        changed since.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -75,9 +75,9 @@ class VtkHdfReader:
         return len(self.times)
 
     def frame(self, k: int) -> Frame:
-        """Return frame ``k``, counted from 0, or from -1 backwards from the end.
+        """Return frame ``k``, counted from 0, or backwards from -1 at the end.
 
-        It is the frame that was written: points in single precision, other floating-point arrays
+        The values are those written: points in single precision, other floating-point arrays
         of 12 bits, ``reference`` (points minus displacement) accordingly, scalars exact.
 
         Raises
@@ -85,7 +85,7 @@ class VtkHdfReader:
         IndexError
             If there is no such frame.
         ResultFileError
-            If it is not what was written.
+            If its values have changed since it was written.
         """
         k = self._index(k)
         return self._settled(lambda file: self._read_frame(file, k))
@@ -115,7 +115,7 @@ class VtkHdfReader:
         return k % self.n_frame
 
     def _settled(self, read: Callable[[Any], _Value]) -> _Value:
-        """Return what ``read`` finds in the open file, none of it half written."""
+        """Return the result of ``read`` on the open file, never of a partly written one."""
         for _ in range(_MOST_TRIES):
             before = self.path.stat()
             if time.time() - before.st_mtime < _TICK_S:
@@ -138,11 +138,11 @@ class VtkHdfReader:
                     raise failed
                 if failed is not None:
                     raise ResultFileError(
-                        f"{self.path} must be a result file of shellcut, and whole; HDF5 says: "
+                        f"{self.path} must be a complete result file of shellcut; HDF5 says: "
                         f"{failed}"
                     ) from failed
                 return value
-        raise ResultFileError(f"{self.path} is being written without a pause; read it again later")
+        raise ResultFileError(f"{self.path} is being written continuously; read it again later")
 
     def _image(self) -> io.BytesIO:
         with self.path.open("rb") as file:
@@ -187,7 +187,7 @@ class VtkHdfReader:
         point, n_point = steps["PointOffsets"][k], counts.points[-1]
         cell, n_cell = steps["CellOffsets"][k, 0], counts.cells[-1]
         data = steps["CellDataOffsets/part"][k]
-        # Fields that came later are left out of older files.
+        # Older files lack the fields added later.
         on_points = {
             name: root["PointData"][name] for name in POINT_ARRAYS if name in root["PointData"]
         }
@@ -234,8 +234,8 @@ class VtkHdfReader:
 
 def _opened(path: Path) -> Any:
     try:
-        # Without a lock: who only reads shall keep nobody from anything.
+        # Without a lock: a reader must not block anybody.
         return h5py.File(path, "r", locking=False)
     except OSError:
-        # It may be open in this very process, in which HDF5 wants a file opened alike each time.
+        # It may be open in this process; HDF5 then requires the same options every time.
         return h5py.File(path, "r")

@@ -1,4 +1,4 @@
-"""Equilibrium of the same shells without time: Newton, load paths through snaps, vibration modes.
+"""Static equilibrium of the same shells: Newton, load paths through snaps, vibration modes.
 
 May import the physics (``mitc4``, ``loads`` and rows below).
 """

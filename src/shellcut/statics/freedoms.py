@@ -1,24 +1,24 @@
-"""Freedoms of the whole film: numbering, supports, assembled stiffness.
+"""Degrees of freedom of the whole film: numbering, supports, assembled stiffness.
 
-Five freedoms a node: x, y, z and the turns of the director along two unit tangents b_1, b_2, with
-b_1 x b_2 = t. A turn (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold translations
-along axes, which drop out, and spins about axes, which leave two turns, one or none
-(:mod:`shellcut.loads.supports`). Where one is left, b_1 is its direction, so what is left is always
-a choice of freedoms and never a combination: ``free``.
+Each node has five freedoms: x, y, z and rotations of the director along two unit tangents b_1, b_2,
+with b_1 x b_2 = t. A rotation (a_1, a_2) is the spin vector a_1 b_2 - a_2 b_1. Supports hold
+translations along axes, which are removed, and spins about axes, which leave two rotations, one or
+none (:mod:`shellcut.loads.supports`). If one is left, b_1 is its direction, so the remaining
+motions are always a selection of freedoms and never a combination: ``free``.
 
-The spins of a turn about the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two columns
-a node. The turn that is left is its right singular vector of least singular value: of one held axis
-that is zero; of two, f being left, it is |t·f|, and the turn is the one that rotates t about f. It
-then takes t along a cone, not along a great circle, by the spin vector
+The spins of a rotation about the held axes e_k are e_k · (a_1 b_2 - a_2 b_1), a matrix of two
+columns per node. The free rotation is its right singular vector of smallest singular value: for one
+held axis that value is zero; for two, with f the free axis, it is |t·f|, and the rotation turns t
+about f. It then moves t along a cone, not along a great circle, by the spin vector
 
     a_1 (b_2 + c t),    c = (t·f) / (b_2·f),
 
-which is along f; and since t'' = -t + c b_2 on the cone, the second derivative of the energy W
-has the term c W_t·b_2 besides.
+which is parallel to f; and since t'' = -t + c b_2 on the cone, the second derivative of the energy
+W has the additional term c W_t·b_2.
 
-The free freedoms stand in the order of a *nested dissection* (George 1973): the nodes of a strip
-that parts the film in two come last, each part before it is ordered likewise. Factors of a
-stiffness in this order stay sparse, without a search at every factorisation.
+The free freedoms are in the order of a *nested dissection* (George 1973): the nodes of a strip that
+divides the film in two come last, and each of the two parts is ordered in the same way. Factors of
+a stiffness in this order stay sparse, without a search at every factorisation.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ from shellcut.numerics.jit import kernel
 from shellcut.numerics.vec3 import load, rotate_director, store, tangent_basis
 from shellcut.state import State
 
-# The sine of an angle between a director and an axis that is zero but for round-off.
+# Sine of the angle between a director and an axis below which it is round-off.
 _PARALLEL = 1e-9
 
-# Nodes of a part that is not dissected further; between 8 and 32 it makes no difference.
+# Largest part that is not dissected further; between 8 and 32 nodes it makes no difference.
 _SMALL_PART = 16
 
 
 class Freedoms:
-    """Freedoms of a state and the ones its supports leave free.
+    """Freedoms of a state, and those that its supports leave free.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Freedoms:
     basis : ndarray, shape (n_node, 2, 3)
         Unit tangents b_1, b_2 of every director.
     free : ndarray of int, shape (n_free,)
-        The free ones of the 5 n_node freedoms, in the order of the dissection.
+        Indices of the free ones among the 5 n_node freedoms, in the order of the dissection.
     """
 
     def __init__(self, state: State) -> None:
@@ -68,7 +68,7 @@ class Freedoms:
         self.update()
 
     def update(self) -> None:
-        """Find tangents and free freedoms anew, for the state's present directors."""
+        """Recompute tangents and free freedoms for the state's present directors."""
         support = self._state.node.support[: self.n_node]
         _write_bases(t=self._state.node.t, basis=self.basis)
         self._turned[:] = 1.0
@@ -80,7 +80,7 @@ class Freedoms:
         spin = np.where(axes[:, :, None], np.stack([b2, -b1], axis=2), 0.0)
         _, size, direction = np.linalg.svd(spin, full_matrices=False)
         n_axis = axes.sum(axis=1)
-        # Of two axes the larger size is one, the lesser less unless t is along the third.
+        # Of two axes the larger size is one, the smaller is below one unless t is along the third.
         lost = (n_axis == 3) | ((n_axis == 2) & (size[:, 1] > np.sqrt(1.0 - _PARALLEL**2)))
         one = ~lost & (size[:, 0] > _PARALLEL)
         cos, sin = np.where(one, direction[:, 1].T, [[1.0], [0.0]])
@@ -103,7 +103,7 @@ class Freedoms:
         shell : MITC4Shell
             The film.
         bent : ndarray, shape (n_quad, 16), optional
-            Part of the strains that the stresses in the stiffness leave out, of :meth:`move`.
+            Part of the strains, from :meth:`move`, to leave out of the stresses in the stiffness.
         """
         quads = self._state.quads
         tangent = shell.tangents(self._state, np.arange(quads.shape[0]), bent)
@@ -114,8 +114,8 @@ class Freedoms:
     def product(self, shell: MITC4Shell, u: Floats, bent: Floats | None = None) -> Floats:
         """Return the stiffness times a vector over all freedoms, through the strains.
 
-        The same as by the matrix last assembled but for round-off, which is less by far where the
-        film is thin (:mod:`shellcut.mitc4.tangent`).
+        This equals the product with the last assembled matrix except for round-off, which is much
+        smaller for thin films (:mod:`shellcut.mitc4.tangent`).
         """
         displacement, spin = self.split(u)
         turn = np.cross(spin, self._state.node.t[: self.n_node])
@@ -123,7 +123,7 @@ class Freedoms:
         return force if self._cone_diagonal is None else force + self._cone_diagonal * u
 
     def _cone_stiffness(self, shell: MITC4Shell) -> Floats | None:
-        """Return what turns along cones add to the diagonal; nodal forces are overwritten."""
+        """Return the contribution of rotations along cones to the diagonal; overwrites forces."""
         if not self._cone.any():
             return None
         node, n = self._state.node, self.n_node
@@ -149,7 +149,7 @@ class Freedoms:
         return np.repeat(np.stack([translation, turn], axis=1), [3, 2], axis=1).ravel()
 
     def gather(self, force: Floats, director_force: Floats) -> Floats:
-        """Return generalised forces from nodal ones, shapes (n_node, 3), over all freedoms."""
+        """Return generalised forces over all freedoms from nodal ones, shapes (n_node, 3)."""
         turns = np.einsum("nbi,ni->nb", self.basis, director_force)
         return np.concatenate([force, turns], axis=1).ravel()
 
@@ -165,7 +165,7 @@ class Freedoms:
         Returns
         -------
         ndarray, shape (n_quad, 16)
-            The part of the change of strain that is not linear in u.
+            Part of the change of strain that is nonlinear in u.
         """
         displacement, spin = self.split(u)
         node, quads = self._state.node, self._state.quads
@@ -184,7 +184,7 @@ class Freedoms:
 
 
 class _Pattern:
-    """Where the quads' stiffness goes in the assembled one: found once, then only summed."""
+    """Positions of the quads' stiffness in the assembled matrix, computed once."""
 
     def __init__(self, ids: Ints, n: int) -> None:
         row, column = np.repeat(ids, N_FREEDOM, axis=1), np.tile(ids, (1, N_FREEDOM))
@@ -205,9 +205,9 @@ class _Pattern:
     def restrict(self, stiffness: scipy.sparse.csc_array, free: Ints) -> scipy.sparse.csc_array:
         if not np.array_equal(free, self._free):
             self._part = self._matrix(np.arange(self._row.size))[:, free][free, :]
-            self._part.sort_indices()  # else a solver would, in place
+            self._part.sort_indices()  # otherwise a solver would do it, in place
             self._free = free
-        p = self._part  # its data say which entries of the whole it takes
+        p = self._part  # its data are indices of the entries in the full matrix
         return scipy.sparse.csc_array((stiffness.data[p.data], p.indices, p.indptr), shape=p.shape)
 
     def _matrix(self, data: Floats | Ints) -> scipy.sparse.csc_array:
@@ -294,7 +294,7 @@ def _add_products(x: Floats, t: Floats, quads: Ints, change: Floats) -> None:
 def _take_linear_products(
     x: Floats, t: Floats, dx: Floats, dt: Floats, quads: Ints, change: Floats
 ) -> None:
-    """Take the products, and their linear change by dx, dt, off change : (n_quad, 16)."""
+    """Subtract the products, and their linear change by dx, dt, from change : (n_quad, 16)."""
     for e in range(quads.shape[0]):
         n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]
         xm = modes(load(x, n0), load(x, n1), load(x, n2), load(x, n3))
@@ -302,7 +302,7 @@ def _take_linear_products(
         xd = modes(load(dx, n0), load(dx, n1), load(dx, n2), load(dx, n3))
         td = modes(load(dt, n0), load(dt, n1), load(dt, n2), load(dt, n3))
         m = products(xm, tm)
-        # Products are of second degree: half the difference of a step on and one back is linear.
+        # Products are quadratic: half the difference of a step forward and one back is linear.
         ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
         behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
         for k in range(N_STRAIN):

@@ -1,11 +1,11 @@
 """Load paths: equilibria under growing loads, by Newton's iteration and by arc length.
 
-*Newton's iteration with stresses of their own.* A thin film stretches with some 10⁴ times the
-stiffness it bends with. A step along the tangent moves nodes on straight lines instead of arcs,
-which stretches the film at second order; Newton's iteration then linearises about these spurious
-stresses and creeps. Take instead stresses as unknowns beside the displacements u, as Magisano,
-Leonetti and Garcea do (2017, Int. J. Numer. Meth. Engng 109, 1237-1262): with strains s(u), their
-derivative D, the section's stiffness H and the load p,
+*Newton's iteration with independent stresses.* A thin film is about 10⁴ times stiffer in stretching
+than in bending. A step along the tangent moves nodes on straight lines instead of arcs, which
+stretches the film at second order; Newton's iteration then linearises about these spurious stresses
+and converges slowly. Treat the stresses as unknowns beside the displacements u instead, as
+Magisano, Leonetti and Garcea do (2017, Int. J. Numer. Meth. Engng 109, 1237-1262): with strains
+s(u), their derivative D, the section's stiffness H and the load p,
 
     p - Dᵀ r = 0,    s(u) - H⁻¹ r = 0.
 
@@ -13,24 +13,24 @@ Linearised about (u, r), with G(r) the stiffness that the stresses r bring, and 
 
     [G(r) + Dᵀ H D] du = p - Dᵀ H s(u),    r + dr = H (s(u) + D du):
 
-Newton's own equation, residual included, but for the stresses in G, which follow the *linear*
-change of strain of the last step. Displacements along straight lines no longer enter the
-stiffness. The point that is found is the same, convergence there quadratic; load steps may be
-larger by an order of magnitude. The stiffness with these stresses is taken by the same kernel, the
-part of the strain change that is not linear in du added to the reference products.
+This is Newton's own equation, residual included, except for the stresses in G, which follow the
+*linear* change of strain of the last step. Displacements along straight lines no longer affect the
+stiffness. The solution is the same and convergence to it quadratic; load steps may be ten times
+larger. The same kernel computes the stiffness with these stresses: the part of the strain change
+that is nonlinear in du is added to the reference products.
 
-*Arc length* after Riks (1979) with the plane constraint: the translations of an increment, weighed
-by those of its first step v, keep v · Δq = Δl |v|; the load factor follows. The direction is the
-one that goes on from the last increment, so a limit point is passed as any other. Steps grow with
-the ease of the iteration, but only up to a bound, and not round a bend: where an increment turns
-from the last one, or the first one from the tangent, by more than 30° it is taken again by halves,
-so that the path is not left for another branch, nor a snap passed in one leap.
+*Arc length* after Riks (1979) with the plane constraint: the translations of an increment, weighted
+by those of its first step v, satisfy v · Δq = Δl |v|; the load factor follows. The direction
+continues the last increment, so a limit point is passed like any other. Steps grow with the ease of
+the iteration, but only up to a bound, and not around a bend: where an increment deviates from the
+last one, or the first one from the tangent, by more than 30°, it is repeated with half the length,
+so that the path does not change to another branch or jump over a snap.
 
-A step that does not converge is taken again by halves, from the last equilibrium.
+A step that does not converge is repeated from the last equilibrium with half the length.
 
-*Equilibrium* is a residual below 1e-8 of the largest force. A thin film's membrane answers the
-round-off of coordinates with more than that of a small load; then the residual need only be below
-what last digits make, but the last correction must also be small beside the way so far.
+*Equilibrium* is a residual below 1e-8 of the largest force. In a thin film, the round-off of
+coordinates can cause membrane forces larger than a small load; then the residual need only be below
+the round-off level, but the last correction must also be small compared with the path so far.
 """
 
 from __future__ import annotations
@@ -49,30 +49,30 @@ from .freedoms import Freedoms
 from .static_results import Equilibrium
 from .tangent_solver import NoConvergence, TangentSolver
 
-# Equilibrium is reached when the residual is this small beside the largest nodal load or reaction,
+# At equilibrium the residual is this small relative to the largest nodal load or reaction,
 _TOLERANCE = 1e-8
-# or no larger than round-off makes it and the last correction this small beside the way so far.
+# or is at round-off level with the last correction this small relative to the path so far.
 _SMALL_CORRECTION = 1e-6
-# Of the steps of an iteration, which corrects itself.
+# Accuracy of single steps of an iteration, which corrects itself.
 _STEP_ACCURACY = 1e-6
 _MOST_ITERATIONS = 30
-# A turn of more than this [rad] in one iteration does not come back.
+# A rotation of more than this [rad] in one iteration does not recover.
 _LARGEST_TURN = 3.0
-# A step is halved so often before the path is given up.
+# Largest number of halvings of a step before the path is abandoned.
 _MOST_HALVINGS = 10
 
-# Increments of an arc length path turn by no more, unless so many halvings do not help.
+# Increments of an arc length path turn by at most this, unless these halvings do not help.
 _SHARPEST_TURN = math.cos(math.radians(30.0))
 _MOST_TURN_HALVINGS = 4
 
 
 class LoadPath:
-    """Where a film is on its load path, and the way on.
+    """Position of a film on its load path, and methods to follow it.
 
     Parameters
     ----------
     state, shell, freedoms, loads
-        The film; what is done moves the state.
+        The film; following the path moves the state.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class LoadPath:
         self._unbalanced = np.zeros(5 * state.n_node)
 
     def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
-        """As :meth:`shellcut.Statics.load_steps`."""
+        """Return equilibria, as :meth:`shellcut.Statics.load_steps`."""
         path = []
         for factor in factors:
             step, used = factor - self.factor, 0
@@ -118,7 +118,7 @@ class LoadPath:
         most_steps: int,
         longest: float,
     ) -> list[Equilibrium]:
-        """As :meth:`shellcut.Statics.arc_length`."""
+        """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
         self._begin_arc()
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
@@ -132,14 +132,14 @@ class LoadPath:
         return path
 
     def begin(self) -> None:
-        """Start from the present state, which others may have moved, and its own stresses."""
+        """Start from the present state, which others may have moved, and its stresses."""
         self.freedoms.update()
         if not self.freedoms.free.size:
-            raise ValueError("nothing is left to move: supports hold every node and director")
+            raise ValueError("no freedom is left: supports hold every node and director")
         self._bent = None
 
     def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
-        """Return the loads of factor 1, the residual, and whether it is as good as zero."""
+        """Return the loads of factor 1, the residual, and whether it is practically zero."""
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
         self._loads.begin_forces(self.state)
         load = freedoms.gather(node.force[:n], node.director_force[:n])
@@ -149,14 +149,14 @@ class LoadPath:
         residual = factor * load - internal
         self._unbalanced = residual
         self._residual = float(np.abs(residual[freedoms.free]).max(initial=0.0))
-        # Beside the largest force at this state or at any equilibrium before: a path may come back
-        # to no load.
+        # Relative to the largest force at this state or at any earlier equilibrium: a path may
+        # return to zero load.
         self._force = max(self._force_before, abs(factor) * np.abs(load).max())
         self._force = max(self._force, float(np.abs(internal).max()))
         return load, residual, self._residual <= _TOLERANCE * self._force
 
     def _solve(self, *forces: Floats) -> list[Floats]:
-        """Return the linear answers to forces over all freedoms."""
+        """Return the linear solutions for forces over all freedoms."""
         freedoms = self.freedoms
         free = freedoms.free
         solver = TangentSolver(self.state, freedoms, self.shell, self._bent)
@@ -166,7 +166,7 @@ class LoadPath:
         return [freedoms.fill(solver.solve(force[free], _STEP_ACCURACY)) for force in forces]
 
     def _at_round_off(self, correction: Floats, way: Floats) -> bool:
-        """Whether the residual is one of last digits, and corrections are small beside the way."""
+        """Whether the residual is at round-off level, and corrections are small."""
         small = np.linalg.norm(correction) <= _SMALL_CORRECTION * np.linalg.norm(way)
         return bool(small) and self._residual <= self._floor
 
@@ -180,7 +180,7 @@ class LoadPath:
     # ------------------------------------------------------------------ parts
 
     def _newton(self, factor: float) -> int:
-        """Go to the equilibrium at a load factor; return the iterations it took."""
+        """Find the equilibrium at a load factor; return the number of iterations."""
         self.begin()
         way = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
@@ -199,7 +199,7 @@ class LoadPath:
         )
 
     def _begin_arc(self) -> None:
-        """Go to the equilibrium at the present load factor: increments are of the path alone."""
+        """Find the equilibrium at the present load factor, so that increments follow the path."""
         self.begin()
         load, _, small = self.forces(self.factor)
         if not load[self.freedoms.free].any():
@@ -210,7 +210,7 @@ class LoadPath:
     def _arc_step_by_halves(
         self, first: float, length: float, last: Floats | None
     ) -> tuple[Floats, int, float]:
-        """Take one step, by halves where it is lost or turns off too sharply."""
+        """Take one step; halve it if it does not converge or turns too sharply."""
         start = self._position()
         before = self.factor, self._force_before
         for attempt in range(_MOST_HALVINGS):
@@ -219,7 +219,7 @@ class LoadPath:
             except NoConvergence:
                 pass
             else:
-                # The first one is measured by the direction in which the path begins.
+                # Compare the first one with the initial direction of the path.
                 turns_off = _turns_off(way if last is None else last, increment)
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
@@ -227,7 +227,7 @@ class LoadPath:
                 self.factor, self._force_before = before
             self._put_back(start)
             length, first = 0.5 * length, 0.5 * first
-        smaller = "; begin with a smaller first step" if last is None else ""
+        smaller = "; use a smaller first step" if last is None else ""
         raise NoConvergence(
             f"the path could not be followed past load factor {self.factor:.6g}{smaller}"
         )
@@ -245,14 +245,14 @@ class LoadPath:
                 self.factor, self._force_before = factor, self._force
                 return total, way, iteration, length
             correction, tangent = self._solve(residual, load)
-            # Only translations measure the way: turns change their basis with the directors.
+            # Only translations measure length: the basis of rotations turns with the directors.
             forward = _translations(tangent)
             if iteration == 0:
                 size = float(np.linalg.norm(forward))
                 length = abs(first) * size if math.isnan(length) else length
                 sign = first if last is None else float(last @ forward)
                 way = forward * math.copysign(1.0 / size, sign)
-            # The plane: the way's part of all moves so far is the arc length.
+            # Plane constraint: the projection of all moves so far is the arc length.
             so_far = float(way @ (total + _translations(correction)))
             gain = (length - so_far) / float(way @ forward)
             move = correction + gain * tangent
@@ -289,6 +289,6 @@ def _translations(u: Floats) -> Floats:
 
 
 def _turns_off(last: Floats, increment: Floats) -> bool:
-    """Whether an increment goes another way than the last one."""
+    """Whether an increment deviates too much from the direction of the last one."""
     size = float(np.linalg.norm(last) * np.linalg.norm(increment))
     return float(last @ increment) < _SHARPEST_TURN * size

@@ -1,8 +1,8 @@
-"""Rigid motions of a film that its supports leave free: no stiffness answers them.
+"""Rigid motions of a film that its supports leave free: they meet no stiffness.
 
-Each part of the film that hangs together has six, translations along x, y, z and rotations about
-axes through its middle. Written as freedoms they are six columns; the rows of the held freedoms
-must vanish, and what these rows map to nothing is free.
+Each connected part of the film has six, translations along x, y, z and rotations about axes through
+its middle. Expressed in freedoms they are six columns; the rows of held freedoms must vanish, so
+the null space of these rows is free.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from shellcut.state import State
 
 from .freedoms import Freedoms
 
-# Singular values below this, of columns whose entries are of size one, are of free motions.
+# Singular values below this, for columns with entries of size one, indicate free motions.
 _FREE = 1e-10
 
 _NAMES = [f"{kind} {axis}" for kind in ("translation along", "rotation about") for axis in "xyz"]
 
 
 def free_rigid_motions(freedoms: Freedoms, state: State) -> list[str]:
-    """Return the free rigid motions in words, of the present state.
+    """Return in words the free rigid motions of the present state.
 
     Examples
     --------
@@ -75,8 +75,8 @@ def _parts(quads: Ints, n_node: int) -> Ints:
 
 
 def _in_words(left: Floats) -> list[str]:
-    """Name the motions that a basis of them spans, shape (n, 6)."""
-    # What a pure motion is short of in the span: nothing, if it is in it.
+    """Name the motions spanned by a basis, shape (n, 6)."""
+    # Distance of each pure motion from the span: zero if it lies in it.
     pure = np.flatnonzero(np.linalg.norm(np.eye(6) - left.T @ left, axis=1) < 1e-6)
     names = [_NAMES[k] for k in pure]
     other = len(left) - pure.size

@@ -1,4 +1,4 @@
-"""What statics finds: linear answers, points of load paths, free vibrations."""
+"""Results of statics: linear solutions, points of load paths, free vibrations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shellcut.mitc4.shell import MITC4Shell
 
 
 class Film(NamedTuple):
-    """A film where it was when a solution was taken."""
+    """A film at the moment of a solution."""
 
     x: Floats
     """Positions [mm], shape (n_node, 3)."""
@@ -26,7 +26,7 @@ class Film(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearSolution:
-    """A linear answer about a state; as a sequence it is its displacement and its rotation.
+    """A linear solution about a state; as a sequence: displacement, rotation.
 
     Attributes
     ----------
@@ -35,19 +35,19 @@ class LinearSolution:
     rotation : ndarray, shape (n_node, 3)
         Spin vectors of the directors, normal to them [rad].
     reaction, reaction_moment : ndarray, shape (n_node, 3)
-        What the supports hold the nodes [N] and the directors [N·mm] with, beyond what they did
-        before; zero where nothing is held.
+        Change of the forces [N] and moments [N·mm] by which supports hold the nodes; zero where
+        nothing is held.
     energy : float
-        ½ load · displacement [N·mm]: of an unstressed film the strain energy.
+        ½ load · displacement [N·mm]; for an unstressed film the strain energy.
     residual : float
-        Largest force that is not balanced over the largest load or reaction. In very thin films
-        last digits of strains make large membrane forces: displacements do not mind, reactions
-        are no better than this.
+        Largest unbalanced force over the largest load or reaction. In very thin films the round-off
+        of strains causes large membrane forces: displacements are unaffected, reactions are no
+        more accurate than this.
     condition : float
-        Of the stiffness, freedoms scaled: largest over least.
+        Condition number of the stiffness with scaled freedoms.
     error : float
-        Estimate of the relative error of displacement and rotation as a solution of the discrete
-        film, which says nothing of the mesh. Above 1e-4 there is no solution but a
+        Estimated relative error of displacement and rotation as a solution of the discrete film,
+        without the discretisation error. Above 1e-4 there is no solution but a
         :class:`shellcut.statics.tangent_solver.NoConvergence`.
 
     Examples
@@ -90,15 +90,15 @@ class LinearSolution:
     def stress(self, quads: Ints | None = None, *, place: str = "mid") -> Floats:
         """Return the Cauchy stress tensors at the centres of quads [MPa], shape (n, 3, 3).
 
-        That of the state the solution was taken about, wherever the film has gone since, and its
-        linear change.
+        This is the stress of the state about which the solution was taken, even if the film has
+        moved since, and its linear change.
 
         Parameters
         ----------
         quads : ndarray of int, shape (n,), optional
-            Which quads, all by default.
+            Quad ids, all by default.
         place : {"mid", "top", "bottom"}
-            Height at which it is taken.
+            Height in the section.
 
         Raises
         ------
@@ -125,14 +125,14 @@ class Equilibrium:
     director : ndarray, shape (n_node, 3)
         Unit directors.
     n_iteration : int
-        Iterations it took, those of intermediate steps included.
+        Number of iterations, including intermediate steps.
     reaction, reaction_moment : ndarray, shape (n_node, 3)
-        What the supports hold the nodes [N] and the directors [N·mm] with; zero where nothing is
+        Forces [N] and moments [N·mm] by which supports hold the nodes; zero where nothing is
         held.
     energy : float
         Strain energy [N·mm].
     residual : float
-        Largest force that is not balanced over the largest there is.
+        Largest unbalanced force over the largest force.
     """
 
     factor: float
@@ -154,7 +154,7 @@ class Modes:
     frequency : ndarray, shape (n,)
         Ascending [Hz].
     shape : ndarray, shape (n, n_node, 3)
-        Displacements, of largest component 1.
+        Displacements with largest component 1.
     """
 
     frequency: Floats

@@ -1,9 +1,9 @@
 """Statics and vibrations with the shells' own tangent: linear, load steps, arc length, modes.
 
 The residual is that of the explicit driver (loads minus internal forces), the tangent is the
-derivative of the very same kernel, and supports hold the same motions, so equilibrium found here
-is equilibrium there. Dead loads are conservative; the stiffness of following pressure and of dead
-moments is left out of the tangent, which costs iterations, not accuracy.
+derivative of the same kernel, and supports hold the same motions, so an equilibrium found here is
+one of the explicit driver, too. Dead loads are conservative; the tangent omits the stiffness of
+following pressure and of dead moments, which increases iterations but not the error.
 
 The parts: :mod:`shellcut.statics.tangent_solver`, :mod:`shellcut.statics.load_path`,
 :mod:`shellcut.statics.vibration`.
@@ -41,7 +41,7 @@ class Statics:
     Parameters
     ----------
     mesh, material, supports, loads
-        As of :class:`shellcut.Simulation`. The factors of the loads are taken at time 1.
+        As in :class:`shellcut.Simulation`. The load factors are taken at time 1.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Statics:
     Raises
     ------
     ValueError
-        If a set is unknown, a support moves (here they hold at rest), or a layer's law is not
+        If a set is unknown, a support moves (supports here are fixed), or a layer's law is not
         linear: the tangent is that of S = C E.
     """
 
@@ -101,9 +101,9 @@ class Statics:
         return self._path.factor
 
     def move(self, displacement: Floats, rotation: Floats | None = None) -> None:
-        """Move nodes from where they are: a guess, a stretched rim, a prescribed boundary.
+        """Move nodes from their present positions: a guess, or a prescribed boundary.
 
-        Supported nodes stay where they are put; :meth:`load_steps` then finds the equilibrium.
+        Supported nodes then stay there; :meth:`load_steps` finds the equilibrium.
 
         Parameters
         ----------
@@ -127,9 +127,9 @@ class Statics:
     def linear(self) -> LinearSolution:
         """Return the linear solution about the present state.
 
-        Its residual is taken through the strains and corrected, so that it is right also where
-        the stiffness is ill-conditioned, as that of very thin films is; condition and error are
-        part of the solution.
+        The residual is computed through the strains and corrected, so the solution is accurate even
+        if the stiffness is ill-conditioned, as for very thin films; it includes condition and
+        error.
 
         Raises
         ------
@@ -162,9 +162,9 @@ class Statics:
         Parameters
         ----------
         quads : ndarray of int, shape (n,), optional
-            Which quads, all by default.
+            Quad ids, all by default.
         place : {"mid", "top", "bottom", "nominal"}
-            As of :meth:`shellcut.mitc4.shell.MITC4Shell.stress`.
+            As in :meth:`shellcut.mitc4.shell.MITC4Shell.stress`.
         """
         which = np.arange(self.mesh.n_quad) if quads is None else quads
         return self.shell.stress(self.state, which, place=place)
@@ -194,7 +194,7 @@ class Statics:
     ) -> list[Equilibrium]:
         """Follow the load path by arc length, through limit points.
 
-        It begins at the equilibrium at the present load factor.
+        The path starts at the equilibrium at the present load factor.
 
         Parameters
         ----------
@@ -202,14 +202,14 @@ class Statics:
             Change of the load factor in the first step, which sets the arc length; halved until
             that step follows the path.
         until : callable
-            Ends the path when true of an equilibrium.
+            Receives each equilibrium; the path ends when it returns true.
         n_wanted : int
-            Iterations a step should take; the arc length follows it.
+            Desired iterations per step; the arc length adapts to it.
         most_steps : int
-            Steps at most; the path ends with them, wherever it is.
+            Largest number of steps; the path ends after them.
         longest : float
-            Largest arc length, over that of the first step as it was taken. Where the path bends,
-            steps are shorter by themselves.
+            Largest arc length relative to the actual first step. Steps shorten automatically where
+            the path bends.
 
         Raises
         ------
@@ -227,14 +227,14 @@ class Statics:
         Parameters
         ----------
         n : int
-            How many, up to the number of free freedoms.
+            Number of modes, up to the number of free freedoms.
         true_inertia : bool
-            With the rotary inertia rho h³/12; otherwise with the scaled one of the explicit driver.
+            Whether to use the rotary inertia rho h³/12; otherwise the explicit driver's scaled one.
 
         Raises
         ------
         ValueError
-            If there are not so many.
+            If there are fewer.
         """
         self._path.begin()
         freedoms, mass = self._freedoms, self._mass(true_inertia)
@@ -255,7 +255,7 @@ class Statics:
     def largest_frequency(self) -> float:
         """Return the largest angular frequency of the explicit driver's model [rad/s].
 
-        2 / this is the exact undamped critical step, beside the safe bound of
+        2 / this is the exact undamped critical step; the safe bound is in
         :mod:`shellcut.simulation.stable_step`.
         """
         self._path.begin()

@@ -1,28 +1,28 @@
-"""Linear answers of a film: factors of its stiffness, corrected through its strains.
+"""Linear solutions of a film: stiffness factors, corrected through the strains.
 
-A thin film resists bending (h/R)² as much as stretching. Where that is near the last digit, an
-assembled stiffness no longer knows what bending costs: its entries are sums that stretching
-dominates, and their round-off is a stiffness of its own. What it says of a hemisphere of R/h = 1e6
-on 64 x 64 quads is off by several per cent, whoever solves it.
+The bending stiffness of a thin film is (h/R)² times its stretching stiffness. Where this ratio is
+near machine precision, an assembled stiffness loses the bending part: stretching dominates the sums
+in its entries, and their round-off acts as a stiffness. For a hemisphere of R/h = 1e6 on 64 x 64
+quads its solution is off by several per cent, with any solver.
 
-The product of the tangent with a motion does know, for it goes through the strains
-(:mod:`shellcut.mitc4.tangent`). So the factors only lead the way. With M for them, A for the
-product and q for what they say, e = M⁻¹ (f - A q) is what q misses, as they see it; if it is not
-small beside q, GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one in the few
-softest motions only, and some ten products bring the hemisphere of R/h = 1e8 to seven digits. What
-GMRES believes to have solved drifts from what it has: e is taken anew, and what is still missing is
-solved for in the same way.
+The product of the tangent with a motion keeps the bending part, because it goes through the strains
+(:mod:`shellcut.mitc4.tangent`). The factors are therefore only a preconditioner. With M for them, A
+for the product and q for their solution, e = M⁻¹ (f - A q) is their estimate of the error of q; if
+it is not small relative to q, GMRES solves M⁻¹ A dq = e, and dq is added. M⁻¹ A differs from one
+only in a few of the softest motions, and about ten products solve the hemisphere of R/h = 1e8 to
+seven digits. The residual in GMRES drifts from the true one, so e is recomputed and the remainder
+solved in the same way.
 
 *Scale.* Freedoms are scaled so that the diagonal of the stiffness is one: displacements in mm and
-turns in rad then compare, and so do the errors of both. Pivots are taken off the diagonal only
-where it is zero, which keeps the factors as sparse as the order of the freedoms makes them.
+rotations in rad then compare, and so do their errors. Pivots off the diagonal are used only where
+the diagonal is zero, so the factors stay as sparse as the order of the freedoms allows.
 
 *Condition* is the largest absolute row sum of the scaled stiffness over the energy, through the
 strains again, of its softest motion, found by inverse iteration.
 
-*Error.* In the softest motions M may be too stiff by eps times the condition, and sees so much less
-of what is missing there. The error that is told is ``|e| / |q|`` times one plus a hundred times
-that.
+*Error.* In the softest motions M may be too stiff by eps times the condition, and underestimates
+the error there by the same factor. The reported error is ``|e| / |q|`` times one plus a hundred
+times that.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from .rigid_motions import free_rigid_motions
 
 _EPS = float(np.finfo(float).eps)
 
-# What is wanted of an answer, and the most that is let through: any mesh errs more.
+# Wanted accuracy of a solution, and the worst one accepted: the error of any mesh is larger.
 ACCURACY = 1e-9
 LARGEST_ERROR = 1e-4
 
@@ -49,14 +49,14 @@ _MOST_PRODUCTS = 40
 _MOST_CORRECTIONS = 3
 _N_INVERSE = 3
 
-# Share of its column that a diagonal must have to be a pivot, where factors without led nowhere.
+# Smallest ratio of a diagonal to its column for a pivot, if factors without this rule fail.
 _PIVOT = 0.1
 
 _SINGULAR = "the stiffness is singular: "
 
 
 class NoConvergence(RuntimeError):
-    """No equilibrium or linear answer was found; the message says how far it came, and why."""
+    """No equilibrium or linear solution was found; the message says how far it came, and why."""
 
 
 class TangentSolver:
@@ -65,20 +65,20 @@ class TangentSolver:
     Parameters
     ----------
     state : State
-        It must stay where it is while the solver is used.
+        Must not change while the solver is used.
     freedoms : Freedoms
         Of the state.
     shell : MITC4Shell
         The film.
     bent : ndarray, shape (n_quad, 16), optional
-        As of :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`.
+        As in :meth:`shellcut.mitc4.shell.MITC4Shell.tangents`.
     shift : ndarray, shape (n_free,), optional
         Added to the diagonal.
 
     Raises
     ------
     NoConvergence
-        If the stiffness has no factors.
+        If the stiffness cannot be factorised.
     """
 
     def __init__(
@@ -103,12 +103,12 @@ class TangentSolver:
         self._matrix = scipy.sparse.csc_array((data, K.indices, K.indptr), shape=K.shape)
         self._factorise(0.0)
         self.missing = 0.0
-        """``|e| / |q|`` of the last answer."""
+        """``|e| / |q|`` of the last solution."""
 
     def _factorise(self, pivot: float) -> None:
         self._pivot = pivot
         try:
-            # The order is that of the free freedoms.
+            # The free freedoms are already in a good order.
             self._factor = scipy.sparse.linalg.splu(
                 self._matrix,
                 permc_spec="NATURAL",
@@ -121,12 +121,12 @@ class TangentSolver:
             raise NoConvergence(_SINGULAR + _said(rigid)) from error
 
     def solve(self, force: Floats, accuracy: float = ACCURACY) -> Floats:
-        """Return the answer of the free freedoms to forces on them, shape (n_free,).
+        """Return the solution in the free freedoms for forces on them, shape (n_free,).
 
         Raises
         ------
         NoConvergence
-            If what is seen to be missing is more than 1e-4 of it.
+            If its estimated error is above 1e-4.
         """
         f = self._scale * force
         y = self._corrected(f, accuracy)
@@ -137,7 +137,7 @@ class TangentSolver:
         return np.asarray(self._scale * y)
 
     def rough(self, force: Floats) -> Floats:
-        """Return what the factors say, unchecked."""
+        """Return the solution by the factors alone, unchecked."""
         return np.asarray(self._scale * self._factor.solve(self._scale * force))
 
     def check(self, error: float) -> None:
@@ -148,14 +148,14 @@ class TangentSolver:
         if rigid:
             raise NoConvergence(_SINGULAR + _said(rigid))
         raise NoConvergence(
-            f"the linear answer may be off by {100.0 * error:.2g} %: the condition of the "
-            f"stiffness is {self.condition:.2g}, and its factors are no guide any more. The film "
-            "is too thin for its size, or the path is at a bifurcation"
+            f"the linear solution may be off by {100.0 * error:.2g} %: the condition of the "
+            f"stiffness is {self.condition:.2g}, too large for its factors. The film is too thin "
+            "for its size, or the path is at a bifurcation"
         )
 
     @cached_property
     def condition(self) -> float:
-        """Largest over least stiffness, both of the scaled freedoms."""
+        """Largest over smallest stiffness of the scaled freedoms."""
         soft = np.random.default_rng(0).uniform(-1.0, 1.0, self._scale.size)
         for _ in range(_N_INVERSE):
             soft = self._factor.solve(soft)
@@ -166,16 +166,16 @@ class TangentSolver:
 
     @property
     def error(self) -> float:
-        """Estimate of the relative error of the last answer, in scaled freedoms."""
+        """Estimate of the relative error of the last solution, in scaled freedoms."""
         return self.missing * (1.0 + 100.0 * _EPS * self.condition)
 
     def largest_round_off(self, size: Floats) -> float:
-        """Return the force that last digits of freedoms of these sizes make, at most."""
+        """Return the largest force caused by round-off of freedoms of these sizes."""
         forces = self._row_sums(size / self._scale) / self._scale
         return _EPS * float(forces.max(initial=0.0))
 
     def _corrected(self, f: Floats, accuracy: float) -> Floats:
-        """Return the answer to scaled forces, and keep what it misses."""
+        """Return the solution for scaled forces, and store its remaining error."""
         solve = self._factor.solve
         led = scipy.sparse.linalg.LinearOperator(
             self._matrix.shape, matvec=lambda y: solve(self._product(y)), dtype=float

@@ -1,8 +1,8 @@
 """Free vibrations about a state: the lowest modes, and the largest frequency.
 
-The lowest are found by Lanczos' method on K⁻¹ M, with answers of the stiffness that are corrected
-through the strains (:mod:`shellcut.statics.tangent_solver`): the frequencies of thin films are
-right where the stiffness no longer knows them.
+Lanczos' method on K⁻¹ M finds the lowest modes, with solutions corrected through the strains
+(:mod:`shellcut.statics.tangent_solver`): the frequencies of thin films are accurate even where the
+assembled stiffness is not.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def lowest_modes(
     rigid = free_rigid_motions(freedoms, state)
     if not rigid:
         return _lanczos(n, mass, solver.solve, 0.0)
-    # Factors tell rigid motions by their round-off only: with a frequency of the size of the first
-    # others' added to all of them there are none.
+    # Factors show rigid motions only as round-off: shift all eigenvalues by about the lowest
+    # elastic one, so that none is near zero.
     n_rough = min(max(n, len(rigid) + 1), mass.size - 2)
     rough, _ = _lanczos(n_rough, mass, solver.rough, 0.0)
     shift = float(np.abs(rough).max())
@@ -46,7 +46,7 @@ def lowest_modes(
 def largest_eigenvalue(freedoms: Freedoms, shell: MITC4Shell, mass: Floats) -> float:
     """Return the largest omega² [1/s²] of masses on the free freedoms, shape (n_free,)."""
     K = freedoms.restrict(freedoms.stiffness(shell))
-    if mass.size == 1:  # Lanczos' method wants two at least
+    if mass.size == 1:  # Lanczos' method needs at least two
         return float(K.toarray()[0, 0] / mass[0])
     scale = scipy.sparse.diags_array(1.0 / np.sqrt(mass))
     largest = scipy.sparse.linalg.eigsh(
@@ -61,7 +61,7 @@ def _lanczos(
     """Return the ``n`` omega² next to ``sigma``, ascending, and their vectors, by K - sigma M."""
     shape = (mass.size, mass.size)
     q2, q = scipy.sparse.linalg.eigsh(
-        scipy.sparse.csc_array(shape),  # K itself is not asked for
+        scipy.sparse.csc_array(shape),  # K itself is not used
         k=n,
         M=scipy.sparse.csc_array(scipy.sparse.diags_array(mass)),
         sigma=sigma,

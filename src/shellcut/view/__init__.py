@@ -1,6 +1,6 @@
 """Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
 
-Scenes and movies are drawn by PyVista (``shellcut[view]``) where it is installed and can render.
+PyVista (``shellcut[view]``) draws scenes and movies where it is installed and can render.
 
 May import ``frame``, ``formats`` and rows below.
 """

@@ -1,4 +1,4 @@
-"""The camera that goes with one tooth and looks at what its edge does."""
+"""The camera that follows one tooth and shows its edge."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def close_camera(
     close_width: float | None,
     shape: tuple[int, int],
 ) -> Camera:
-    """Return a camera that goes with a tooth, on the side of the membrane that ``toward`` looks at.
+    """Return a camera that follows a tooth, on the side of the film that faces ``toward``.
 
-    close_view, close_width, tooth : as :func:`draw_snapshot`.
-    shape : pixels of the file, height and width.
+    close_view, close_width, tooth : as in :func:`draw_snapshot`.
+    shape : height and width of the picture [pixel].
 
     Raises
     ------
@@ -33,9 +33,9 @@ def close_camera(
     edge = tooth_edge(frame, tooth)
     middles = edge.mean(axis=1)
     distance = np.linalg.norm(middles[:, np.newaxis] - frame.points, axis=2)
-    focus = middles[np.argmin(distance.min(axis=1))]  # where the edge meets the membrane
+    focus = middles[np.argmin(distance.min(axis=1))]  # where the edge meets the film
     normal = _membrane_normal(frame, focus)
-    if normal @ toward < 0.0:  # both panels look at the same side
+    if normal @ toward < 0.0:  # both panels show the same side
         normal = -normal
     forward = _cutting_direction(frame, focus)
     forward = forward - (forward @ normal) * normal
@@ -47,11 +47,11 @@ def close_camera(
     axes = view_axes(np.cos(elevation) * level + np.sin(elevation) * normal, normal)
     length = np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1).sum()
     if close_width is None:
-        # Of what does not change in a run, so that the pictures of one run make a film.
+        # From constant data only, so that all pictures of a run have the same scale.
         whole = np.ptp(frame.reference, axis=0).max()
         close_width = max(min(1.3 * length, 0.25 * whole), 8.0 * edge_length(frame))
     height, width = (OVERSAMPLING * n for n in shape)
-    # The way already cut is what there is to see: the edge stands off the middle, toward its front.
+    # Show more of the cut than of the film ahead: shift the edge off the middle, forward.
     centre = focus - 0.12 * close_width * forward
     return Camera(axes, centre, width / close_width, (height, width))
 
@@ -65,7 +65,7 @@ def tooth_edge(frame: Frame, tooth: int) -> Floats:
 
 
 def _membrane_normal(frame: Frame, focus: Floats) -> Floats:
-    # Of the reference, where flaps do not yet hang, over some ten quads around the edge.
+    # In the reference, where no flaps hang, over about ten quads around the edge.
     near = np.argsort(np.linalg.norm(frame.points[frame.quads].mean(axis=1) - focus, axis=1))[:12]
     p = frame.reference[frame.quads[near]]
     normal = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]).sum(axis=0)
@@ -73,7 +73,7 @@ def _membrane_normal(frame: Frame, focus: Floats) -> Floats:
 
 
 def _cutting_direction(frame: Frame, focus: Floats) -> Floats:
-    # Out of the wedge: the mean of the outward normals of the two faces that share the edge.
+    # Direction out of the wedge: mean outward normal of the two faces at the edge.
     if not len(frame.tool_triangles):
         return np.zeros(3)
     p = frame.tool_points[frame.tool_triangles]

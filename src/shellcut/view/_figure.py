@@ -1,4 +1,4 @@
-"""The only place that asks for Matplotlib: a figure without a window and without global state."""
+"""Create and save Matplotlib figures, without a window or global state; only this imports it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _INCHES = 13.0
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
-    """Return an empty Matplotlib figure of ``size`` [inch] that draws by Agg, screen or no screen.
+    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg).
 
     Raises
     ------
@@ -33,12 +33,12 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
 
 
 def inches_of(size: tuple[int, int]) -> tuple[tuple[float, float], float]:
-    """Return size [inch] and dots an inch of a figure of just this width and height [pixel].
+    """Return size [inch] and dots per inch of a figure with this width and height [pixel].
 
-    Words keep their size in inches: on 13 of them there is room for those of a snapshot.
+    Text keeps its size in inches: a width of 13 inches has room for the text of a snapshot.
     """
     dpi = size[0] / _INCHES
-    # Half a pixel more, since the canvas drops the fraction, which may be one of round-off.
+    # Half a pixel more, because the canvas rounds down and round-off could lose a whole pixel.
     return ((size[0] + 0.5) / dpi, (size[1] + 0.5) / dpi), dpi
 
 
@@ -47,11 +47,11 @@ def save(
     path: str | os.PathLike[str] | IO[bytes],
     said: Mapping[str, str] | None = None,
 ) -> None:
-    """Write the figure to ``path``; the ending tells the format. An existing file is replaced.
+    """Write the figure to ``path``; the suffix sets the format. An existing file is replaced.
 
-    The file is there when it is whole, and not before.
+    The file appears only when it is complete.
 
-    said : what a PNG shall also say in words, by keyword; other formats do not.
+    said : metadata of a PNG, by keyword; ignored for other formats.
     """
     if not isinstance(path, str | os.PathLike):
         figure.savefig(path, metadata=said)
@@ -61,12 +61,12 @@ def save(
 
 
 def pretty(unit: str) -> str:
-    """Return a unit as one prints it: "N*mm" becomes "N·mm"."""
+    """Return a unit as printed: "N*mm" becomes "N·mm"."""
     return unit.replace("*", "·").replace("deg", "°")
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Return a number of four figures and its unit."""
+    """Return a number with four significant digits and its unit."""
     value += 0.0  # no "-0"
     number = f"{value:.4g}" if abs(value) < 1e4 else f"{value:,.0f}"
     gap = "" if unit == "deg" else " "

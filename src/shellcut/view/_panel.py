@@ -1,4 +1,4 @@
-"""One frame drawn by one camera into axes, and what goes with it: colours, scale bar, legend."""
+"""One frame drawn with one camera, with colours, scale bar and legend."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from shellcut.frame import JOINTED, STRAIGHT, Frame
 from ._figure import with_unit
 from ._raster import Camera, Canvas, shade, view_axes
 
-OVERSAMPLING = 2  # pixels per side that are averaged into one: smooth outlines
+OVERSAMPLING = 2  # pixels per side averaged into one, for smooth outlines
 
 MESH_COLOR = (0.1, 0.1, 0.15)
 FLANK_COLOR = (0.05, 0.05, 0.05)
@@ -24,14 +24,14 @@ _HALO_COLOR = (0.05, 0.05, 0.05)
 EDGE_COLOR = (0.9, 0.0, 0.1)
 TOOL_COLOR = (0.62, 0.64, 0.68)
 TOOL_OPACITY = 0.55
-_HIDDEN_OPACITY = 0.3  # of edges and cables behind the membrane
-_ROOM_FOR_TOOL = 0.05  # around film and edges, of their extent
+_HIDDEN_OPACITY = 0.3  # of edges and cables behind the film
+_ROOM_FOR_TOOL = 0.05  # margin around film and edges, relative to their extent
 
 
 def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
-    """Return one frame as an image, shape (height, width, 3), without axes and words."""
+    """Return one frame as an image, shape (height, width, 3), without axes and text."""
     axes = camera.axes
-    line = camera.shape[0] / 640.0  # a line is as bold in a large picture as in a small one
+    line = camera.shape[0] / 640.0  # line width grows with the picture
     canvas = Canvas(camera.shape)
     quads = frame.points[frame.quads]
     corners = camera.project(quads)
@@ -51,7 +51,7 @@ def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
     cable_width = 2.8 * line if close else 1.6 * line
     if close:
         halo = ends.copy()
-        halo[..., 2] -= 6.0 * line  # behind every cable, not only its own
+        halo[..., 2] -= 6.0 * line  # behind all cables, not only its own
         thin.draw_lines(halo, _HALO_COLOR, cable_width + 1.8 * line)
     for state, cable_color in CABLE_COLORS.items():
         chosen = ends[frame.cable_state == state]
@@ -67,7 +67,7 @@ def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
     creases = frame.tool_points[tool_creases(frame)]
     tool.draw_lines(camera.project(creases), (0.3, 0.3, 0.33), 1.0 * line)
 
-    # Hidden lines first, so that what is in front of the membrane covers them.
+    # Hidden lines first, so that everything in front of the film covers them.
     canvas.blend(thin, _HIDDEN_OPACITY, through=True)
     canvas.blend(tool, TOOL_OPACITY)
     canvas.blend(thin, 0.9)
@@ -88,14 +88,14 @@ def _direction(view: tuple[float, float]) -> Floats:
 def whole_camera(
     frames: Sequence[Frame], view: tuple[float, float], shape: tuple[int, int]
 ) -> Camera:
-    """Return a camera that sees film and edges of all the frames, and the tool near them.
+    """Return a camera that shows film and edges of all frames, and the tool near them.
 
-    shape : pixels of the file, height and width.
+    shape : height and width of the picture [pixel].
     """
     axes = view_axes(_direction(view), np.array([0.0, 0.0, 1.0]))
     parts = [(f.points, f.reference, f.edge_points.reshape(-1, 3)) for f in frames]
     points = np.concatenate([points for part in parts for points in part])
-    # A tool's shaft may be many times as long as the film is wide.
+    # A tool's shaft may be many times longer than the film is wide.
     room = _ROOM_FOR_TOOL * np.ptp(points, axis=0).max()
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     near = [f.tool_points.clip(low, high) for f in frames]
@@ -109,7 +109,7 @@ def whole_camera(
 def pixels_of(
     box: tuple[float, float, float, float], size: tuple[float, float], dpi: float
 ) -> tuple[int, int]:
-    """Return height and width in pixels of a box in fractions of the figure."""
+    """Return height and width in pixels of a box given in fractions of the figure."""
     return round(box[3] * size[1] * dpi), round(box[2] * size[0] * dpi)
 
 
@@ -120,7 +120,7 @@ def mesh_edges(quads: Ints) -> Ints:
 
 
 def tool_creases(frame: Frame) -> Ints:
-    """Return the tool's edges that make it read as a solid: its faces there are 20° apart."""
+    """Return the tool's edges whose faces meet at 20° or more; drawn, they make it look solid."""
     triangles = frame.tool_triangles
     p = frame.tool_points[triangles]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
@@ -166,7 +166,7 @@ def stress_colors(frame: Frame, scale: Any) -> Floats:
 
 
 def caption_of(frame: Frame) -> list[str]:
-    """Return what a picture of this frame says: coordinate and first scalar, with units."""
+    """Return the caption of a frame: coordinate and first scalar, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
     for name in list(frame.scalars)[:1]:
         parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
@@ -184,18 +184,18 @@ def title_of(frame: Frame) -> str:
 
 
 def round_length(wanted: float) -> float:
-    """Return the longest of 1, 2, 5 times a power of ten that is not above a length."""
+    """Return the largest of 1, 2, 5 times a power of ten that does not exceed a length."""
     unit = 10.0 ** np.floor(np.log10(wanted))
     return float(unit * max(m for m in (1.0, 2.0, 5.0) if m * unit <= wanted))
 
 
 def eight_bit(image: Floats) -> npt.NDArray[np.uint8]:
-    """Return red, green and blue of 0..1 as whole numbers up to 255."""
+    """Return red, green and blue in 0..1 as integers up to 255."""
     return np.rint(255.0 * image.clip(0.0, 1.0)).astype(np.uint8)
 
 
 def show(axes: Any, image: Floats, bar: tuple[float, float] | None) -> None:
-    """Put an image into axes of its size, with a bar of a length [mm] and share of the width."""
+    """Show an image in axes of its size; ``bar``: length [mm] and share of the width, or None."""
     axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
     axes.set_autoscale_on(False)
     axes.set_xticks([])
@@ -219,7 +219,7 @@ def add_color_bar(
     *,
     label: str = "largest principal stress [MPa]",
 ) -> None:
-    """Add the stress scale, with pointed ends where some quad of what is shown lies beyond it."""
+    """Add the stress scale, with pointed ends where quads shown lie beyond it."""
     low, high = scale.get_clim()
     below = any((stress < low).any() for stress in shown)
     above = any((stress > high).any() for stress in shown)
@@ -235,7 +235,7 @@ def add_color_bar(
 
 @dataclass(frozen=True)
 class Shown:
-    """A line of the legend."""
+    """An entry of the legend."""
 
     name: str
     color: tuple[float, float, float]
@@ -243,7 +243,7 @@ class Shown:
 
 
 def legend_of(frames: Sequence[Frame]) -> list[Shown]:
-    """Return what of the frames needs a name."""
+    """Return the legend entries for the frames."""
     found = []
     if any(len(f.crack_edges) for f in frames):
         found.append(Shown("crack flank", FLANK_COLOR))
@@ -258,7 +258,7 @@ def legend_of(frames: Sequence[Frame]) -> list[Shown]:
 
 
 def add_legend(figure: Any, frames: Sequence[Frame], **where: Any) -> None:
-    """Name what the frames show; ``where`` goes to Matplotlib's ``legend``."""
+    """Add a legend for the frames; ``where`` goes to Matplotlib's ``legend``."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

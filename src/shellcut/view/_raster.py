@@ -1,8 +1,8 @@
 """An orthographic camera and a canvas with a depth buffer.
 
-Matplotlib sorts whole collections, so a tool that sticks through a sheet cannot be drawn by it.
-Here every pixel keeps the depth of what it shows: triangles may cut through each other, and a
-semi-transparent part is a canvas of its own, laid over the other where it is nearer.
+Matplotlib sorts whole collections, so it cannot draw a tool that sticks through a film. Here every
+pixel stores the depth of its content: triangles may intersect, and a semi-transparent part is a
+separate canvas, laid over the other where it is nearer.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.numerics.jit import kernel
 
-# By how much a pixel may lie outside of a triangle, of its height: the middle of a pixel on the
-# seam of two triangles is in one of them whatever the round-off.
+# How far a pixel may lie outside a triangle, relative to its height: a pixel centre on the seam of
+# two triangles is then in one of them in spite of round-off.
 _SEAM = 1e-9
 
 
@@ -29,7 +29,7 @@ class Camera:
     axes : ndarray, shape (3, 3), [-]
         Unit vectors to the right, up, and toward the viewer, as rows.
     centre : ndarray, shape (3,), [mm]
-        The point shown in the middle of the picture.
+        The point in the middle of the picture.
     scale : float
         Pixels per mm.
     shape : (int, int)
@@ -42,7 +42,7 @@ class Camera:
     shape: tuple[int, int]
 
     def project(self, points: Floats) -> Floats:
-        """Return pixel column, pixel row and depth [pixel], nearer is more; shape (..., 3)."""
+        """Return pixel column, pixel row and depth [pixel], larger is nearer; shape (..., 3)."""
         out = (points - self.centre) @ self.axes.T * self.scale
         out[..., 0] += 0.5 * self.shape[1]
         out[..., 1] = 0.5 * self.shape[0] - out[..., 1]
@@ -50,7 +50,7 @@ class Camera:
 
 
 def view_axes(toward: Floats, up: Floats) -> Floats:
-    """Return the camera's axes for a direction toward the viewer and one that is to point up."""
+    """Return the camera's axes for a direction toward the viewer and an upward direction."""
     toward = toward / np.linalg.norm(toward)
     right = np.cross(up, toward)
     length = np.linalg.norm(right)
@@ -69,7 +69,7 @@ class Canvas:
     color : ndarray, shape (height * width, 3), [-]
         Red, green, blue in 0..1.
     depth : ndarray, shape (height * width,), [pixel]
-        Depth of what each pixel shows; minus infinity where nothing is.
+        Depth of each pixel; minus infinity where nothing is drawn.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
@@ -87,7 +87,7 @@ class Canvas:
         _fill(np.ascontiguousarray(corners, float), each, width, height, self.depth, self.color)
 
     def draw_lines(self, ends: Floats, color: Any, width: float) -> None:
-        """Draw opaque segments, brought forward by their width so that surfaces do not eat them.
+        """Draw opaque segments, shifted forward by their width so that surfaces do not hide them.
 
         ends : (n, 2, 3), projected.  width : [pixel].
         """
@@ -116,13 +116,13 @@ class Canvas:
         """Return the picture, shape (height / oversampling, width / oversampling, 3)."""
         n = oversampling
         blocks = self.color.reshape(self.shape[0] // n, n, self.shape[1] // n, n, 3)
-        # One pixel of each block at a time: a fifth of what a mean over two axes takes.
+        # One pixel of each block at a time takes a fifth of the time of a mean over two axes.
         parts = [blocks[:, i, :, j] for i in range(n) for j in range(n)]
         return np.asarray(sum(parts[1:], start=parts[0]) / n**2)
 
 
 def shade(corners: Floats, axes: Floats, color: Floats) -> Floats:
-    """Return colours darkened by a lamp above the viewer's left shoulder (Lambert).
+    """Return colours shaded by a lamp above the viewer's left shoulder (Lambert).
 
     corners : (n, m, 3), [mm], polygons of m = 3 or 4.  color : (n, 3) or (3,).
     """
@@ -137,7 +137,7 @@ def shade(corners: Floats, axes: Floats, color: Floats) -> Floats:
 def _fill(
     corners: Floats, color: Floats, width: int, height: int, depth: Floats, pixels: Floats
 ) -> None:
-    """Colour the pixels whose middle lies in a triangle, where it is nearer than what they show.
+    """Colour the pixels with their centre in a triangle, where it is nearer than their content.
 
     corners : (n, 3, 3), projected.  color : (n, 3).  depth : (height * width,), written.
     pixels : (height * width, 3), written.

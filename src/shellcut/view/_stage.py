@@ -1,7 +1,7 @@
-"""PyVista's side of a scene: a plotter that is set up once and shows one frame after the other.
+"""PyVista's part of a scene: a plotter that is set up once and shows frame after frame.
 
-A new plotter compiles its shaders anew, which takes longer than the picture; so the actors stay and
-are given the next frame's surfaces and lines.
+A new plotter compiles its shaders again, which takes longer than the picture; so the actors stay
+and get the surfaces and lines of the next frame.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from ._panel import (
 from ._raster import Camera
 from .renderer import quiet_vtk
 
-_TOOL_OPACITY = 0.4  # that what it does can be seen through it
+_TOOL_OPACITY = 0.4  # so that film and edges behind it are visible
 _CREASE_COLOR = (0.3, 0.3, 0.33)
 
 Part = tuple[str, Any, dict[str, Any]]
-"""Name, PyVista's mesh, and its look as options of ``Plotter.add_mesh``."""
+"""Name, PyVista mesh, and options of ``Plotter.add_mesh``."""
 
 
 class Stage:
-    """Show frames by one camera; to be used only where :func:`why_not_pyvista` says None.
+    """Show frames with one camera; use it only if :func:`why_not_pyvista` returns None.
 
     Parameters
     ----------
     camera : Camera
-        Where from.
+        The camera.
     reach : float
-        Distance of the camera from its centre, beyond all there is to see [mm].
+        Distance of the camera from its centre, beyond everything visible [mm].
     scale : ScalarMappable
         From stress [MPa] to colour.
     shape : (int, int)
@@ -67,17 +67,17 @@ class Stage:
         self._plotter = p
 
     def picture(self, frame: Frame, stress: Floats) -> npt.NDArray[np.uint8]:
-        """Return the frame, its film coloured by stresses of the quads [MPa]."""
+        """Return the picture of the frame, its film coloured by stresses of the quads [MPa]."""
         parts = list(_parts(frame, stress))
         with quiet_vtk():
             if [name for name, _, _ in parts] == list(self._actors):
                 for name, mesh, _ in parts:
                     self._actors[name].mapper.SetInputData(mesh)
-            else:  # something came or went: all anew, so that the order is always the same
+            else:  # parts appeared or vanished: add all again, so that the order stays the same
                 self._plotter.clear_actors()
                 self._actors = {name: self._added(mesh, look) for name, mesh, look in parts}
             self._plotter.reset_camera_clipping_range()
-            self._plotter.render()  # does nothing the first time: then the next line does
+            self._plotter.render()  # has no effect the first time; the next line then renders
             return np.asarray(self._plotter.screenshot(return_img=True))[..., :3]
 
     def close(self) -> None:
@@ -108,7 +108,7 @@ def _parts(frame: Frame, stress: Floats) -> Iterator[Part]:
             "edge_opacity": 0.35,
         },
     )
-    # Tubes, as thick as a part of a quad: lines of pixels vanish in the film they lie on.
+    # Tubes, with a radius relative to the quads: lines of pixel width vanish in the film.
     thick = 0.03 * edge_length(frame)
     if len(frame.crack_edges):
         flanks = _segments(frame.points, frame.crack_edges.reshape(-1, 2))
@@ -132,7 +132,7 @@ _BRIGHT = {"lighting": False}
 
 
 def _film(frame: Frame, stress: Floats) -> Any:
-    # With normals at the points: else the two triangles of a warped quad differ.
+    # With point normals: otherwise the two triangles of a warped quad are shaded differently.
     film = _surface(frame.points, frame.quads).compute_normals(
         cell_normals=False, split_vertices=False
     )

@@ -1,4 +1,4 @@
-"""Which cutting segments make one tooth, and where teeth go through the film."""
+"""Group cutting segments into teeth, and find where teeth pass through the film."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from shellcut.arrays import Floats, Ints
 from shellcut.frame import Frame
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
-# A film is flat if it is thinner than this part of its extent.
+# A film is flat if its extent across is smaller than this part of its largest extent.
 _FLAT = 1e-3
 
 
@@ -28,20 +28,20 @@ def teeth_of(edge_points: Floats) -> Ints:
 
 
 def plane_axes(reference: Floats) -> tuple[int, int, int]:
-    """Return the two coordinate axes a film is drawn over, in order, and the one across it."""
+    """Return the two coordinate axes in which a film is drawn, in order, and the one across it."""
     wide = np.argsort(-np.ptp(reference, axis=0), kind="stable")
     i, j = sorted(wide[:2].tolist())
     return i, j, int(wide[2])
 
 
 def tooth_paths(frames: Sequence[Frame]) -> list[Floats]:
-    """Return where the edge of each tooth goes through the plane of a flat film.
+    """Return where the edge of each tooth passes through the plane of a flat film.
 
     Returns
     -------
     list of ndarray, shape (n_frame, 3), [mm]
-        One a tooth, nan where it does not meet the plane; empty for a curved film, or if the
-        frames' teeth differ.
+        One per tooth, nan where it does not meet the plane; empty for a curved film, or if the
+        teeth of the frames differ.
     """
     reference = frames[0].reference
     across = plane_axes(reference)[2]

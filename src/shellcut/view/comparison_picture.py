@@ -1,4 +1,4 @@
-"""A simulated curve over a measured one, and the difference of both."""
+"""A simulated and a measured curve in one diagram, and their difference."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ def draw_comparison(
     size: tuple[float, float] = (9.0, 6.0),
     dpi: float = 110.0,
 ) -> None:
-    """Draw both curves in one diagram, and below it the difference where both are known.
+    """Draw both curves in one diagram, and their difference on the common range below it.
 
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     measured, simulated : (array_like, array_like), shape (n,) each
-        Coordinate and value of each curve at points of its own, whole; what lies outside the range
-        of the difference is shaded.
+        Coordinate and value of each complete curve at its own points; the range without difference
+        is shaded.
     difference : (array_like, array_like), shape (n,) each
-        Coordinate, and simulated less measured.
+        Coordinate, and simulated minus measured.
     peaks : ((float, float), (float, float)), optional
-        Place and value of the measured and of the simulated peak, marked by dots.
+        Position and value of the measured and of the simulated peak, marked by dots.
     coordinate_name, coordinate_unit, name, unit : str
-        What the axes show.
+        Labels of the axes.
     title, size, dpi
         Of the figure; the size in inches.
 
@@ -69,7 +69,7 @@ def draw_comparison(
         upper.plot(*curve, color=color, lw=1.6, ls=style, label=label)
     dress(upper, f"{name} [{pretty(unit)}]")
     upper.tick_params(labelbottom=False)
-    # Room above the curves for the legend, which would else lie on one of them.
+    # Room above the curves for the legend, so that it covers none of them.
     low, high = upper.get_ylim()
     upper.set_ylim(low, high + 0.2 * (high - low))
     upper.legend(loc="upper left", frameon=False)

@@ -1,4 +1,4 @@
-"""The crack on the uncut film: where it went, when each edge opened, what split the nodes."""
+"""The crack on the uncut film: its path, when each edge opened, cause of each split."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _PATH_COLOR = "#d62728"
 _BEFORE_COLOR = "black"
 _MARKERS = ("o", "^", "s", "D", "v")
 _COLORMAP = "viridis"
-# Around the map [inch]: numbers and name of y, colour bar, title, numbers and name of x; a line of
-# the legend, and the length of a name in it.
+# Margins of the map [inch]: numbers and name of y, colour bar, title, numbers and name of x; height
+# of a legend line, and width of a legend entry.
 _LEFT, _RIGHT, _HEAD, _FOOT = 0.75, 1.1, 0.4, 0.62
 _LINE, _NAME = 0.23, 2.6
 
@@ -37,23 +37,23 @@ def draw_crack_map(
     width: float = 9.0,
     dpi: float = 110.0,
 ) -> None:
-    """Draw the crack's edges on the reference film, coloured by when they opened.
+    """Draw the crack's edges on the reference film, coloured by the time of opening.
 
-    When is known as well as the frames are dense: an edge takes the coordinate of the first frame
-    that has it open. What is open in the first frame already is black.
+    The time resolution is that of the frames: an edge gets the coordinate of the first frame in
+    which it is open. Edges open in the first frame are black.
 
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     frames : sequence of Frame
-        Of one run, in order of time.
+        Frames of one run, in order of time.
     splits : mapping of str to array_like, shape (n, 3), optional
-        Reference places of split nodes by what split them, e.g. ``{"blade": ...}`` [mm].
+        Reference positions of split nodes by cause, e.g. ``{"blade": ...}`` [mm].
     title : str, optional
         By default the length of the crack.
     width : float
-        Of the picture [inch]; the height follows from the film.
+        Width of the picture [inch]; the height follows from the film.
     dpi : float
         Pixels per inch.
 
@@ -141,13 +141,13 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
     """
     from scipy.spatial import cKDTree
 
-    last = frames[-1]  # has all edges, since a crack does not heal
+    last = frames[-1]  # contains all edges, because a crack does not heal
     segments = last.reference[last.crack_edges[:, 0]]
     opened = np.full(len(segments), last.coordinate)
     if not len(segments):
         return segments, opened
-    # Node ids of an edge change when its ends split on; its middle in the reference does not, but
-    # for the rounding of files.
+    # Node ids of an edge change when its ends split again; its reference midpoint does not, except
+    # for rounding in files.
     tree = cKDTree(segments.mean(axis=1))
     for frame in reversed(frames):
         middles = frame.reference[frame.crack_edges[:, 0]].mean(axis=1)
@@ -157,7 +157,7 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
 
 
 def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:
-    # Every edge thin; those of one quad only, which bound the film (and the crack), bolder.
+    # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
     _add_lines(axes, flat[mesh_edges(frame.quads)], colors=_MESH_COLOR, linewidths=0.4)
     quads = frame.quads
     sides = np.sort(np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)

@@ -1,4 +1,4 @@
-"""The curves of a run: reaction on the tool, and where its work went."""
+"""The curves of a run: reaction on the tool, and energies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _JOINTS_COLOR = "#ef8a62"
 _CONTACT_COLOR = "#2166ac"
 _TOOTH_COLOR = "0.7"
 _SECOND_COLOR = "0.25"
-# Told apart also by people who see no red or green (Okabe and Ito), calm enough for areas.
+# Distinguishable for colour-blind readers (Okabe and Ito), calm enough for areas.
 _AREA_COLORS = (
     "#e69f00",
     "#56b4e9",
@@ -29,8 +29,8 @@ _AREA_COLORS = (
     "#8c6d31",
     "#5e3c99",
 )
-# A share may dip this far below zero, relative to the largest, and still be drawn as an area:
-# round-off and the half step between work and energy do that.
+# A negative share up to this part of the largest is still drawn as an area: round-off and the half
+# step between work and energy cause it.
 _NEGATIVE_SHARE = 0.01
 
 
@@ -54,14 +54,14 @@ def draw_torque(
     size: tuple[float, float] = (9.0, 5.4),
     dpi: float = 110.0,
 ) -> None:
-    """Draw the tool's torque (or force) over its way, whole and in parts.
+    """Draw the tool's torque (or force) over its coordinate, in total and in parts.
 
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     coordinate : array_like, shape (n,)
-        The tool's angle or way, in ``coordinate_unit``.
+        The tool's angle or path, in ``coordinate_unit``.
     total, contact, joints : array_like, shape (n,)
         Torque on the tool, and its parts from the contact of the faces and from the cables
         jointed to the edges, in ``unit``.
@@ -70,13 +70,13 @@ def draw_torque(
     second : (array_like, array_like), optional
         Coordinate and total of another run, e.g. the same with classical cables.
     second_label : str
-        What the other run is.
+        Label of the other run.
     levels : mapping of str to float, optional
         Horizontal lines to compare with, by label, in ``unit``.
     plateau : (float, float, float), optional
-        Where the cut is steady, from and to in ``coordinate_unit``, and the mean, in ``unit``.
+        Steady window, from and to in ``coordinate_unit``, and the mean, in ``unit``.
     coordinate_name, coordinate_unit, name, unit : str
-        What the axes show.
+        Labels of the axes.
     title, size, dpi
         Of the figure; the size in inches.
 
@@ -121,7 +121,7 @@ def draw_torque(
     handles, labels = axes.get_legend_handles_labels()
     first = labels.index("total")  # drawn over all others, named before them
     order = [first, *(k for k in range(len(labels)) if k != first)]
-    # Below the axes: a curve that fills them leaves no free corner.
+    # Below the axes, because a curve may fill all corners.
     axes.legend(
         [handles[k] for k in order],
         [labels[k] for k in order],
@@ -131,7 +131,7 @@ def draw_torque(
         ncols=3,
     )
     if title is not None:
-        axes.set_title(title, y=1.0)  # left to itself it looks for room above, a fifth of the time
+        axes.set_title(title, y=1.0)  # without y, Matplotlib searches for room: a fifth of the time
     save(figure, path)
 
 
@@ -149,25 +149,25 @@ def draw_energy(
     size: tuple[float, float] = (9.0, 6.6),
     dpi: float = 110.0,
 ) -> None:
-    """Draw the energy ledger: the work put in, the shares it went to, and what is missing.
+    """Draw the energy ledger: the work put in, the energies, and the imbalance.
 
-    The shares are stacked, so that their upper rim meets the line of the work if the ledger
-    closes. If one of them is truly negative they are drawn as lines instead.
+    The energies are stacked, so that their upper rim meets the line of the work if the ledger
+    closes. If one of them is clearly negative they are drawn as lines instead.
 
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     coordinate : array_like, shape (n,)
-        The tool's angle or way, in ``coordinate_unit``.
+        The tool's angle or path, in ``coordinate_unit``.
     work : array_like, shape (n,)
         Work of the tool and the loads, in ``unit``.
     shares : mapping of str to array_like, shape (n,)
-        Where it went, in ``unit``; the first lies at the bottom of the stack.
+        Stored and dissipated energies, in ``unit``; the first is at the bottom of the stack.
     imbalance : array_like, shape (n,)
-        What the ledger misses, relative to the work, [%].
+        Imbalance of the ledger, relative to the work, [%].
     coordinate_name, coordinate_unit, unit : str
-        What the axes show.
+        Labels of the axes.
     title, size, dpi
         Of the figure; the size in inches.
 
@@ -219,7 +219,7 @@ def _column(name: str, values: npt.ArrayLike, x: Any) -> Any:
 
 
 def dress(axes: Any, label: str) -> None:
-    """Give the axes of a curve their label and the grid that all pictures of curves have."""
+    """Set label and grid of the axes as in all pictures of curves."""
     axes.set_ylabel(label)
     axes.margins(x=0.0)
     axes.grid(color="0.9", lw=0.8)

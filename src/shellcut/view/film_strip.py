@@ -1,4 +1,4 @@
-"""The cut as a film strip: some frames side by side, seen by one camera, on one stress scale."""
+"""The cut as a film strip: several frames side by side, with one camera and one stress scale."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ def draw_film_strip(
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
     frames : sequence of Frame
-        Of one run, in order of time; each is drawn.
+        Frames of one run, in order of time; all are drawn.
     view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis, of the camera [deg].
+        Elevation above the x-y plane and azimuth from the x axis of the camera [deg].
     columns : int
-        Frames in a row.
+        Frames per row.
     stress_limits : (float, float), optional
-        Ends of the colour scale [MPa]; by default 0 and a round number above nearly all quads of
+        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads of
         all frames.
     width : float
-        Of the picture [inch]; the height follows from the number of rows.
+        Width of the picture [inch]; the height follows from the number of rows.
     dpi : float
         Pixels per inch.
 
@@ -56,7 +56,7 @@ def draw_film_strip(
     """
     if not frames or columns < 1:
         raise ValueError(
-            f"a film strip needs a frame and a column at least, got {len(frames)} frames and "
+            f"a film strip needs at least one frame and one column, got {len(frames)} frames and "
             f"{columns} columns"
         )
     columns = min(columns, len(frames))

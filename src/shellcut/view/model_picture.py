@@ -21,10 +21,10 @@ _WAY_COLOR = "#2a9d8f"
 
 @dataclass(frozen=True, eq=False)
 class EdgeGroup:
-    """Cutting segments that are drawn alike."""
+    """Cutting segments drawn in the same style."""
 
     label: str
-    """In the legend."""
+    """Label in the legend."""
     segments: Ints
     """Vertex ids of the tool, shape (n, 2)."""
     color: str
@@ -33,7 +33,7 @@ class EdgeGroup:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModelView:
-    """What is drawn, all in one system of axes [mm]."""
+    """Parts to draw, all in one coordinate system [mm]."""
 
     nodes: Floats
     """Reference positions, shape (n_node, 3)."""
@@ -44,15 +44,15 @@ class ModelView:
     worst: Ints
     """Quads to mark."""
     tool: Sequence[Floats]
-    """Vertices of the tool in every pose that is shown, shape (n_vertex, 3) each."""
+    """Vertices of the tool in every pose shown, shape (n_vertex, 3) each."""
     triangles: Ints
     """Vertex ids of the tool, shape (n_triangle, 3)."""
     edges: Sequence[EdgeGroup]
-    """Its cutting segments."""
+    """Cutting segments of the tool."""
     way: Floats
-    """Where they pass through the film, shape (n, 3)."""
+    """Points where they pass through the film, shape (n, 3)."""
     titles: Sequence[str]
-    """Of every pose."""
+    """Title of each pose."""
 
 
 def draw_model(
@@ -69,9 +69,9 @@ def draw_model(
     Parameters
     ----------
     model : ModelView
-        The film's two longest axes are drawn across, the third one upwards.
+        The film's two longest axes span the picture, the third one points upwards.
     path : path-like
-        File to write; the ending tells the format.
+        File to write; the suffix sets the format.
     title, caption : str
     size : (float, float)
         Width and height [inch].
@@ -86,7 +86,7 @@ def draw_model(
     figure = new_figure(size, dpi)
     figure.suptitle(title, fontsize=13)
     figure.text(0.06, 0.01, caption, va="bottom", fontsize=9, family="monospace")
-    # A model that is refused may lack its film.
+    # A refused model may lack its film.
     extent = np.ptp(model.nodes if len(model.nodes) else model.tool[0], axis=0)
     across = np.argsort(-extent, kind="stable")
     n_pose = len(model.titles)
@@ -106,7 +106,7 @@ def draw_model(
             if bottom > 0.3:
                 axes.set_title(model.titles[k], fontsize=10)
                 drawn = axes.get_legend_handles_labels()
-    # The same in every pose: once, where it hides nothing.
+    # The same in every pose: one legend, where it hides nothing.
     figure.legend(
         *drawn, loc="center", bbox_to_anchor=(0.5, 0.945), fontsize=8, ncols=6, frameon=False
     )
@@ -125,7 +125,7 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
         add(LineCollection(film, colors=_FILM_COLOR, linewidths=0.4))
     if len(model.worst):
         worst = PolyCollection(list(x[model.quads[model.worst]]), facecolors=_WORST_COLOR)
-        worst.set_label(f"{len(model.worst)} quads of the shortest steps")
+        worst.set_label(f"{len(model.worst)} quads with the shortest steps")
         add(worst)
     if len(model.held):
         axes.plot(  # type: ignore[attr-defined]
@@ -138,11 +138,11 @@ def _draw_pose(axes: object, model: ModelView, pose: int, axes_ids: tuple[int, i
             style = "dashed" if group.dashed else "solid"
             lines = list(tool[group.segments])
             edges = LineCollection(lines, colors=group.color, linewidths=1.8, linestyles=style)
-            edges.set_zorder(3)  # over their way
+            edges.set_zorder(3)  # above their path
             edges.set_label(group.label)
             add(edges)
     if len(model.way):
-        label = "way of the edges through the film"
+        label = "path of the edges through the film"
         axes.plot(  # type: ignore[attr-defined]
             *model.way[:, [i, j]].T, ".", ms=1.2, color=_WAY_COLOR, label=label
         )

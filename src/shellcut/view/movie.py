@@ -1,4 +1,4 @@
-"""A film of the cut: MP4 by ffmpeg, GIF by Pillow, the frames by PyVista or by Matplotlib."""
+"""Movie of the cut: MP4 by ffmpeg, GIF by Pillow, frames by PyVista or Matplotlib."""
 
 from __future__ import annotations
 
@@ -36,29 +36,29 @@ def draw_movie(
     size: tuple[int, int] = (960, 640),
     progress: bool = True,
 ) -> None:
-    """Draw the frames one after the other, by one camera and on one stress scale.
+    """Draw the frames one after the other, with one camera and one stress scale.
 
     Parameters
     ----------
     path : str or Path
-        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; replaced if it exists, once the movie is whole.
+        ``.mp4`` (H.264; needs ffmpeg) or ``.gif``; the finished file replaces an old one.
     frames : sequence of Frame
-        Of one run, in order of time.
+        Frames of one run, in order of time.
     fps : float
-        Frames a second.
+        Frames per second.
     stress, stress_limits, view
-        As :func:`draw_scene`; the limits by default for all the frames.
+        As in :func:`draw_scene`; default limits are computed from all frames.
     size : (int, int)
         Width and height, even numbers [pixel].
     progress : bool
-        Whether to show on standard error how far it is.
+        Whether to show progress on standard error.
 
     Raises
     ------
     ImportError
-        If what is needed to draw or to write is not installed, with the command that does it.
+        If a package to draw or write is not installed, with the command to install it.
     ValueError
-        If there is no frame, or the ending, the stress or the size is of no use.
+        If there is no frame, or suffix, stress or size is invalid.
     OSError
         If ffmpeg fails.
     """
@@ -117,7 +117,7 @@ def _by_matplotlib(
 
 
 def _followed(images: Iterator[Image], n: int, name: str) -> Iterator[Image]:
-    """Yield the images and show on standard error how many there have been."""
+    """Yield the images and show their count on standard error."""
     with Progress(name, step_name="frames") as progress:
         progress.update(0.0, step=0)
         for k, image in enumerate(images, start=1):
@@ -138,7 +138,7 @@ def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int,
             for image in images:
                 coder.stdin.write(np.ascontiguousarray(image).tobytes())
             coder.stdin.close()
-        except BrokenPipeError:  # it has given up; what it said is told below
+        except BrokenPipeError:  # ffmpeg has stopped; its message is raised below
             pass
         failed = coder.wait() != 0
         said.seek(0)
@@ -170,11 +170,11 @@ def _write_gif(path: Path, images: Iterator[Image], fps: float, _: tuple[int, in
 
 
 def _of_256_colours(image: Image) -> Any:
-    """Return a Pillow picture with a palette of its own, without dots of other colours.
+    """Return a Pillow picture with its own palette and no dithering.
 
-    Pillow's palettes either mind areas, and lose the few pixels of a cable, or the spread of the
-    colours, and make blotches of a smooth film. So the palette is that of the median cut of
-    colours that count by the root of their pixels.
+    Pillow's palettes either weigh areas and lose the few pixels of a cable, or weigh the spread of
+    colours and make a smooth film blotchy. So the palette is the median cut of colours weighted by
+    the square root of their number of pixels.
     """
     from PIL import Image as Pillow
 

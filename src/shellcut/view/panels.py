@@ -1,4 +1,4 @@
-"""Pictures of frames without a word in them, for figures and pages that have their own."""
+"""Pictures of frames without text, for figures and pages that add their own."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from ._panel import (
 from ._raster import Camera
 
 VIEW = (48.0, -60.0)
-"""Elevation above the x-y plane and azimuth from the x axis, of the camera of the whole [deg]."""
+"""Elevation above the x-y plane and azimuth from the x axis, camera of the whole film [deg]."""
 CLOSE_VIEW = (40.0, 50.0)
-"""Elevation above the membrane and bearing from the cut, of the camera of a tooth [deg]."""
+"""Elevation above the film and bearing from the cut, camera of a tooth [deg]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One picture, and the camera that it is seen by."""
+    """One picture and its camera."""
 
     image: Floats
     """Red, green, blue in 0..1, shape (height, width, 3)."""
@@ -55,18 +55,18 @@ class Panel:
 
 
 class Panels:
-    """Panels of the frames of a run: the whole by one camera, a tooth by one that goes with it.
+    """Panels of the frames of a run: the whole film, and a tooth with a camera that follows it.
 
     Parameters
     ----------
     seen : sequence of Frame
-        All that the camera of the whole must hold.
+        Frames that the camera of the whole film must cover.
     shape : (int, int)
-        Height and width of the picture of the whole [pixel].
+        Height and width of the picture of the whole film [pixel].
     close_shape : (int, int), optional
-        The same of the picture of the tooth.
+        The same for the picture of the tooth.
     view, close_view, close_width, tooth, stress_limits
-        As :func:`draw_snapshot`.
+        As in :func:`draw_snapshot`.
     """
 
     def __init__(
@@ -90,16 +90,16 @@ class Panels:
         self._close_width, self._tooth = close_width, tooth
 
     def whole(self, frame: Frame) -> Panel:
-        """Return the picture of the whole."""
+        """Return the picture of the whole film."""
         return self._panel(frame, self._camera)
 
     def close(self, frame: Frame) -> Panel | None:
-        """Return the picture of the tooth; None if there is no edge.
+        """Return the picture of the tooth; None without cutting edges.
 
         Raises
         ------
         ValueError
-            If there are edges, but no such tooth.
+            If there are cutting edges, but no such tooth.
         """
         if not len(frame.edge_points):
             return None
@@ -110,12 +110,12 @@ class Panels:
         return self._panel(frame, camera)
 
     def mark(self, close: Panel) -> tuple[float, float, float]:
-        """Return where in the picture of the whole a close one was taken: a circle.
+        """Return a circle in the picture of the whole film that marks a close-up.
 
         Returns
         -------
         x, y, radius : float
-            From the upper left [pixel].
+            From the upper left corner [pixel].
         """
         x, y, _ = self._camera.project(close.camera.centre) / OVERSAMPLING
         radius = 0.5 * close.camera.shape[0] / close.camera.scale * self._camera.scale
@@ -126,7 +126,7 @@ class Panels:
 
 
 def height_over_width(frames: Sequence[Frame], view: tuple[float, float] = VIEW) -> float:
-    """Return the shape of what there is to see, within what still looks like a frame of a film."""
+    """Return the aspect ratio of the visible scene, limited to sensible shapes of a picture."""
     camera = whole_camera(frames, view, (1000, 1000))
     at = np.concatenate([camera.project(f.points)[:, :2] for f in (frames[0], frames[-1])])
     extent = np.ptp(at, axis=0)

@@ -13,7 +13,7 @@ from ._figure import new_figure, save
 
 _PATH_COLOR = "#c1121f"
 _WORST_COLOR = "#f4a259"
-_CLOSE_EDGES = 9.0  # half width of the close picture in edge lengths
+_CLOSE_EDGES = 9.0  # half width of the close-up in edge lengths
 
 
 def draw_path(
@@ -33,14 +33,14 @@ def draw_path(
     Parameters
     ----------
     x : ndarray, shape (n_node, 2)
-        Places in the film's plane [mm].
+        Positions in the film's plane [mm].
     quads : ndarray, shape (n_quad, 4)
     chains : sequence of ndarray of int
-        Nodes along the path; a closed one repeats its first.
+        Nodes along the path; a closed path repeats its first node.
     worst : ndarray of int
         Quads to mark, worst first.
     path : path-like
-        File to write; the ending tells the format.
+        File to write; the suffix sets the format.
     title, caption : str
     size : (float, float)
         Width and height [inch].

@@ -1,10 +1,10 @@
-"""How far a run is: a bar on a terminal, a plain line now and then elsewhere.
+"""Progress of a run: a bar on a terminal, otherwise a plain line now and then.
 
-How far is the share of the work that is done. Bar, lines, account and the time left all go by this
-one number; an angle or a path would not do: a tool starts slowly, may rest, or come back.
+Progress is the share of the work that is done. Bar, lines, status and time left all use this one
+number; an angle or a path would not do, because a tool starts slowly, may rest, or come back.
 
-Whatever goes wrong while showing it (a closed pipe, a full disk under a redirected stream) switches
-the display off; it never stops the run.
+Any error of the display (a closed pipe, a full disk under a redirected stream) switches it off; it
+never stops the run.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ from types import TracebackType
 from typing import Any, TextIO
 
 BAR_INTERVAL = 0.2
-"""Least time between two drawings of the bar [s]."""
+"""Shortest time between two drawings of the bar [s]."""
 LINE_INTERVAL = 10.0
-"""Least time between two plain lines [s]."""
+"""Shortest time between two plain lines [s]."""
 _ROUND_OFF = 1e-9
-"""A share of 0.2 may come as 0.19999999999999998."""
+"""Round-off: a share of 0.2 may arrive as 0.19999999999999998."""
 
 
 class Progress:
-    """Show how far a run is, its figures, its speed and the time left.
+    """Show progress of a run, its figures, its speed and the time left.
 
     Parameters
     ----------
     label : str
-        What is running.
+        Name of the run.
     figure_units : mapping of str to str, optional
         Units of the figures given to `update`, by name, e.g. ``{"angle": "deg", "imbalance":
         "%"}``.
     step_name : str
-        What is counted, in the plural.
+        Name of the steps, in the plural.
     stream : text stream, optional
-        Where to; standard error by default. On a terminal a bar is drawn in place, elsewhere
-        plain lines are written, at most one every `LINE_INTERVAL`.
+        Output; standard error by default. On a terminal a bar is drawn in place, elsewhere plain
+        lines are written, at most one every `LINE_INTERVAL`.
     log : callable, optional
-        Also given every line of text that is shown; what is drawn in place is not.
+        Receives every line of text shown, but not the bar.
     clock : callable
         Returns the time [s]; for tests.
     """
@@ -76,16 +76,16 @@ class Progress:
         return self._alive and (self._first is None or self._clock() >= self._due)
 
     def update(self, share: float, *, step: int, **figures: float) -> None:
-        """Show the share done and the figures if a drawing is due (0.5 us if none is).
+        """Show the share done and the figures if a drawing is due (0.5 us otherwise).
 
         Parameters
         ----------
         share : float
-            Part of the work that is done, 0 to 1.
+            Completed part of the work, 0 to 1.
         step : int
-            How many steps are done, for the steps per second.
+            Number of steps done, for the steps per second.
         **figures : float
-            What else is of interest, by name.
+            Further figures by name.
         """
         if not self._alive or (self._shown is not None and step == self._shown[1]):
             return
@@ -129,7 +129,7 @@ class Progress:
             return
         try:
             show()
-        except Exception:  # of any kind: a display is not worth a run
+        except Exception:  # of any kind: the display must not stop the run
             self._alive = False
 
     def _begin(self) -> None:
@@ -169,7 +169,7 @@ class Progress:
 
 
 class _Bar:
-    # A bar of rich, drawn only when told to: no thread beside the time loop.
+    # A bar of rich, drawn only on request: no thread beside the time loop.
 
     def __init__(self, bar: Any, label: str) -> None:
         self._bar = bar
@@ -182,7 +182,7 @@ class _Bar:
             from rich.console import Console
             from rich.progress import BarColumn, TextColumn
             from rich.progress import Progress as RichProgress
-        except ImportError:  # rich comes with meshio, but nothing promises it
+        except ImportError:  # rich comes with meshio, but that is not guaranteed
             return None
         console = Console(file=stream)
         if not console.is_terminal or console.is_dumb_terminal:
@@ -207,7 +207,7 @@ class _Bar:
 
 
 def percent(share: float) -> int:
-    """Return the whole percent that are done; 100 only of what has ended.
+    """Return the whole percent done; 100 only at the end.
 
     Examples
     --------
@@ -220,8 +220,8 @@ def percent(share: float) -> int:
 
 
 def _number(value: float, unit: str) -> str:
-    # Four figures are enough to watch a run; "%" and units stand apart from the number.
-    value += 0.0  # no minus before a zero
+    # Four digits are enough to watch a run; a blank separates number and unit.
+    value += 0.0  # no "-0"
     digits = f"{value:.1f}" if 0.1 <= abs(value) < 1e5 else f"{value:.3g}"
     return f"{digits} {unit}".rstrip()
 

@@ -1,7 +1,7 @@
-"""Can PyVista draw here? Asked in a process of its own, because VTK may take that one down.
+"""Find out whether PyVista can draw here, in a separate process that VTK may crash.
 
-On a machine with neither a screen nor EGL nor OSMesa VTK ends with a segmentation fault instead of
-an exception, so nothing in this process may try.
+On a machine with neither a screen nor EGL nor OSMesa, VTK ends with a segmentation fault instead of
+an exception, so it must not be tried in this process.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from contextlib import contextmanager
 _log = logging.getLogger(__name__)
 
 CHOICE = "SHELLCUT_RENDERER"
-"""Environment variable: ``matplotlib`` draws without PyVista, whatever this machine can do."""
+"""Environment variable: ``matplotlib`` draws without PyVista, even if this machine has it."""
 
 TIME_LIMIT = 60.0
-"""How long the attempt may take [s]; a cold start of VTK takes some ten."""
+"""Time limit of the attempt [s]; a cold start of VTK takes about ten."""
 
 _INSTALL = "PyVista is not installed (pip install shellcut[view])"
 
-# Draws a red ball on white and looks whether it is there.
+# Draws a red ball on white and checks the pixels.
 _ATTEMPT = """
 import sys
 import pyvista
@@ -39,9 +39,9 @@ sys.exit(0 if middle == [255, 0, 0] and corner == [255, 255, 255] else 1)
 
 
 def why_not_pyvista() -> str | None:
-    """Return why PyVista cannot draw in this process, in one line; None if it can.
+    """Return in one line why PyVista cannot draw in this process; None if it can.
 
-    The first call tries it, which takes a second or two; later ones remember.
+    The first call tries it, which takes a second or two; later calls use its result.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def why_not_pyvista() -> str | None:
 
 
 def pyvista_or_say(fallback: str) -> bool:
-    """Return whether PyVista can draw; if not, log one line: why, and what is drawn instead."""
+    """Return whether PyVista can draw; if not, log one line with the reason and the fallback."""
     reason = why_not_pyvista()
     if reason is not None:
         _say_once(f"no 3-D rendering: {reason}; {fallback}")
@@ -101,7 +101,7 @@ def _say_once(message: str) -> None:
 
 @contextmanager
 def quiet_vtk() -> Iterator[None]:
-    """Keep VTK's own log off standard error, where it tells of every screen it did not find."""
+    """Keep VTK's own log off standard error, where it lists every screen it did not find."""
     from vtkmodules.vtkCommonCore import vtkLogger
 
     before = vtkLogger.GetCurrentVerbosityCutoff()

@@ -1,7 +1,6 @@
-"""A frame in three dimensions, by PyVista: film coloured by a stress, cables, tool, cutting edges.
+"""A frame in 3-D, by PyVista: film coloured by a stress, cables, tool, cutting edges.
 
-Where PyVista cannot draw, the same frame is drawn by :func:`draw_snapshot`, which needs Matplotlib
-only.
+Where PyVista cannot draw, :func:`draw_snapshot` draws the frame with Matplotlib.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ STRESSES: dict[str, Callable[[Frame], Floats]] = {
     "largest principal, top": lambda frame: frame.quad_principal_top[:, 0],
     "largest principal, bottom": lambda frame: frame.quad_principal_bottom[:, 0],
 }
-"""What the film can be coloured by: name -> values of the quads [MPa], the mean over the thickness
+"""Stresses that can colour the film: name -> values of the quads [MPa], the mean over the thickness
 unless a face is named."""
 
 _HEAD, _FOOT = 0.55, 0.85  # room for the title, and for colour bar and legend [inch]
@@ -49,25 +48,25 @@ def draw_scene(
     Parameters
     ----------
     path : str or Path
-        The picture, ``.png`` or another ending that Pillow knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Pillow knows; replaced if it exists.
     frame : Frame
-        What to draw.
+        The frame to draw.
     stress : str
         One of :data:`STRESSES`.
     stress_limits : (float, float), optional
-        Ends of the colour scale [MPa]; by default a round number around nearly all quads.
+        Limits of the colour scale [MPa]; by default round numbers around nearly all quads.
     together_with : sequence of Frame
-        Other frames of the run that camera, scale and legend must hold. With all of them the
-        picture is that of :func:`draw_movie`.
+        Other frames of the run that camera, scale and legend must cover. With all of them the
+        picture equals the frame of :func:`draw_movie`.
     view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis, of the camera [deg].
+        Elevation above the x-y plane and azimuth from the x axis of the camera [deg].
     size : (int, int)
         Width and height [pixel].
 
     Raises
     ------
     ImportError
-        If neither PyVista can draw here nor Matplotlib is installed.
+        If PyVista cannot draw here and Matplotlib is not installed.
     ValueError
         If there is no such stress.
     """
@@ -94,7 +93,7 @@ def draw_scene(
 
 
 def limits_for(frames: Sequence[Frame], stress: str) -> tuple[float, float]:
-    """Return round ends of the colour scale that hold nearly all quads of the frames [MPa].
+    """Return round limits of the colour scale that enclose nearly all quads of the frames [MPa].
 
     stress : one of :data:`STRESSES`.
     """
@@ -106,16 +105,16 @@ def limits_for(frames: Sequence[Frame], stress: str) -> tuple[float, float]:
 
 
 class SceneSeries:
-    """Frames of a run by one camera, on one scale and with one legend, drawn one after the other.
+    """Frames of a run with one camera, one scale and one legend, drawn one after the other.
 
-    To be used only where :func:`why_not_pyvista` says None, and as a context.
+    Use it as a context manager, and only if :func:`why_not_pyvista` returns None.
 
     Parameters
     ----------
     seen : sequence of Frame
-        All that camera and legend must hold.
+        Frames that camera and legend must cover.
     stress, stress_limits, view, size
-        As :func:`draw_scene`; the limits are to be given.
+        As in :func:`draw_scene`; the limits are required.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""One picture of the cut: on the left the whole model, on the right one tooth at work."""
+"""One picture of the cut: the whole model on the left, one tooth on the right."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._figure import new_figure, save
 from ._panel import add_color_bar, add_legend, eight_bit, pixels_of, show, title_of
 from .panels import CLOSE_VIEW, VIEW, Panel, Panels
 
-# Left, bottom, width and height of the panels, of the figure's.
+# Left, bottom, width and height of the panels, relative to the figure.
 _LEFT_BOX, _RIGHT_BOX = (0.01, 0.12, 0.545, 0.80), (0.565, 0.12, 0.425, 0.80)
 _ONLY_BOX = (0.01, 0.12, 0.98, 0.80)
 _SCALE = "stress scale"  # keyword of a PNG's text
@@ -38,34 +38,34 @@ def draw_snapshot(
 ) -> None:
     """Draw one frame to a picture file.
 
-    The membrane is coloured by its largest principal stress, the flanks of the crack are bold,
-    the cables tell straight from bent around the edge, the tool is a semi-transparent solid
-    whose cutting edges are red. What the membrane hides of edges and cables shines through.
+    The film is coloured by its largest principal stress, the flanks of the crack are bold, colours
+    distinguish straight cables from those bent around the edge, the tool is a semi-transparent
+    solid with red cutting edges. Edges and cables hidden by the film shine through.
 
     Parameters
     ----------
     path : str, Path or binary file
-        The picture, ``.png`` or another ending that Matplotlib knows; replaced if it exists.
+        The picture, ``.png`` or another suffix that Matplotlib knows; replaced if it exists.
         An open file gets a PNG.
     frame : Frame
-        What to draw. Without a cutting edge only the whole model is drawn.
+        The frame to draw. Without a cutting edge only the whole model is drawn.
     view : (float, float)
-        Elevation above the x-y plane and azimuth from the x axis, of the camera of the left
-        panel [deg].
+        Elevation above the x-y plane and azimuth from the x axis of the left panel's camera
+        [deg].
     close_view : (float, float)
-        Elevation above the membrane and bearing from the direction of the cut, of the camera of
-        the right panel [deg]; it goes with the tooth. Bearing 0 looks straight at the edge, 90
-        from the left of its way.
+        Elevation above the film and bearing from the direction of the cut of the right panel's
+        camera [deg], which follows the tooth. Bearing 0 looks straight at the edge, 90 from the
+        left of its path.
     close_width : float, optional
-        Width of the right panel [mm]; by default the edge and some room, the same all through a
-        run.
+        Width of the right panel [mm]; by default that of the edge with some margin, constant
+        over a run.
     tooth : int
-        Which connected cutting edge the right panel follows, in the order of ``edge_points``.
+        Number of the connected cutting edge in the right panel, in the order of ``edge_points``.
     together_with : sequence of Frame
-        Other frames of the run that left camera, scale and legend must hold, so that their
-        pictures make a film.
+        Other frames of the run that left camera, scale and legend must cover, so that their
+        pictures make a movie.
     stress_limits : (float, float), optional
-        Ends of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
+        Limits of the colour scale [MPa]; by default 0 and a round number above nearly all quads.
         Give them to compare pictures of one run.
     title : str, optional
         By default the frame's coordinate, its first scalar and the time.
@@ -96,22 +96,22 @@ def draw_snapshot(
 
 
 def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
-    """Return the ends of the stress scale of a snapshot [MPa].
+    """Return the limits of the stress scale of a snapshot [MPa].
 
     Parameters
     ----------
     path : str or Path
-        A PNG that :func:`draw_snapshot` wrote.
+        A PNG written by :func:`draw_snapshot`.
 
     Returns
     -------
     (float, float) or None
-        None if the picture does not tell.
+        None if the picture does not contain them.
 
     Raises
     ------
     OSError
-        If it is no picture.
+        If the file is no picture.
     """
     from PIL import Image
 
@@ -121,18 +121,18 @@ def snapshot_limits(path: str | os.PathLike[str]) -> tuple[float, float] | None:
 
 
 class SnapshotSeries:
-    """Snapshots of a run by one camera, on one scale and with one legend.
+    """Snapshots of a run with one camera, one scale and one legend.
 
-    The figure is made once; a frame puts its pictures, its title and its circle into it.
+    The figure is created once; each frame changes its pictures, title and circle.
 
     Parameters
     ----------
     seen : sequence of Frame
-        All that the left camera and the legend must hold.
+        Frames that the left camera and the legend must cover.
     size, dpi
-        As :func:`draw_snapshot`.
+        As in :func:`draw_snapshot`.
     **options
-        Of :class:`Panels`.
+        Options of :class:`Panels`.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class SnapshotSeries:
         stress = [frame.quad_principal[:, 0] for frame in seen]
         add_color_bar(self._figure, self._panels.scale, stress, (0.04, 0.075, 0.30, 0.02))
         add_legend(self._figure, seen, bbox_to_anchor=(0.995, 0.025))
-        self._empty: Any = None  # the figure without what a frame puts into it
+        self._empty: Any = None  # the figure without the parts of a frame
         self._title = self._figure.suptitle("", fontsize=15, y=0.975)
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
@@ -159,11 +159,11 @@ class SnapshotSeries:
 
     @property
     def stress_limits(self) -> tuple[float, float]:
-        """Ends of the colour scale [MPa]."""
+        """Limits of the colour scale [MPa]."""
         return self._panels.stress_limits
 
     def figure(self, frame: Frame, title: str | None = None) -> Any:
-        """Return the picture of a frame as a Matplotlib figure, which the next one changes."""
+        """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
         self._title.set_text(title_of(frame) if title is None else title)
         whole, close = self._panels.whole(frame), self._panels.close(frame)
         _put(self._left, whole)
@@ -181,7 +181,7 @@ class SnapshotSeries:
         figure = self.figure(frame)
         canvas = figure.canvas
         moving = [part for part in (self._left, self._right, self._title) if part is not None]
-        if self._empty is None:  # scale and legend take as long as the rest
+        if self._empty is None:  # scale and legend take as long to draw as the rest
             shown = [part.get_visible() for part in moving]
             for part in moving:
                 part.set_visible(False)

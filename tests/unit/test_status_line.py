@@ -5,7 +5,7 @@ import re
 import pytest
 
 from notched_strip import cutting
-from shellcut.recording.status_line import account_line, start_lines
+from shellcut.recording.status_line import start_lines, status_line
 from shellcut.recording.tool_resistance import Resistance
 
 
@@ -16,11 +16,11 @@ def sim():
     return sim
 
 
-def test_the_line_of_account_closes(sim):
+def test_the_status_line_agrees_with_the_ledger(sim):
     book, s = sim.ledger, sim.state
     # Bring entries to where each of them shows in four figures.
     book.cohesive_start_work = 3.0 * book.cohesive_work
-    line = account_line(sim, Resistance(sim.motion, 8e-5), 0.5)
+    line = status_line(sim, Resistance(sim.motion, 8e-5), 0.5)
     numbers = {name: float(x) for name, x in re.findall(r"(\w+) ([-+]?[\d.]+(?:e[-+]\d+)?)", line)}
     assert line.startswith("50 %: path ")
     assert numbers["path"] == pytest.approx(sim.motion.coordinate(s.time), rel=1e-3)
