@@ -128,7 +128,7 @@ def test_where_there_is_none_the_reason_is_said():
         "the next cut or the film's edge"
     )
     short = X[X < 30.0]
-    assert "it would only last from 26.7 to 30 deg, less than 2 spacings of the nodes" in why([edge(short)], short)
+    assert "from 26.7 to 30 deg, less than 2 spacings of the nodes" in why([edge(short)], short)
     # One leaves the film before the other's zone is renewed.
     assert why([edge(X, leaves=30.0), edge(X, begins=20.0)]) == (
         "a cutting edge had left the film, or stopped, before 46.7 deg"
