@@ -30,7 +30,7 @@ from .numerics.lanes import along, at, put_at, row_columns, total, zero
 from .numerics.processor import align_stack
 from .numerics.threads import NODE_CHUNK, Workers, in_order
 from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
-from .state import State
+from .state import KnownTopology, State
 
 # Square of the sine below which a director counts as along the axis its spin is held about.
 _POLE = 1e-18
@@ -99,8 +99,7 @@ class CentralDifference:
     def __init__(self, *, damping_alpha: float, workers: Workers | None = None) -> None:
         self.damping_alpha = float(damping_alpha)
         self._workers = workers or Workers(0)
-        self._state: State | None = None
-        self._revision = -1
+        self._known = KnownTopology()
         self._supported = _Supported(node=np.zeros(0, np.int64), first=np.zeros(1, np.int64))
         self._nodes: _KickNodes | None = None
         self._kick, self._drift = bound_once(_kick), bound_once(_drift)
@@ -108,7 +107,7 @@ class CentralDifference:
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
         """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
         count, stride = state.n_node, self._workers.count
-        if self._state is not state or self._revision != state.revision:
+        if not self._known.is_of(state):
             self._collect(state)
         dt = 0.5 * (dt_last + dt_next)
         step = _KickStep(dt_last=float(dt_last), dt=dt, alpha=self.damping_alpha)
@@ -138,7 +137,7 @@ class CentralDifference:
         chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
         self._supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
         self._nodes = _KickNodes(**{name: getattr(n, name) for name in _KickNodes._fields})
-        self._state, self._revision = state, state.revision
+        self._known.take(state)
 
 
 @always_inline

@@ -2,7 +2,7 @@
 
 A split or a new cable appends rows; rows are never renumbered. Arrays are allocated with spare rows
 and doubled when full, so kernels receive them whole together with a count. Do not keep a reference
-to an array across a split: data cached for one topology store the ``revision`` they belong to.
+to an array across a split (:class:`KnownTopology`).
 """
 
 from __future__ import annotations
@@ -314,3 +314,33 @@ class State:
             SplitRecord(**dict(zip(splits, row, strict=True)))
             for row in zip(*splits.values(), strict=True)
         ]
+
+
+class KnownTopology:
+    """The topology for which a part has built its tables: the one rule after a split.
+
+    A part asks :meth:`is_of` before it uses tables that a split would change. If the answer is no,
+    it builds them again and calls :meth:`take`; :meth:`new_splits` are the splits in between.
+    """
+
+    def __init__(self) -> None:
+        self._state: State | None = None
+        self.revision = -1
+        """Of the state, when it was taken last; goes into checkpoints."""
+
+    def is_of(self, state: State) -> bool:
+        """Return whether nothing has split since, and it is the same state."""
+        same = self._state is None or self._state is state
+        return same and self.revision == state.revision
+
+    def take(self, state: State) -> None:
+        """Remember the present topology."""
+        self._state, self.revision = state, state.revision
+
+    def new_splits(self, state: State) -> list[SplitRecord]:
+        """Return the splits since it was taken last; a revision counts the splits before it."""
+        return state.split_log[max(self.revision, 0) :]
+
+    def restore(self, revision: int) -> None:
+        """Take over ``revision`` from a checkpoint; the next state asked about is the one meant."""
+        self._state, self.revision = None, revision

@@ -10,7 +10,7 @@ import pytest
 from naive import cases
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
-from shellcut.state import CableTable, NodeTable
+from shellcut.state import CableTable, KnownTopology, NodeTable
 
 
 def test_rows_are_appended_and_the_old_ones_survive_growth():
@@ -94,3 +94,23 @@ def test_quads_of_nodes_by_brute_force():
         mine = [e for e in range(len(quads)) if node in quads[e]]
         assert table[node, : count[node]].tolist() == mine
         assert not table[node, count[node] :].any()
+
+
+def test_a_known_topology_is_that_of_one_state_until_it_splits():
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
+    known = KnownTopology()
+    assert not known.is_of(state)
+    known.take(state)
+    assert known.is_of(state)
+    assert not known.is_of(initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)))
+    state.split_log.append("a split")
+    state.revision += 1
+    assert not known.is_of(state)
+    assert known.new_splits(state) == ["a split"]
+    # What a checkpoint brings back is of the state that is asked about next.
+    other = KnownTopology()
+    other.restore(known.revision)
+    assert other.new_splits(state) == ["a split"]
+    other.restore(state.revision)
+    assert other.is_of(state)
+    assert other.new_splits(state) == []

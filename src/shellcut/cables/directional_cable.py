@@ -47,7 +47,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
-from shellcut.state import BROKEN, JOINTED, STRAIGHT, State
+from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
@@ -112,8 +112,7 @@ class CableSet:
         self._sharpest = max(law.onset, law.short_branch)
         self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
-        self._state: State | None = None
-        self._revision = -1
+        self._known = KnownTopology()
         self._tables: CableTables | None = None
         self._call = bound_once(_add_cable_forces)
         self._energies_of = bound_once(_energies)
@@ -137,7 +136,7 @@ class CableSet:
         if state.n_cable == 0:
             self.forces = CableForces(wrench, couple, 0.0, 0.0, 0, 0)
             return self.forces
-        if self._state is not state or self._revision != state.revision:
+        if not self._known.is_of(state):
             self._collect(state)
         work = self._call(pose, state.dt, state.time, self._tables, wrench, couple)
         self.forces = CableForces(wrench, couple, *work)
@@ -148,7 +147,7 @@ class CableSet:
     def _collect(self, state: State) -> None:
         """Lay out what the kernel takes, good until the next split."""
         c, n = state.cable, state.node
-        self._state, self._revision = state, state.revision
+        self._known.take(state)
         self._tables = CableTables(
             n_cable=c.count,
             directional=self.directional,

@@ -16,7 +16,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import load
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
 
 # Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
@@ -41,8 +41,7 @@ class NearNodes:
         self._radius = float(np.linalg.norm(corner, axis=1).max())
         self._pose = Pose.at_origin()
         self._time = 0.0
-        self._state: State | None = None
-        self._revision = -1
+        self._known = KnownTopology()
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """The nodes, ascending."""
@@ -51,7 +50,7 @@ class NearNodes:
     def renew(self, state: State, pose: Pose) -> bool:
         """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
         n = state.node
-        if self._state is state and self._revision == state.revision:
+        if self._known.is_of(state):
             if state.step % _LOOK_EVERY:
                 return False
             tool, fastest = self._way(self.ids, n.velocity_half, pose, self._pose, self._radius)
@@ -70,7 +69,7 @@ class NearNodes:
         )
         self.ids = found[:count].copy()
         self._pose = pose
-        self._state, self._revision = state, state.revision
+        self._known.take(state)
         self._time, self._walked = state.time, 0.0
         return True
 
@@ -81,16 +80,15 @@ class NearNodes:
             "pose": self._pose._asdict(),
             "time": self._time,
             "walked": self._walked,
-            "revision": self._revision,
+            "revision": self._known.revision,
         }
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self._state = state
         self.ids = saved["ids"].copy()
         self._pose = Pose(**saved["pose"]).copied()
         self._time, self._walked = saved["time"], saved["walked"]
-        self._revision = saved["revision"]
+        self._known.restore(saved["revision"])
 
     def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.

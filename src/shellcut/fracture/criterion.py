@@ -38,7 +38,7 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import bound_once
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
@@ -181,7 +181,7 @@ class SplitCriterion:
         self._weigh = bound_once(weigh_partings)
         self._table: PartingTable | None = None
         self._nodes: list[int] = []
-        self._revision = -1
+        self._known = KnownTopology()
         self.n_borrowed = 0
         """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
 
@@ -232,17 +232,17 @@ class SplitCriterion:
 
         Across the crack too: a split may divide the cables of both its flanks.
         """
-        if self._revision == state.revision:
+        if self._known.is_of(state):
             return
         ends = state.cable.ends[: state.n_cable]
-        for record in state.split_log[max(self._revision, 0) :]:
+        for record in self._known.new_splits(state):
             for half in (record.node, record.twin):
                 around = state.node.quads[half, : state.node.n_quad_at[half]]
                 across = ends[(ends == half).any(axis=1)]
                 for n in np.union1d(state.quads[around], across).tolist():
                     self._partings.pop(n, None)
         self._table = None
-        self._revision = state.revision
+        self._known.take(state)
 
     def _weighed(self, state: State, nodes: list[int], dt: float) -> tuple[PartingTable, float]:
         """Return the partings of some nodes, weighed, and the largest measure of them."""

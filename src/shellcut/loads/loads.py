@@ -19,7 +19,7 @@ from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
-from shellcut.state import State, columns
+from shellcut.state import KnownTopology, State, columns
 
 from .pressure import pressure_on_nodes, pressure_rows, scatter_rows
 from .supports import NodeChoice, choose_nodes
@@ -316,7 +316,7 @@ class _DeadLoad:
         self.factor, self.rule = factor, rule
         self.force: Floats = np.zeros((0, 3))
         """At a factor of one [N], shape (n_node, 3)."""
-        self._known = 0
+        self._known = KnownTopology()
 
     def follow(self, state: State) -> None:
         """Take in the splits since the last call."""
@@ -324,15 +324,15 @@ class _DeadLoad:
             grown = columns(state.node.x.shape[0], 3)
             if self.force.shape[0] == 0:
                 grown[: state.n_node] = self.rule.on(state, np.arange(state.n_node))
-                self._known = len(state.split_log)
+                self._known.take(state)
             else:
                 grown[: self.force.shape[0]] = self.force
             self.force = grown
-        if self._known < len(state.split_log):
-            split = state.split_log[self._known :]
+        if not self._known.is_of(state):
+            split = self._known.new_splits(state)
             nodes = np.unique([id_ for one in split for id_ in (one.node, one.twin)])
             self.force[nodes] = self.rule.on(state, nodes)
-            self._known = len(state.split_log)
+            self._known.take(state)
 
 
 def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:

@@ -32,7 +32,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
 from .tool_terms import ToolTerm
 
@@ -97,7 +97,7 @@ class StableStep:
         self.stepping = stepping
         self._shell, self._tool_terms = shell, tuple(tool_terms)
         self._next = 0
-        self._revision = -1
+        self._topology = KnownTopology()
         self._dt = 0.0
         self._free = math.inf
         # Quads evaluated since the last look at all.
@@ -108,8 +108,8 @@ class StableStep:
         if self.stepping.fixed is not None:
             return self.stepping.fixed
         due = state.step >= self._next
-        if due or state.revision != self._revision:
-            self._revision = state.revision
+        if due or not self._topology.is_of(state):
+            self._topology.take(state)
             safe = self.stepping.safety * (self._look_at_all if due else self._look_at_held)(state)
             if safe < self._dt or safe > _HYSTERESIS * self._dt:
                 self._dt = safe
@@ -172,7 +172,7 @@ class StableStep:
         """Return when it looked last and what it found; the frequencies are the shell's."""
         return {
             "next": self._next,
-            "revision": self._revision,
+            "revision": self._topology.revision,
             "dt": self._dt,
             "free": self._free,
             "known": self._known,
@@ -180,7 +180,8 @@ class StableStep:
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
-        self._next, self._revision = saved["next"], saved["revision"]
+        self._next = saved["next"]
+        self._topology.restore(saved["revision"])
         self._dt, self._free = saved["dt"], saved["free"]
         self._known[:] = saved["known"]
 
