@@ -13,7 +13,7 @@ from shellcut.numerics.jit import bound_once
 from shellcut.numerics.lane_instructions import SIXTEEN, Lane
 from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
 from shellcut.numerics.threads import Workers, in_order
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
 from .blocks import build_blocks
 from .centre_stress import CentreStress, FaceStresses
@@ -122,8 +122,7 @@ class MITC4Shell:
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
-        self._state: State | None = None
-        self._revision = -1
+        self._known = KnownTopology()
         self._centre_stress = CentreStress(mesh, material) if material.is_linear else None
         self._point_output = (
             None
@@ -197,7 +196,7 @@ class MITC4Shell:
         damping = QuadStep(damped, rho, state.strain, state.strain_before)
         points = self.has_points
         step = PointStep(damping, state.history, state.dt) if points else damping
-        if self._state is not state or self._revision != state.revision:
+        if not self._known.is_of(state):
             self._collect(state)
         quads = self._lasting
 
@@ -221,7 +220,7 @@ class MITC4Shell:
         """Collect what the kernels are given until the next split."""
         quads = self._quads(state.node.x, state.node.t)
         self._lasting = PointQuads(quads, self.points) if self.has_points else quads
-        self._state, self._revision = state, state.revision
+        self._known.take(state)
 
     def _quads(self, x: Floats, t: Floats) -> Quads:
         return Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
