@@ -95,7 +95,7 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     sim = simulation
     sweep = None
     if sim.tool is not None and sim.motion is not None:
-        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until)
+        sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until, sim.law)
     order = {REFUSE: 0, DOUBT: 1, NOTE: 2}
     found = sorted(_findings(sim, sweep, until), key=lambda finding: order[finding.severity])
     return ModelCheck(tuple(found), sweep)

@@ -21,6 +21,8 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.imprinting import crack_lead
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
@@ -34,8 +36,6 @@ _FLATNESS = 1e-6  # as in imprinting.film_plane
 _NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
 _BORDER = 1e-3  # edge lengths by which a place may miss its quad: chords of the rim
 _OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sheets
-AHEAD = 3.0
-"""Cracks run ahead of the blade by up to this distance [mm], as in ``imprinting.blade_path``."""
 
 
 @dataclass(frozen=True)
@@ -105,11 +105,20 @@ class Sweep:
     """One per chain of the tool."""
     top_speed: float
     """Largest speed of any point of the cutting edges during the motion [mm/s]."""
+    ahead: float
+    """How far cracks may run ahead of the blade [mm]."""
 
     @classmethod
-    def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
-        """Find the places up to ``duration`` [s], and ahead of it by the reach of a crack."""
-        return _Search(mesh, tool, motion, duration).sweep()
+    def of(
+        cls,
+        mesh: Mesh,
+        tool: Tool,
+        motion: Motion,
+        duration: float,
+        law: CohesiveLaw | None = None,
+    ) -> Sweep:
+        """Find the places up to ``duration`` [s] and a crack's way beyond."""
+        return _Search(mesh, tool, motion, duration, crack_lead(tool, law)).sweep()
 
     @cached_property
     def within(self) -> Bools:
@@ -159,7 +168,7 @@ class Sweep:
         # A motion that continues has places beyond its end.
         if abs(self.time[mine[-1]] - self.duration) < 0.5 * tick:
             for n, a in enumerate(self.place[moments[-1]]):
-                yield a + np.arange(0.0, AHEAD, fine)[:, None] * way.get(n, np.zeros(3))
+                yield a + np.arange(0.0, self.ahead, fine)[:, None] * way.get(n, np.zeros(3))
 
 
 def edge_line(sweep: Sweep) -> str:
@@ -196,7 +205,10 @@ class _Places(NamedTuple):
 class _Search:
     # search for the places, chain by chain
 
-    def __init__(self, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> None:
+    def __init__(
+        self, mesh: Mesh, tool: Tool, motion: Motion, duration: float, ahead: float
+    ) -> None:
+        self._ahead = ahead
         self._mesh, self._tool, self._motion = mesh, tool, motion
         self._duration = duration
         self._centres = mesh.nodes[mesh.quads].mean(axis=1)
@@ -233,6 +245,7 @@ class _Search:
             self.n_time,
             fates=tuple(fates),
             top_speed=max(speed for _, _, speed in found),
+            ahead=self._ahead,
             **places,
         )
 
@@ -250,7 +263,7 @@ class _Search:
         tick = self._duration / n
         x = self._moved(corners, rough[-1] + np.array([0.0, tick]))
         a_tick = float(np.linalg.norm(x[1] - x[0], axis=1).max())
-        beyond = min(int(np.ceil(AHEAD / a_tick)), n) if a_tick > 1e-6 * way / n else 0
+        beyond = min(int(np.ceil(self._ahead / a_tick)), n) if a_tick > 1e-6 * way / n else 0
         return tick * np.arange(float(n + beyond + 1)), n
 
     def _moved(self, points: Floats, times: Floats) -> Floats:

@@ -1,11 +1,11 @@
 """The imprint: insert a blade's path into any flat mesh as a line of edges.
 
-May import ``mesh``, ``tool``, ``material``, ``view`` and rows below.
+May import ``cables``, ``mesh``, ``tool``, ``material``, ``view`` and rows below.
 """
 
-from .blade_path import blade_path
+from .blade_path import blade_path, crack_lead
 from .film_plane import ImprintError
 from .imprint import ImprintResult, imprint
 from .path_curve import PathCurve
 
-__all__ = ["ImprintError", "ImprintResult", "PathCurve", "blade_path", "imprint"]
+__all__ = ["ImprintError", "ImprintResult", "PathCurve", "blade_path", "crack_lead", "imprint"]

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
@@ -31,13 +32,11 @@ from .path_curve import PathCurve
 N_TIME = 400
 """Number of equal time intervals at which the edges are sampled."""
 
-AHEAD = 3.0
-"""Extension of a path beyond the blade's last position [mm], because the crack runs ahead of the
-blade: by 1.4 mm in the guillotine."""
-
-BEHIND = 3.0
-"""Extension of a path behind the first position of the blade's edge [mm], or of its body where that
-presses on the film behind the edge. The blade also opens the crack backwards: 1.5 mm behind the
+LEAD_OF_OPENING, LEAD_OF_TOOL = 0.75, 5.0
+"""A path is led on by so much of the opening at which a cable breaks, or of the tool's half
+thickness V / A, about the length of its wedge, whichever is more: a crack runs as far ahead as the
+cables or the wedge open it. With the law of the paper, openings to 4 mm, that is 3 mm; the
+crack runs ahead by 1.4 mm in the guillotine. The blade opens it backwards too: 1.5 mm behind the
 start of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
 
 FIT = 5e-3
@@ -55,8 +54,9 @@ def blade_path(
     mesh: Mesh,
     duration: float,
     *,
-    ahead: float = AHEAD,
-    behind: float = BEHIND,
+    law: CohesiveLaw | None = None,
+    ahead: float | None = None,
+    behind: float | None = None,
     n_time: int = N_TIME,
 ) -> list[PathCurve]:
     """Return the curves in space where cutting edges pass through the film's mid-surface.
@@ -68,10 +68,13 @@ def blade_path(
     mesh : Mesh
         Flat; the film in its reference state.
     duration : float
-        End of the motion [s]; it starts at t = 0.
-    ahead, behind : float
-        Extension of the path beyond the blade's last position, and behind its first [mm]; these
-        are the ``leads`` of the curves.
+        End of the motion that counts [s]; it starts at t = 0.
+    law : CohesiveLaw, optional
+        Of the cables, for how far cracks run ahead; by default that of the paper.
+    ahead, behind : float, optional
+        How far the path goes on beyond the blade's last place, and behind its first, or behind its
+        body where that presses on the film behind the edge [mm]; these are the ``leads`` of the
+        curves. By default :func:`crack_lead`.
     n_time : int
         Number of time steps sampled.
 
@@ -90,6 +93,8 @@ def blade_path(
     >>> len(blade_path(blade, motion, rectangle(12.0, 8.0, size=0.8), duration=1e-3))
     1
     """
+    lead = crack_lead(tool, law)
+    ahead, behind = lead if ahead is None else ahead, lead if behind is None else behind
     film = FilmPlane(mesh)
     h = float(np.median(film.edge_length))
     crossings = Crossings(film, tool, motion, np.linspace(0.0, duration, n_time + 1))
@@ -112,7 +117,20 @@ def blade_path(
     return [c.mapped(film.lift) for c in (*lines, *arcs, *splines)]
 
 
-# --- fit of lines and circles --------------------------------------------------------------------
+def crack_lead(tool: Tool, law: CohesiveLaw | None = None) -> float:
+    """Return how far a crack may run ahead of a tool, or open behind its first place [mm].
+
+    Examples
+    --------
+    >>> from shellcut.tool.shapes import straight_blade
+    >>> crack_lead(straight_blade())
+    3.0
+    """
+    opening = (law or CohesiveLaw()).opening_u
+    return max(LEAD_OF_OPENING * opening, LEAD_OF_TOOL * tool.half_thickness())
+
+
+# --- what the points lie on ----------------------------------------------------------------------
 
 
 class _Leads(NamedTuple):

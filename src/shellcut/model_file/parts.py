@@ -72,8 +72,9 @@ class _Parts:
             return tool, motion, section.duration
         if self._model.head.model == "guillotine":
             if mesh is None or tool is None:
-                raise ValueError("the blade's travel starts at the strip, which is missing")
-            return blade_before(mesh, tool, travel=section.travel, speed=section.speed)
+                raise ValueError("the way of the blade begins where the strip does")
+            law = self._of["cohesive"].made()
+            return blade_before(mesh, tool, travel=section.travel, speed=section.speed, law=law)
         given = section.made()
         duration = section.duration
         return tool, given, float(given.times[-1]) if duration is None else duration

@@ -56,7 +56,7 @@ class Teeth(_Shape):
     tip_clearance: float = key(number("mm"), "of the tip above the film at the start")
     phase_deg: float = key(number("deg"), "angle of the first tip")
     n_arc: int | None = key(
-        whole, "segments of each cutting edge", unset="5e-4 mm off the cylinder"
+        whole, "segments of each cutting edge", unset="1/700 of half_thickness off the cylinder"
     )
     shift: tuple[float, ...] = key(numbers("mm", count=3), _SHIFT, default=(0.0, 0.0, 0.0))
 
@@ -75,7 +75,7 @@ class Blade(_Shape):
 
 @section("tool", kind="blade", sign="edge_angle_deg", of=straight_blade)
 class StripBlade(Blade):
-    """A wedge that moves along +x, its edge 0.05 mm before the strip."""
+    """A wedge that moves along +x, its edge opening_u / 80 before the strip."""
 
     length: float | None = key(  # type: ignore[assignment]
         number("mm"), "from the edge to the back", default=None, unset="as long as the strip"
@@ -136,7 +136,7 @@ class StripWay(Section):
         number("mm", above=0.0),
         "travel of the blade",
         default=default_of(guillotine, "travel"),
-        unset="up to 2.5 mm before the end of the strip",
+        unset="up to 0.625 opening_u before the end of the strip",
     )
 
 

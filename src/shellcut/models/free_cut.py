@@ -65,7 +65,7 @@ def free_cut(
     if notch and not imprint:
         raise ValueError("a notch follows the imprinted path: give notch=0 or imprint=True")
     section = material or ShellMaterial.homogeneous()
-    result = with_path(mesh, tool, motion, duration, section) if imprint else None
+    result = with_path(mesh, tool, motion, duration, section, law) if imprint else None
     film = mesh if result is None else result.mesh
     if result is not None and notch:
         chain = result.chains[0][result.first[0] :]
@@ -79,7 +79,7 @@ def free_cut(
 
 def _start_of(nodes: Floats, chain: Ints, notch: float) -> Ints:
     way = np.cumsum(np.linalg.norm(np.diff(nodes[chain], axis=0), axis=1))
-    first = chain[: 1 + np.searchsorted(way, notch + 1e-9, side="right")]
+    first = chain[: 1 + np.searchsorted(way, notch * (1.0 + 1e-9), side="right")]
     if len(first) < 2:
         raise ValueError(
             f"the notch of {notch} mm must be at least one edge of the path long, "

@@ -27,8 +27,16 @@ from shellcut.tool.tool import Tool
 from .case import Case, check_length
 from .imprinted_path import with_path
 
-# Gap between the cutting edge and the film's end at the start [mm].
-_CLEARANCE = 0.05
+# Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
+# of the paper, little beside the way to the first cable.
+_CLEARANCE = 1.0 / 80.0
+
+# Way from the blade's last place to the end of the strip, over opening_u: the cables that it drags
+# reach half of that behind it, and it must not run out of film. 2.5 mm with the law of the paper.
+_LEFT = 0.625
+
+# Of a coordinate, over the extent of the strip: round-off.
+_ON_LINE = 1e-9
 
 _RAMP = 1e-4  # duration of the blade's acceleration [s]
 
@@ -39,7 +47,8 @@ BLADE_HEIGHT = 3.0
 def notched_strip(length: float, width: float, size: float, notch: float) -> Mesh:
     """Return a strip from x = 0 to ``length``, cut along its middle up to ``notch`` [mm]."""
     mesh = rectangle(length, width, size=size)
-    on_line = mesh.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x <= notch + 1e-9))
+    off = _ON_LINE * length
+    on_line = mesh.nodes_where(lambda x, y, z: (np.abs(y) < off) & (x <= notch + off))
     if on_line.size < 2:
         raise ValueError(
             f"the notch of {notch} mm must follow a mesh line in the middle of the strip: make "
@@ -80,7 +89,8 @@ def guillotine(
         Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. In a
         mesh of your own the notch ends at the last node of the path within ``notch``; 0 for none.
     travel : float, optional
-        Travel of the blade [mm]; by default up to 2.5 mm before the end of the strip.
+        Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip, 2.5
+        mm of the paper's law.
     speed : float
         Speed after a ramp of 0.1 ms [mm/s].
     tool : Tool, optional
@@ -109,13 +119,15 @@ def guillotine(
     """
     section = material or ShellMaterial.homogeneous()
     film = notched_strip(length, width, size, notch) if mesh is None else mesh
-    blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed)
+    cables = law or CohesiveLaw()
+    blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed, law=cables)
     result = None
     if mesh is not None and imprint:
-        result = with_path(mesh, blade, motion, duration, section)
+        result = with_path(mesh, blade, motion, duration, section, cables)
         film = _notched(result.mesh, result.chains[0], notch)
     elif mesh is not None:
-        on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < 1e-9)
+        off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
+        on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
         film = _notched(mesh, on_line[np.argsort(mesh.nodes[on_line, 0])], notch)
     simulation = Simulation(
         film,
@@ -123,7 +135,7 @@ def guillotine(
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=blade,
         motion=motion,
-        law=law or CohesiveLaw(),
+        law=cables,
         **options,
     )
     check_length(simulation, duration)
@@ -131,21 +143,21 @@ def guillotine(
 
 
 def blade_before(
-    film: Mesh, tool: Tool | None, *, travel: float | None, speed: float
+    film: Mesh, tool: Tool | None, *, travel: float | None, speed: float, law: CohesiveLaw
 ) -> tuple[Tool, StraightMotion, float]:
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
     blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
     motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
-    way = extent - 2.5 if travel is None else travel
+    way = extent - _LEFT * law.opening_u if travel is None else travel
     duration = way / speed + 0.5 * _RAMP
-    return blade.translated((start - _CLEARANCE, 0.0, 0.0)), motion, duration
+    return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
 
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:
     # cut along the first nodes of the path, which begins at the strip's end
     x = mesh.nodes[line, 0]
-    within = line[x <= mesh.nodes[:, 0].min() + notch + 1e-9]
+    within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
     if notch == 0.0:
         return mesh
     if len(within) < 2:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.imprinting import ImprintError, ImprintResult, blade_path, imprint
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -10,11 +11,16 @@ from shellcut.tool.tool import Tool
 
 
 def with_path(
-    mesh: Mesh, tool: Tool, motion: Motion, duration: float, material: ShellMaterial
+    mesh: Mesh,
+    tool: Tool,
+    motion: Motion,
+    duration: float,
+    material: ShellMaterial,
+    law: CohesiveLaw | None,
 ) -> ImprintResult:
     """Imprint the path of the tool's edges during a run; a refusal says how to avoid it."""
     try:
-        path = blade_path(tool, motion, mesh, duration)
+        path = blade_path(tool, motion, mesh, duration, law=law)
         return imprint(mesh, path, material=material.layers[0].material)
     except ImprintError as error:
         raise ImprintError(

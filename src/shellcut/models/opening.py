@@ -82,7 +82,7 @@ def opening_test(
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
     section = material or ShellMaterial.homogeneous()
-    result = with_path(film, cutter, motion, duration, section) if imprint else None
+    result = with_path(film, cutter, motion, duration, section, law) if imprint else None
     simulation = Simulation(
         result.mesh if result else film,
         section,

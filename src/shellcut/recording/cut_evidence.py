@@ -2,7 +2,7 @@
 
 ======================  ==========================================================================
 off_path_mm             largest distance of a split from the path of the cutting edges, in the
-                        reference film; cracks may run ahead of the path by ``Sweep``'s AHEAD
+                        reference film; cracks may run ahead of the path by ``Sweep.ahead``
 n_split_off_path        splits farther from the path than a fifth of a film edge
 overshoot_rel           mean distance the edge had passed the cables when their joints were made,
                         over half of ``opening_u``, by which the edge then drags them: the share of

@@ -45,7 +45,7 @@ _STOPPED = 3.0  # travel per millimetre of cut over the median
 _BYSTANDER = 0.1  # relative to the longest cut
 _UP_TO_SPEED = 0.95  # relative to the median speed
 _LEAST_PERIODS = 2
-_ROUND_OFF = 1e-9  # of lengths [mm]
+_ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
 
 @dataclass(frozen=True)
@@ -171,17 +171,22 @@ class _Cut:
     """Z [mm]; infinite if no cable has broken."""
 
     @property
+    def round_off(self) -> float:
+        """Of lengths [mm]."""
+        return _ROUND_OFF * float(self.length[-1])
+
+    @property
     def renewed(self) -> Bools:
-        return np.asarray(self.length >= _RENEWED * self.zone - _ROUND_OFF)
+        return np.asarray(self.length >= _RENEWED * self.zone - self.round_off)
 
     @property
     def free(self) -> Bools:
-        return np.asarray(self.ahead >= _FREE * self.zone - _ROUND_OFF)
+        return np.asarray(self.ahead >= _FREE * self.zone - self.round_off)
 
     @property
     def joints(self) -> Ints:
-        """Rows in which the edge has met a cable."""
-        return np.flatnonzero(np.diff(self.length, prepend=0.0) > _ROUND_OFF)
+        """Rows in which a cable has been met."""
+        return np.flatnonzero(np.diff(self.length, prepend=0.0) > self.round_off)
 
     def joints_within(self, first: int, last: int) -> Ints:
         joints = self.joints
@@ -199,7 +204,7 @@ class _Cut:
         # A row in which a cable is met belongs to the interval before.
         before = np.searchsorted(joints, np.arange(len(x))) - 1
         goes_on = (before >= 0) & (slowness[np.maximum(before, 0)] <= slow)
-        return np.asarray(goes_on & (self.spare > _ROUND_OFF))
+        return np.asarray(goes_on & (self.spare > self.round_off))
 
 
 def _cuts(history: Mapping[str, Floats]) -> list[_Cut] | str:
@@ -215,7 +220,7 @@ def _cuts(history: Mapping[str, Floats]) -> list[_Cut] | str:
         length = history[CUT_LENGTH + edge]
         if length[-1] < _BYSTANDER * longest:
             continue
-        broken = length - history[PROCESS_ZONE + edge] > _ROUND_OFF
+        broken = length - history[PROCESS_ZONE + edge] > _ROUND_OFF * longest
         zone = float(length[np.argmax(broken)]) if broken.any() else float("inf")
         ahead, spare = history[UNCUT_AHEAD + edge], history[TO_SPARE + edge]
         cuts.append(_Cut(int(edge), length, ahead, spare, zone))

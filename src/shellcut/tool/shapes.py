@@ -30,12 +30,13 @@ from shellcut.arrays import Floats
 
 from .tool import Tool, ToolError
 
-EDGE_DEVIATION = 1e-3
-"""A chord of the cutting edge must stay this near to its cylinder [mm]: a cut beside the line of
-mesh edges costs energy (0.02 mm: 3.5 %)."""
+EDGE_DEVIATION = 1.0 / 350.0
+"""A chord of the cutting edge must stay this near to its cylinder, over the half thickness of the
+tooth, 1e-3 mm of the default one: a cut beside the line of mesh edges costs energy (0.02 mm on
+edges of 0.4 mm: 3.5 %), and the edges of a film that is cut are of the order of its thickness."""
 
-DEFAULT_DEVIATION = 5e-4
-"""The deviation aimed at [mm] when the number of segments is not given."""
+DEFAULT_DEVIATION = 1.0 / 700.0
+"""The deviation aimed at, likewise, when the number of segments is not given."""
 
 BLUNTEST_EDGE = 40.0
 """Largest half-angle of the wedge seen along the edge [deg]."""
@@ -43,8 +44,9 @@ BLUNTEST_EDGE = 40.0
 FLANK_MARGIN = 5.0
 """A flank may turn by the half-angle plus this [deg]; facets of a cylinder turn by less."""
 
-LONGEST_TRIANGLE = 0.4
-"""Longest cutting segment of a tooth [mm]: keeps the lists of the contact grid short."""
+LONGEST_TRIANGLE = 8.0 / 7.0
+"""Longest cutting segment of a tooth over its half thickness, 0.4 mm of the default one: keeps the
+lists of the contact grid short, whose cells are a third of the thickness."""
 
 MOST_TRIANGLES = 1_000_000
 """Of the largest ring that is made; the default one has 4,112."""
@@ -95,8 +97,9 @@ def tooth_ring(
     phase_deg : float, [deg]
         Angle of the first tip.
     n_arc : int, optional
-        Segments of each cutting edge; by default so many that chords stay within 5e-4 mm of the
-        cylinder and segments below 0.4 mm. Fewer than 1e-3 mm asks for are refused.
+        Segments of each cutting edge; by default so many that chords stay within
+        1/700 of the half thickness of the cylinder and segments below 8/7 of it. Fewer than a
+        deviation of 1/350 asks for are refused.
 
     Returns
     -------
@@ -157,14 +160,17 @@ def tooth_ring(
             ],
             what="tooth ring",
         )
-    least = max(1, ceil(forward / sqrt(8.0 * radius * EDGE_DEVIATION)))
-    wanted = min(sqrt(8.0 * radius * DEFAULT_DEVIATION), radius * radians(0.5 * FLANK_MARGIN))
+    farthest = EDGE_DEVIATION * half_thickness
+    aimed_at = DEFAULT_DEVIATION * half_thickness
+    least = max(1, ceil(forward / sqrt(8.0 * radius * farthest)))
+    wanted = min(sqrt(8.0 * radius * aimed_at), radius * radians(0.5 * FLANK_MARGIN))
     if n_arc is None:
-        n_arc = max(ceil(forward / wanted), ceil(height / sin(eta) / LONGEST_TRIANGLE))
+        longest = LONGEST_TRIANGLE * half_thickness
+        n_arc = max(ceil(forward / wanted), ceil(height / sin(eta) / longest))
     elif n_arc < least:
         raise ToolError(
             [
-                f"n_arc = {n_arc} leaves the cutting edge {EDGE_DEVIATION:g} mm or more beside the "
+                f"n_arc = {n_arc} leaves the cutting edge {farthest:.4g} mm or more beside the "
                 f"cylinder: use at least {least}"
             ],
             what="tooth ring",

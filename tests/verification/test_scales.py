@@ -1,0 +1,169 @@
+"""A model in other units gives the same curve in these units: no length or stress is hidden in it.
+
+Lengths, times and stresses are multiplied by factors of their own, and with them the density, the
+damping and the penalty of the contact, which are given. With powers of two every rounding is that
+of the reference, so that every bit must agree; other factors round otherwise, and the cut of a
+straight blade must agree to 1e-9 of the largest value of each curve. (On the ring of teeth the
+closest point of a node may lie on the edge between two facets; then round-off decides which of
+their normals, half a degree apart, counts.)
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shellcut import CohesiveLaw, Contact, PathCurve, ShellMaterial, Simulation, Statics, imprint
+from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.loads.loads import Pressure
+from shellcut.loads.supports import Support
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.models.guillotine import notched_strip
+from shellcut.models.opening import opening_test
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+from scaled import Factors
+
+REFERENCE = Factors()
+# Of stresses a power of four: square roots of an odd power of two round otherwise.
+POWERS_OF_TWO = (Factors(1024.0, 512.0, 64.0), Factors(1 / 16, 1 / 32, 256.0))
+OTHERS = (Factors(1000.0, 700.0, 100.0), Factors(0.05, 0.03, 100.0))
+FILM = ShellMaterial.homogeneous()
+LAW = CohesiveLaw()
+
+
+def options(f):
+    """Everything that is given in units of its own."""
+    return {
+        "material": f.material(FILM),
+        "law": f.law(LAW),
+        "contact": Contact(penalty=1e4 * f.stress / f.length),
+        "damping_alpha": 0.1 / f.time,
+        "damping_beta": 5e-8 * f.time,
+    }
+
+
+def curve(sim, f, until):
+    """Everything that a run shows, every ten steps, in the units of the reference."""
+    wires = ToolWires(sim.tool)
+    rows = []
+    while sim.state.time < until * f.time:
+        sim.step()
+        if sim.state.step % 10:
+            continue
+        wrench = sim.contact_forces.wrench + sim.cable_forces.wrench
+        n_unfelt, unfelt = unfelt_penetration(wires, sim.state, sim.pose)
+        rows.append(
+            [
+                sim.state.step,
+                sim.state.time / f.time,
+                *(wrench[:, :3] / f.force).ravel(),
+                *(wrench[:, 3:] / f.energy).ravel(),
+                *(np.array(list(sim.ledger.entries().values())) / f.energy),
+                sim.deepest_penetration / f.length,
+                n_unfelt,
+                unfelt / f.length,
+                len(sim.state.split_log),
+                sim.n_joint_made,
+                sim.n_cable_broken,
+            ]
+        )
+    return np.array(rows)
+
+
+def opening(f, until=0.9e-3):
+    """The opening test on the quick mesh at twice the speed, its tool made in the other units."""
+    ring = tooth_ring(
+        radius=9.4 * f.length,
+        half_thickness=0.35 * f.length,
+        length=1.5 * f.length,
+        height=5.0 * f.length,
+        tip_clearance=0.02 * f.length,
+    )
+    case = opening_test(
+        f.mesh(opening_disc("quick")),
+        tool=ring,
+        pitch=12.0 * f.length,
+        duration=3e-3 * f.time,
+        **options(f),
+    )
+    return curve(case.simulation, f, until)
+
+
+def guillotine(f, until=1.1e-3):
+    """A strip that a straight blade cuts along its middle."""
+    strip = notched_strip(8.0 * f.length, 4.8 * f.length, 0.8 * f.length, 1.6 * f.length)
+    blade = straight_blade(
+        half_thickness=0.3 * f.length, length=8.0 * f.length, height=3.0 * f.length
+    ).translated((-0.05 * f.length, 0.0, 0.0))
+    speed = 6000.0 * f.length / f.time
+    sim = Simulation(
+        strip,
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        tool=blade,
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=1e-4 * f.time),
+        **options(f),
+    )
+    return curve(sim, f, until)
+
+
+def assert_agrees(scaled, reference, f):
+    assert scaled.shape == reference.shape
+    if f in POWERS_OF_TWO:
+        np.testing.assert_array_equal(scaled, reference)
+    largest = np.abs(reference).max(axis=0)
+    assert (np.abs(scaled - reference) <= 1e-9 * largest).all()
+
+
+def test_the_opening_test_has_no_scale_of_its_own():
+    reference = opening(REFERENCE)
+    n_split, n_joint, n_broken = reference[-1, -3:]
+    assert n_split >= 16
+    assert n_joint >= 16
+    assert n_broken > 0
+    for f in POWERS_OF_TWO:
+        assert_agrees(opening(f), reference, f)
+
+
+def test_the_guillotine_has_no_scale_of_its_own():
+    reference = guillotine(REFERENCE)
+    assert (reference[-1, -3:] > 2).all()
+    for f in POWERS_OF_TWO + OTHERS:
+        assert_agrees(guillotine(f), reference, f)
+
+
+@pytest.mark.parametrize("f", POWERS_OF_TWO + OTHERS)
+def test_an_imprint_has_no_scale_of_its_own(f):
+    def nodes(f):
+        film = f.mesh(rectangle(8.0, 6.0, size=0.5))
+        ends = np.array([[0.0, -0.8], [8.0, 0.9]]) * f.length
+        found = imprint(film, PathCurve.line(*ends), material=f.material(FILM).layers[0].material)
+        assert found.changed
+        return found.mesh.nodes / f.length
+
+    # The smoothing ends where a step brings little, so round-off moves nodes by a little more.
+    reference = nodes(REFERENCE)
+    if f in POWERS_OF_TWO:
+        np.testing.assert_array_equal(nodes(f), reference)
+    np.testing.assert_allclose(nodes(f), reference, rtol=0.0, atol=1e-9 * 8.0)
+
+
+@pytest.mark.parametrize("f", POWERS_OF_TWO + OTHERS)
+def test_a_static_solution_has_no_scale_of_its_own(f):
+    def solution(f):
+        mesh = f.mesh(rectangle(4.0, 3.0, size=0.5))
+        model = Statics(
+            mesh,
+            f.material(FILM),
+            supports=[Support.clamped(side) for side in ("left", "right", "bottom", "top")],
+            loads=[Pressure(0.05 * f.stress)],
+        )
+        return model.load_steps([0.2, 0.5, 1.0])[-1].displacement[:, :3] / f.length
+
+    reference = solution(REFERENCE)
+    largest = np.abs(reference).max()
+    assert largest > 0.074  # far from linear
+    np.testing.assert_allclose(solution(f), reference, rtol=0.0, atol=1e-9 * largest)
