@@ -64,6 +64,7 @@ PAGES = {
         "theory/time",
         "theory/cables",
         "theory/contact",
+        "theory/scales",
         "theory/fracture",
         "theory/energy",
         "theory/statics",

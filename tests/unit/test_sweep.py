@@ -139,8 +139,8 @@ def test_an_edge_of_very_many_vertices_is_met_where_one_of_few_is():
     low, high = blade_.vertices[blade_.edges[0]]
     fine = replace(
         blade_,
-        vertices=low + t * (high - low),
-        edges=np.column_stack([np.arange(60_000), np.arange(1, 60_001)]),
+        vertices=np.concatenate([blade_.vertices, low + t * (high - low)]),
+        edges=blade_.n_vertex + np.column_stack([np.arange(60_000), np.arange(1, 60_001)]),
         **{
             name: np.repeat(getattr(blade_, name), 60_000, axis=0)
             for name in ("edge_body", "edge_chain", "edge_normal", "edge_back")

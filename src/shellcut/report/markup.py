@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-_AS_GOOD_AS_ZERO = 5e-4  # for lengths, areas and angles of a cut: mm, mm², degrees
+# Of lengths and areas over those of the whole, of angles in degrees.
+_AS_GOOD_AS_ZERO = 5e-4
 
 _LONG = 15  # characters of a cell that may be wrapped
 
@@ -47,9 +48,9 @@ def _gap(unit: str) -> str:
     return "" if unit == "deg" else " "
 
 
-def figure_of(value: float, unit: str) -> str:
-    """Return a number with three significant digits and its unit."""
-    number = f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO else "0"
+def figure_of(value: float, unit: str, whole: float = 1.0) -> str:
+    """Return a number of three figures and its unit; 0 if it is next to none of the whole."""
+    number = f"{value:.3g}" if abs(value) >= _AS_GOOD_AS_ZERO * whole else "0"
     return number if unit == "-" else f"{number}{_gap(unit)}{pretty(unit)}"
 
 

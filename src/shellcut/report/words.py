@@ -85,8 +85,15 @@ def quality(run: Gathered) -> str:
     coordinate, unit = frames[0].coordinate_name, frames[0].coordinate_unit
     # Give units once per row, so that the numbers fit beside each other on a phone.
     head = [in_unit(f"at {coordinate}", unit), *(figure_of(f.coordinate, "-") for f in frames)]
+    # a 25th of the film: 5e-4 of that is nothing to be seen
+    part = 0.04 * float(np.linalg.norm(np.ptp(frames[0].reference, axis=0)))
+    whole = {"mm": part, "mm^2": part * part}
+    units = {name: CUT_UNITS[name] for name in _QUALITY}
     lines = [
-        [in_unit(label, CUT_UNITS[name]), *(figure_of(row[name], "-") for row in rows)]
+        [
+            in_unit(label, units[name]),
+            *(figure_of(row[name], "-", whole.get(units[name], 1.0)) for row in rows),
+        ]
         for name, label in _QUALITY.items()
     ]
     return table(lines, head) + (
