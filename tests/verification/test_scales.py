@@ -54,7 +54,7 @@ def curve(sim, f, until):
         sim.step()
         if sim.state.step % 10:
             continue
-        wrench = sim.contact_forces.wrench + sim.cable_forces.wrench
+        wrench = sim.tooth_wrenches
         n_unfelt, unfelt = unfelt_penetration(wires, sim.state, sim.pose)
         rows.append(
             [
