@@ -89,8 +89,8 @@ def guillotine(
         Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. In a
         mesh of your own the notch ends at the last node of the path within ``notch``; 0 for none.
     travel : float, optional
-        Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip, 2.5
-        mm of the paper's law.
+        Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip,
+        2.5 mm with the paper's law.
     speed : float
         Speed after a ramp of 0.1 ms [mm/s].
     tool : Tool, optional
