@@ -63,12 +63,12 @@ def curve(sim, f, until):
                 *(wrench[:, :3] / f.force).ravel(),
                 *(wrench[:, 3:] / f.energy).ravel(),
                 *(np.array(list(sim.ledger.entries().values())) / f.energy),
-                sim.deepest_penetration / f.length,
+                sim.contact.deepest / f.length,
                 n_unfelt,
                 unfelt / f.length,
                 len(sim.state.split_log),
-                sim.n_joint_made,
-                sim.n_cable_broken,
+                sim.cables.n_joint_made,
+                sim.cables.n_broken,
             ]
         )
     return np.array(rows)
