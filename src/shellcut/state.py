@@ -341,6 +341,9 @@ class KnownTopology:
         """Return the splits since it was taken last; a revision counts the splits before it."""
         return state.split_log[max(self.revision, 0) :]
 
-    def restore(self, revision: int) -> None:
-        """Take over ``revision`` from a checkpoint; the next state asked about is the one meant."""
-        self._state, self.revision = None, revision
+    def restore(self, revision: int, state: State | None = None) -> None:
+        """Take over ``revision`` from a checkpoint.
+
+        Without ``state`` the next state asked about is the one meant.
+        """
+        self._state, self.revision = state, revision

@@ -88,7 +88,7 @@ class NearNodes:
         self.ids = saved["ids"].copy()
         self._pose = Pose(**saved["pose"]).copied()
         self._time, self._walked = saved["time"], saved["walked"]
-        self._known.restore(saved["revision"])
+        self._known.restore(saved["revision"], state)
 
     def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.
