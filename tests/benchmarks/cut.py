@@ -35,7 +35,7 @@ METHODS = {
     "contact": ("contact.add_forces",),
     "cables": ("cables.add_forces",),
     "fracture": ("_split_due_nodes",),
-    "tool and ledger": ("_place_tool", "_work_of_tool"),
+    "tool and ledger": ("_place_tool", "tool_terms.add_forces"),
 }
 """What is timed, by part. The rest of a step is the driver's."""
 

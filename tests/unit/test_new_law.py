@@ -244,7 +244,13 @@ def pulled_strip(film=FILM, **options):
 
 
 @pytest.mark.parametrize(
-    ("film", "precision"), [("film", "double"), ("laminate", "double"), ("film", "single")]
+    ("film", "precision"),
+    [
+        ("film", "double"),
+        ("laminate", "double"),
+        # Kernels of another width, compiled for this law alone: half a minute.
+        pytest.param("film", "single", marks=pytest.mark.slow),
+    ],
 )
 def test_the_ledger_closes_with_what_the_law_has_dissipated(film, precision):
     sim = pulled_strip(FILMS[film], precision=precision, damping_beta=0.0)
