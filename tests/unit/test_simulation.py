@@ -2,6 +2,8 @@
 
 import copy
 import pickle
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -125,6 +127,13 @@ def test_classical_cables_never_meet_the_blade():
     sim.run(END)
     assert sim.cables.n_joint_made == 0
     assert sim.state.n_cable > 0
+
+
+def test_the_table_of_what_changes_in_time_is_what_is_saved():
+    page = (Path(__file__).parents[2] / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.search(r"\| `saved\(\)` \|.*?\n\n", page, re.S)[0].splitlines()[2:]
+    told = [name for row in rows if row for name in re.findall(r"`(\w+)`", row.split("|")[1])]
+    assert sorted(told) == sorted(cutting().saved())
 
 
 @pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, pickle.dumps])
