@@ -122,8 +122,8 @@ def own_parts(user: User) -> str:
         edges = re.findall(r"chain \d of body \d: .* 5\.773 mm", done.said)
         expect(len(edges) == 4, f"4 edges of 5.773 mm each, got:\n{done.said}")
         steps = re.search(
-            r"(\S+) s is stable for the median quad by itself,\n"
-            r" +(\S+) s for the worst quad by itself",
+            r"(\S+) s is stable for the median quad alone,\n"
+            r" +(\S+) s for the worst quad alone",
             done.said,
         )
         expect(steps, f"what the worst quads cost was not said:\n{done.said}")
