@@ -42,6 +42,10 @@ def takes_all(lane: Any) -> bool:
 
 
 CACHE_LINE = 64
+"""Bytes."""
+
+OVERLOAD_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+"""For the functions of lanes that kernels call: as those of ``always_inline``."""
 
 _I1, I8, I32, I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _DOUBLE = ir.DoubleType()

@@ -50,6 +50,7 @@ from shellcut.arrays import Floats, Number, Numbers, SmallIds, Vector
 from .lane_arithmetic import fewer_bits, fused, more_bits, sum_of_lanes
 from .lane_instructions import (
     CACHE_LINE,
+    OVERLOAD_OPTIONS,
     SIXTEEN,
     SIXTEEN_TYPE,
     WIDTH,
@@ -98,15 +99,13 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
 
 # ---------------------------------------------------------------- the functions kernels call
 
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
-
 
 def turns(table: Numbers, lane: Lane) -> int:
     """Return how often a block must be visited: once by lanes, or as often as it has places."""
     return int(table.shape[2]) if _one(lane) else 1
 
 
-@overload(turns, jit_options=_OPTIONS)
+@overload(turns, jit_options=OVERLOAD_OPTIONS)
 def _turns(table, lane):
     return (lambda table, lane: 1) if takes_all(lane) else (lambda table, lane: table.shape[2])
 
@@ -116,7 +115,7 @@ def nth(lane: Lane, turn: int) -> Lane:
     return turn if _one(lane) else lane
 
 
-@overload(nth, jit_options=_OPTIONS)
+@overload(nth, jit_options=OVERLOAD_OPTIONS)
 def _nth(lane, turn):
     return (lambda lane, turn: lane) if takes_all(lane) else (lambda lane, turn: turn)
 
@@ -126,7 +125,7 @@ def pick(table: Numbers, b: int, k: int, lane: Lane) -> Number:
     return table[b, k, lane] if _one(lane) else table[b, k].copy()
 
 
-@overload(pick, jit_options=_OPTIONS)
+@overload(pick, jit_options=OVERLOAD_OPTIONS)
 def _pick(table, b, k, lane):
     if takes_all(lane):
         return lambda table, b, k, lane: load_block(table, b, k)
@@ -141,7 +140,7 @@ def put(table: Numbers, b: int, k: int, lane: Lane, value: Number) -> None:
         table[b, k] = value
 
 
-@overload(put, jit_options=_OPTIONS)
+@overload(put, jit_options=OVERLOAD_OPTIONS)
 def _put(table, b, k, lane, value):
     if takes_all(lane):
         return lambda table, b, k, lane, value: store_block(table, b, k, value)
@@ -157,7 +156,7 @@ def corner_node(corner: SmallIds, b: int, a: int, lane: Lane) -> Any:
     return int(corner[b, a, lane]) if _one(lane) else corner[b, a]
 
 
-@overload(corner_node, jit_options=_OPTIONS)
+@overload(corner_node, jit_options=OVERLOAD_OPTIONS)
 def _corner_node(corner, b, a, lane):
     if takes_all(lane):
         return lambda corner, b, a, lane: load_ids(corner, b, a, lane)
@@ -169,7 +168,7 @@ def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
     return int(corner[b, a, lane if _one(lane) else 0])
 
 
-@overload(first_node, jit_options=_OPTIONS)
+@overload(first_node, jit_options=OVERLOAD_OPTIONS)
 def _first_node(corner, b, a, lane):
     if takes_all(lane):
         return lambda corner, b, a, lane: np.int64(corner[b, a, 0])
@@ -181,7 +180,7 @@ def gather(values: Floats, c: int, ids: Any) -> Number:
     return values[ids, c]
 
 
-@overload(gather, jit_options=_OPTIONS)
+@overload(gather, jit_options=OVERLOAD_OPTIONS)
 def _gather(values, c, ids):
     if isinstance(ids, LaneIdsType):
         return lambda values, c, ids: gather_column(values, c, ids)
@@ -197,7 +196,7 @@ def scatter_add(
             rows[corner[b, a, place], c] += force[c] if _one(lane) else force[c][place]
 
 
-@overload(scatter_add, jit_options=_OPTIONS)
+@overload(scatter_add, jit_options=OVERLOAD_OPTIONS)
 def _scatter_add(rows, corner, b, a, lane, force):
     if takes_all(lane):
         return lambda rows, corner, b, a, lane, force: scatter_add_rows(rows, corner, b, a, force)
@@ -214,7 +213,7 @@ def at(values: Floats, n: int, c: int, lane: Lane) -> Number:
     return values[n, c] if _one(lane) else values[n : n + block_width(lane), c].copy()
 
 
-@overload(at, jit_options=_OPTIONS)
+@overload(at, jit_options=OVERLOAD_OPTIONS)
 def _at(values, n, c, lane):
     if takes_all(lane):
         return lambda values, n, c, lane: load_at(values, n, c, lane)
@@ -226,7 +225,7 @@ def along(values: Floats, n: int, lane: int | None) -> Number:
     return values[n : n + WIDTH].copy() if lane is None else values[n]
 
 
-@overload(along, jit_options=_OPTIONS)
+@overload(along, jit_options=OVERLOAD_OPTIONS)
 def _along(values, n, lane):
     if takes_all(lane):
         return lambda values, n, lane: load_along(values, n)
@@ -241,7 +240,7 @@ def put_at(values: Floats, n: int, c: int, lane: int | None, value: Number) -> N
         values[n, c] = value
 
 
-@overload(put_at, jit_options=_OPTIONS)
+@overload(put_at, jit_options=OVERLOAD_OPTIONS)
 def _put_at(values, n, c, lane, value):
     if takes_all(lane):
         return lambda values, n, c, lane, value: store_at(values, n, c, value)
@@ -259,7 +258,7 @@ def row_columns(rows: Floats, n: int, lane: int | None) -> tuple[Number, ...]:
     return tuple(rows[n, c] for c in range(6))
 
 
-@overload(row_columns, jit_options=_OPTIONS)
+@overload(row_columns, jit_options=OVERLOAD_OPTIONS)
 def _row_columns(rows, n, lane):
     if takes_all(lane):
         return lambda rows, n, lane: load_row_columns(rows, n)
@@ -276,7 +275,7 @@ def add_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> 
         rows[n : n + (WIDTH if lane is None else 1), c] += column
 
 
-@overload(add_row_columns, jit_options=_OPTIONS)
+@overload(add_row_columns, jit_options=OVERLOAD_OPTIONS)
 def _add_row_columns(rows, n, lane, columns):
     if takes_all(lane):
         return lambda rows, n, lane, columns: add_to_rows(rows, n, columns)
@@ -294,7 +293,7 @@ def put_row_columns(rows: Floats, n: int, lane: int | None, columns: Vector) -> 
     add_row_columns(rows, n, lane, columns)
 
 
-@overload(put_row_columns, jit_options=_OPTIONS)
+@overload(put_row_columns, jit_options=OVERLOAD_OPTIONS)
 def _put_row_columns(rows, n, lane, columns):
     if takes_all(lane):
         return lambda rows, n, lane, columns: put_into_rows(rows, n, columns)
@@ -313,7 +312,7 @@ def clear_rows(rows: Floats, n: int, lane: int | None) -> None:
     rows[n : n + (WIDTH if lane is None else 1)] = 0.0
 
 
-@overload(clear_rows, jit_options=_OPTIONS)
+@overload(clear_rows, jit_options=OVERLOAD_OPTIONS)
 def _clear_rows(rows, n, lane):
     if takes_all(lane):
         return lambda rows, n, lane: zero_rows(rows, n)
@@ -330,7 +329,7 @@ def narrow(value: Number, lane: Lane) -> Number:
     return value.astype(np.float32) if lane is SIXTEEN else value
 
 
-@overload(narrow, jit_options=_OPTIONS)
+@overload(narrow, jit_options=OVERLOAD_OPTIONS)
 def _narrow(value, lane):
     if lane == SIXTEEN_TYPE:
         return lambda value, lane: fewer_bits(value)
@@ -342,7 +341,7 @@ def widen(value: Number, lane: Lane) -> Number:
     return value.astype(np.float64) if lane is SIXTEEN else value
 
 
-@overload(widen, jit_options=_OPTIONS)
+@overload(widen, jit_options=OVERLOAD_OPTIONS)
 def _widen(value, lane):
     if lane == SIXTEEN_TYPE:
         return lambda value, lane: more_bits(value)
@@ -354,7 +353,7 @@ def zero(lane: Lane) -> Number:
     return 0.0 if _one(lane) else np.zeros(block_width(lane), block_dtype(lane))
 
 
-@overload(zero, jit_options=_OPTIONS)
+@overload(zero, jit_options=OVERLOAD_OPTIONS)
 def _zero(lane):
     if takes_all(lane):
         return lambda lane: no_lanes(lane)
@@ -369,7 +368,7 @@ def total(value: Number) -> float:
     return sum_
 
 
-@overload(total, jit_options=_OPTIONS)
+@overload(total, jit_options=OVERLOAD_OPTIONS)
 def _total(value):
     if isinstance(value, LanesType):
         return lambda value: sum_of_lanes(value)
@@ -385,7 +384,7 @@ def multiply_add(a: Number, b: Number, c: Number) -> Number:
     return a * b + c
 
 
-@overload(multiply_add, jit_options=_OPTIONS)
+@overload(multiply_add, jit_options=OVERLOAD_OPTIONS)
 def _multiply_add(a, b, c):
     if isinstance(a, LanesType):
         return lambda a, b, c: fused(a, b, c)

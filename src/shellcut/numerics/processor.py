@@ -23,9 +23,8 @@ from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Floats
 
-from .lane_instructions import CACHE_LINE, I8, I32, I64, vector_address
+from .lane_instructions import CACHE_LINE, I8, I32, I64, OVERLOAD_OPTIONS, vector_address
 
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 _ZERO = ir.Constant(I64, 0)
 
 FLUSH = 0x8040  # of x86's MXCSR: results flushed to zero, operands taken as zero
@@ -131,7 +130,7 @@ def flush_subnormals() -> int:
     return 0
 
 
-@overload(flush_subnormals, jit_options=_OPTIONS)
+@overload(flush_subnormals, jit_options=OVERLOAD_OPTIONS)
 def _flush_subnormals():
     def flush():
         before: int = mxcsr()
@@ -145,7 +144,7 @@ def set_rounding(setting: int) -> None:
     """Take back the setting that :func:`flush_subnormals` returned."""
 
 
-@overload(set_rounding, jit_options=_OPTIONS)
+@overload(set_rounding, jit_options=OVERLOAD_OPTIONS)
 def _restore_rounding(setting):
     return lambda setting: set_mxcsr(setting)
 
@@ -161,7 +160,7 @@ def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
     def prefetch(table: Floats, b: int) -> None:
         pass
 
-    @overload(prefetch, jit_options=_OPTIONS)
+    @overload(prefetch, jit_options=OVERLOAD_OPTIONS)
     def _prefetch(table, b):
         return lambda table, b: ask(table, b)
 
