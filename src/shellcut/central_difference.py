@@ -24,6 +24,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
+from .numerics.borrowed import borrowed
 from .numerics.jit import always_inline, bound_once, kernel
 from .numerics.lane_instructions import WIDTH
 from .numerics.lanes import along, at, put_at, row_columns, total, zero
@@ -260,6 +261,7 @@ def _kick(
     sums : (n_chunk, 4), written: m v·v', j w·w', the damping's sum and the work of the reactions.
     """
     align_stack()
+    step, nodes, supported = borrowed(step), borrowed(nodes), borrowed(supported)
     velocity, spin, rows = nodes.velocity_half, nodes.spin_half, nodes.force_rows
     moved = np.empty((supported.node.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):

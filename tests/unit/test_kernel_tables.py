@@ -1,5 +1,6 @@
 """Arrays in the wrong field of a kernel's table are refused where the kernel is bound."""
 
+import sys
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -9,7 +10,8 @@ from notched_strip import cutting
 from shellcut.arrays import Bools, Floats, Ints, Numbers
 from shellcut.cables import directional_cable
 from shellcut.contact import penalty_contact
-from shellcut.numerics.jit import bound_once
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import bound_once, kernel
 from shellcut.numerics.kernel_tables import check_tables
 
 
@@ -98,3 +100,25 @@ def test_swapped_fields_of_the_contact_are_refused(run):
     call = bound_once(penalty_contact._add_contact_forces)
     with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):
         call(run.pose, run.pose, 1e-9, swapped, np.zeros((1, 6)))
+
+
+@kernel
+def _lengthen(truss: Truss) -> float:
+    """Add one to the area of each bar, return the sum of area times colour."""
+    truss = borrowed(truss)
+    total = 0.0
+    for i in range(truss.colour.shape[0]):
+        truss.bars.area[i] += 1.0
+        total += truss.bars.area[i] * truss.colour[i]
+    return total
+
+
+def test_borrowed_arrays_are_those_of_the_caller():
+    """Read and written in place, and held as often after the call as before."""
+    truss = Truss(bars=bars(area=np.arange(4.0)), colour=np.array([1.0, 10.0, 100.0, 1000.0]))
+    held = sys.getrefcount(truss.bars.area), sys.getrefcount(truss.colour)
+    for lengthen in (_lengthen, getattr(_lengthen, "py_func", _lengthen)):
+        truss.bars.area[:] = np.arange(4.0)
+        assert lengthen(truss) == 1.0 + 20.0 + 300.0 + 4000.0
+        np.testing.assert_array_equal(truss.bars.area, [1.0, 2.0, 3.0, 4.0])
+    assert held == (sys.getrefcount(truss.bars.area), sys.getrefcount(truss.colour))

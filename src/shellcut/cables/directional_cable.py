@@ -45,6 +45,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
@@ -308,6 +309,7 @@ def _add_cable_forces(
     Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
     on law and start force, how many joints were made and how many cables broke.
     """
+    pose, tables = borrowed(pose), borrowed(tables)
     law, nodes, cables = tables.law, tables.nodes, tables.cables
     status, opening_max = cables.status, cables.opening_max
     onset, short_branch, start_opening = law[7], law[8], law[9]

@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
@@ -124,6 +125,7 @@ def _deepest_crossings(
 
     noticed : (n_node,), nodes whose quads are left out.
     """
+    pose, wires = borrowed(pose), borrowed(wires)
     around = _boxes_in_space(wires.teeth, pose)
     for e in range(quads.shape[0]):
         n0, n1, n2, n3 = quads[e, 0], quads[e, 1], quads[e, 2], quads[e, 3]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import load
 from shellcut.state import KnownTopology, State
@@ -150,7 +151,7 @@ def _inside(
     found: Ints,
 ) -> int:
     """Write the nodes inside any box to found : (n_node,), return how many."""
-    count = 0
+    pose, count = borrowed(pose), 0
     for n in range(n_node):
         p = to_body(load(x, n), pose)
         hit = False

@@ -36,6 +36,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
 from shellcut.state import QuadsAtNodes, State
@@ -311,10 +312,9 @@ def _add_contact_forces(
     nodes. Returns the work on the nodes over the last step, the stored energy, the absorbed energy,
     how many are inside and the largest depth.
     """
+    pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
     surface, g_m = tool.grid.surface, law.smoothing_depth
-    # Out of the tables once: an array taken out of one counts its references, 5 ns each time, and
-    # most of the listed nodes are passed over.
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x = nodes.x
     side, depth, offset = nodes.contact_side, nodes.contact_depth, nodes.contact_offset

@@ -22,6 +22,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import dot, load
 from shellcut.state import QuadsAtNodes, State
@@ -177,8 +178,13 @@ def _cut_nodes(
 
     tips : (n_tip,), nodes.  rim : (n,), whether a node lies on the film's own boundary.
     """
+    pose, strips, nodes, around = (
+        borrowed(pose),
+        borrowed(strips),
+        borrowed(nodes),
+        borrowed(around),
+    )
     edges, low, high = strips
-    # Out of the tables once: an array taken out of one counts its references.
     segments, body = edges.segments, edges.body
     x, supported, contact_area = nodes.x, nodes.supported, nodes.contact_area
     n_cut = 0

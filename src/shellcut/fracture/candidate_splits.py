@@ -19,6 +19,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
@@ -337,6 +338,7 @@ def weigh_partings(
     x, t : (n_node, 3).  corner_force : (n_corner, 3).  status : (n_cable,).  cable_force :
     (n_cable, 2, 3).
     """
+    ways, held = borrowed(ways), borrowed(held)
     side_force = _side_forces(ways, corner_force, status, cable_force)
     largest = -np.inf
     for k in range(ways.node.shape[0]):

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Number, Numbers
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import nth, total, turns, widen, zero
@@ -105,6 +106,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         added.  lane : None or SIXTEEN for a block at a time, any number for one by one.
         """
         align_stack()
+        quads, step = borrowed(quads), borrowed(step)
         work = np.empty((2, N_STRAIN, quads.corner.shape[2]), step.last.dtype)
         rounding = flush_subnormals()
         far = step.last.shape[0] > _FAR

@@ -44,6 +44,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, sub
 
@@ -253,6 +254,7 @@ def _follow(
     squared: Floats,
 ) -> None:
     """Write squared : (n_quad,), evaluated times the square of the growth since."""
+    reference, present, known = borrowed(reference), borrowed(present), borrowed(known)
     m, s = np.empty(N_STRAIN), np.empty(N_STRAIN)
     for e in range(present.quads.shape[0]):
         _products_of(reference, e, m)

@@ -13,6 +13,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Number, Numbers
 from shellcut.material.law_dispatch import HistoryStep, dissipates
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import nth, total, turns, widen, zero
@@ -94,6 +95,7 @@ def _make_point_kernel(flat: bool) -> Any:
         dissipated in the step are added.
         """
         align_stack()
+        quads, step = borrowed(quads), borrowed(step)
         corner, last = quads.quads.corner, step.step.last
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         rounding = flush_subnormals()

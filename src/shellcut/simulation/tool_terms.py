@@ -90,7 +90,6 @@ class ToolTerms:
 
     def __init__(self, terms: Sequence[ToolTerm], motion: Motion | None, n_body: int) -> None:
         self._terms, self._motion = tuple(terms), motion
-        self._wrenches = np.zeros((len(self._terms), n_body, 6))
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
         self._last = np.zeros((len(self._terms) + 1, 6))
         self._works = np.zeros(len(self._terms))
@@ -105,25 +104,29 @@ class ToolTerms:
         first, *others = (term.forces.wrench for term in self._terms)
         return np.asarray(sum(others, first))
 
-    def add_forces(self, state: State, pose: Pose, book: Ledger) -> None:
+    def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
-        forces = [term.add_forces(state, pose) for term in self._terms]
+        found = [term.add_forces(state, pose) for term in self._terms]
         if self._motion is not None:
-            for row, found in zip(self._wrenches, forces, strict=True):
-                row[:] = found.wrench
             spin, velocity = self._motion.twist(state.time - 0.5 * state.dt)
-            book.tool_work -= self._work_on_tool(
-                self._wrenches, _rows(spin), _rows(velocity), state.dt, self._last, self._works
+            ledger.tool_work -= self._work_on_tool(
+                tuple([forces.wrench for forces in found]),
+                _rows(spin),
+                _rows(velocity),
+                state.dt,
+                self._last,
+                self._works,
             )
-        for found, on_tool in zip(forces, self._works.tolist(), strict=True):
-            for entry, work in found.works(on_tool).items():
-                setattr(book, entry, getattr(book, entry) + work)
+        entries = vars(ledger)
+        for forces, on_tool in zip(found, self._works.tolist(), strict=True):
+            for entry, work in forces.works(on_tool).items():
+                entries[entry] += work
 
-    def close(self, state: State, book: Ledger) -> None:
+    def close(self, state: State, ledger: Ledger) -> None:
         """Bring the entries of the ledger that are functions of the state up to t_n."""
         for term in self._terms:
             for entry, energy in term.stored(state).items():
-                setattr(book, entry, energy)
+                setattr(ledger, entry, energy)
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
@@ -138,15 +141,20 @@ class ToolTerms:
 
 @kernel
 def work_on_tool(
-    wrenches: Floats, spin: Floats, velocity: Floats, dt: float, last: Floats, works: Floats
+    wrenches: tuple[Floats, ...],
+    spin: Floats,
+    velocity: Floats,
+    dt: float,
+    last: Floats,
+    works: Floats,
 ) -> float:
     """Return the work on the tool over a step [N·mm]; write that of each term to works : (n_term,).
 
-    wrenches : (n_term, n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.  spin,
+    wrenches : of each term (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.  spin,
     velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.  last : (n_term + 1, 6), the
     sums over the teeth at t_{n-1}, of each term and of all; replaced by those at t_n.
     """
-    n_term = wrenches.shape[0]
+    n_term = len(wrenches)
     works[:] = 0.0
     work = 0.0
     for c in range(6):
@@ -154,8 +162,8 @@ def work_on_tool(
         total = 0.0
         for k in range(n_term):
             one = 0.0
-            for body in range(wrenches.shape[1]):
-                one += wrenches[k, body, c]
+            for body in range(wrenches[k].shape[0]):
+                one += wrenches[k][body, c]
             works[k] += 0.5 * (last[k, c] + one) * moved
             last[k, c] = one
             total += one

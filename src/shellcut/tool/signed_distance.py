@@ -25,6 +25,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, dot, sub
 
@@ -155,13 +156,7 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         t = cell_triangles[k]
         if side * flank[t] < 0:
             continue
-        # written out: a call that takes an array counts its references, 5 ns each
-        q, where = closest_on_triangle(
-            p,
-            (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
-            (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
-            (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
-        )
+        q, where = closest_on_triangle(p, *_corners(corners, t))
         gap = sub(p, q)
         squared = dot(gap, gap)
         if squared < best:
@@ -249,6 +244,7 @@ def query_points(
     closest: Floats,
 ) -> None:
     """Write ``signed_distance`` of the points x : (n_point, 3), [mm], to the last four arrays."""
+    grid = borrowed(grid)
     for n in range(x.shape[0]):
         p = (x[n, 0], x[n, 1], x[n, 2])
         found[n], inside[n], triangle[n], q, _, _ = signed_distance(p, side, grid)

@@ -1,0 +1,52 @@
+"""Tables whose arrays do not count their references, for the loops of kernels.
+
+An array that is taken out of a table inside a kernel counts its references, 5 ns each time and in
+every round of a loop; a term of the tool touches dozens of arrays for each node or cable. A kernel
+therefore begins with ``tables = borrowed(tables)``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload
+
+T = TypeVar("T")
+
+
+def borrowed(table: T) -> T:
+    """Return a table or array that counts no references, for use within a kernel.
+
+    The caller of the kernel holds the arrays all the while; the kernel must not return them.
+    """
+    return table
+
+
+@overload(borrowed)
+def _borrowed_in_kernel(table):
+    return lambda table: _borrowed(table)
+
+
+@intrinsic
+def _borrowed(_typing, table):
+    def code(context, builder, signature, arguments):
+        return _without_owner(context, builder, signature.args[0], arguments[0])
+
+    return table(table), code
+
+
+def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Return an array or tuple without the pointers to the owners of its memory."""
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        for owner in ("meminfo", "parent"):
+            setattr(array, owner, cgutils.get_null_value(getattr(array, owner).type))
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        fields = [
+            _without_owner(context, builder, field, builder.extract_value(value, i))
+            for i, field in enumerate(kind)
+        ]
+        return context.make_tuple(builder, kind, fields)
+    return value
