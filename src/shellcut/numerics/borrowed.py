@@ -5,6 +5,9 @@ every round of a loop; a term of the tool touches dozens of arrays for each node
 therefore begins with ``tables = borrowed(tables)``.
 """
 
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="no-untyped-call,no-untyped-def,call-arg,var-annotated,arg-type"
+
 from __future__ import annotations
 
 from typing import Any, TypeVar
