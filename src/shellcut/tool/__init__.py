@@ -1,6 +1,7 @@
-"""The rigid tool: its surface, its cutting edges, how it moves, and the distance to it.
+"""The rigid tool: surface, cutting edges, motion, and the distance of points from it.
 
-May import ``numerics``, ``formats`` and rows below. A tool is triangles; edges of it may cut.
+May import ``numerics``, ``formats`` and rows below. A tool consists of triangles; some of their
+edges may cut.
 """
 
 from .motion import Motion, ScrewMotion, StraightMotion

@@ -7,8 +7,8 @@ diagonal D of the cell, any point p of it has |p - c| <= D/2, so a triangle T wi
     d(c, T) > min over the class of d(c, .) + D
 
 is never the closest of its class. Halving the cells level by level keeps the guarantee, since a
-child's points are its parent's, and makes the build cheap: a child only looks at its parent's
-list. A list is sorted by d(c, T).
+child's points are its parent's, and makes the build cheap: a child only searches its parent's list.
+A list is sorted by d(c, T).
 
 The grid is built here; :mod:`shellcut.tool.signed_distance` looks points up in it.
 """
@@ -42,8 +42,8 @@ CELLS_PER_THICKNESS = 3.0
 instead of 3 change a query by -4 or +17 %, the build by +70 or -40 %."""
 
 REACH, REACH_HALF_THICKNESS = 0.05, 0.20472408083310684
-"""Points outside are found within so much [mm] of a tool of that V / A [mm], the default ring of
-teeth, and in proportion of others: less than a cell, so that few more cells have lists."""
+"""Points outside the default ring of teeth, whose V / A is the second number [mm], are found within
+the first [mm]; in proportion for other tools. Less than a cell, so few more cells have lists."""
 
 ROUND_OFF = 1e-9
 """Relative slack of the distances compared in the build, far above round-off."""
@@ -57,7 +57,7 @@ class ClosestTriangleGrid:
     """Candidate triangles by cell, in the tool's body frame; read-only."""
 
     arrays: TriangleGrid
-    """What kernels take."""
+    """The tables for kernels."""
     reach: float
     """Points up to this far outside the surface are found [mm]."""
 
@@ -75,9 +75,9 @@ class ClosestTriangleGrid:
 
     @classmethod
     def of(cls, tool: Tool | None) -> ClosestTriangleGrid:
-        """Return the grid of a tool as :meth:`build` makes it by default, made only once a tool.
+        """Return the grid of a tool with the defaults of :meth:`build`, built once per tool.
 
-        That of no tool has no cell: nothing is near it.
+        Without a tool the grid has no cells: nothing is near it.
         """
         if tool is None:
             nothing = TriangleGrid(
@@ -114,13 +114,13 @@ class ClosestTriangleGrid:
         ----------
         tool : Tool
         reach : float, optional, [mm]
-            Every point inside the solid or within this distance of its surface is found; one
-            farther outside may or may not be. By default a quarter of the tool's half thickness,
-            see :data:`REACH`.
+            Every point inside the solid or within this distance of its surface is found; points
+            farther outside may or may not be found. By default a quarter of the tool's half
+            thickness, see :data:`REACH`.
         cell_size : float, optional, [mm]
             Side of a cell; by default a third of the mean thickness of the thinnest body.
         max_cells : int
-            The cells grow until there are no more than this.
+            The cells are enlarged until there are at most this many.
 
         Raises
         ------
@@ -163,7 +163,7 @@ class ClosestTriangleGrid:
             distance=np.zeros(tool.n_triangle),
         )
         parents = (1, 1, 1)
-        shift = 62  # i >> 62 is 0: every coarsest cell has the one parent
+        shift = 62  # i >> 62 is 0: all coarsest cells share the one parent
         for level in range(max(0, ceil(log2(max(shape) / COARSEST_CELLS))), -1, -1):
             width = 2**level
             some = (-(-shape[0] // width), -(-shape[1] // width), -(-shape[2] // width))
@@ -187,7 +187,7 @@ class ClosestTriangleGrid:
         found, inside : ndarray of bool, shape (n_point,)
         triangle : ndarray of int64, shape (n_point,)
         closest : ndarray, shape (n_point, 3), [mm]
-            Triangle and point of it; 0 and the query point itself where not found.
+            Closest triangle and its closest point; 0 and the query point itself if none is found.
         """
         x = np.array(points, dtype=np.float64, order="C", ndmin=2)
         if x.ndim != 2 or x.shape[1] != 3:
@@ -203,7 +203,7 @@ class ClosestTriangleGrid:
 
 
 _BUILT: WeakKeyDictionary[Tool, ClosestTriangleGrid] = WeakKeyDictionary()
-"""Grids at default settings of the tools that there are: a tool of many triangles takes seconds."""
+"""Grids with default settings, by tool: building one for many triangles takes seconds."""
 
 
 @kernel
@@ -271,8 +271,9 @@ def _separations(
 ) -> tuple[float, float, float, float]:
     """Write the distances of some triangles from a point to separation : (n,).
 
-    Returns the least of all, of those with flank >= 0 and with flank <= 0, and how far the point
-    lies outside the surface, negative inside, times the length of the pseudo-normal.
+    Returns the smallest distance of all, of those with flank >= 0 and of those with flank <= 0, and
+    the signed distance of the point from the surface (negative inside) times the length of the
+    pseudo-normal.
     """
     corners, flank, pseudo_normals = surface
     least = least_plus = least_minus = np.inf
@@ -313,10 +314,10 @@ def _grown(rows: Numbers, n: int, size: int) -> Numbers:
 
 @kernel
 def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -> None:
-    """Sort the entries of each cell by distance, in place; at the same distance by triangle.
+    """Sort the entries of each cell by distance, in place; equal distances by triangle.
 
     Insertion over shrinking gaps (Shell 1959): cells deep in a finely triangulated tool have
-    thousands of entries, and the time of plain insertion grows with the square.
+    thousands of entries, and plain insertion takes quadratic time.
     """
     for cell in range(cell_start.size - 1):
         first, last = cell_start[cell], cell_start[cell + 1]

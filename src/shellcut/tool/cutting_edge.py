@@ -1,8 +1,8 @@
-"""Where a point lies as seen from a cutting edge; shared by cables, contact and criterion.
+"""Position of a point relative to a cutting edge; shared by cables, contact and criterion.
 
-A segment of the cutting edge runs from a with unit vector e over the length L; b is the normal of
-the blade's mid-plane there (the plane that bisects the two faces) and k = the direction into the
-blade, in that plane and normal to e. A point p has
+A segment of the cutting edge starts at a and has unit vector e and length L; b is the normal of the
+blade's mid-plane there (the plane that bisects the two faces) and k = the direction into the blade,
+in that plane and normal to e. A point p has
 
     along = (p - a) · e,    lateral = (p - a) · b,    depth = (p - a) · k,
 
@@ -10,14 +10,14 @@ and the segment *owns* it when 0 <= along <= L and 0 <= depth < ``CUT_DEPTH`` ed
 film: the point then lies in the strip of the mid-plane behind the segment, ``lateral`` to one side
 of it. All in the body frame of the tool.
 
-The strip alone does not say that the edge has passed the point. At the end of an edge the body ends
-too, on a face of its own: below the tip of a tooth its relief rises backwards, and under a steep
-edge the strip reaches far below it, where no blade is. A point that the edge has passed has the
-blade where it lies or beside it: its *foot* on the mid-plane, p - lateral b, is inside the solid
-(:func:`in_the_blade`). The faces may have pushed the point itself aside, its foot stays. Contact
-yields a little, so that film which such an end face presses on lies inside the solid as well, by
-some thousandths of a millimetre; but there the nearest way out of the solid leads back through that
-face, along the mid-plane, and behind the edge it leads aside, through a flank.
+A point in the strip need not have been passed by the edge. At the end of an edge the body ends too,
+with an end face: below the tip of a tooth the relief rises backwards, and under a steep edge the
+strip reaches far below the blade. If the edge has passed a point, the blade is at the point or
+beside it: the point's *foot* on the mid-plane, p - lateral b, is inside the solid
+(:func:`in_the_blade`). The faces may have pushed the point aside, but not its foot. Contact yields
+a little, so film pressed by an end face is also inside the solid, by some thousandths of a
+millimetre; but there the nearest way out of the solid leads back through that face, along the
+mid-plane, whereas behind the edge it leads sideways, through a flank.
 """
 
 from __future__ import annotations
@@ -35,17 +35,16 @@ from .signed_distance import TriangleGrid, signed_distance
 from .tool import Tool
 
 CUT_DEPTH = 4.0
-"""Points farther behind the edge, in edge lengths of the film there, were passed by some other part
-of the tool. Nodes and cables are looked at before the edge has moved on by a third of an edge
-(:mod:`shellcut.checks.steps`), so that this leaves room for film that is drawn along."""
+"""Points farther behind the edge, in local edge lengths of the film, were passed by another part of
+the tool. Nodes and cables are checked before the edge has moved by a third of an edge
+(:mod:`shellcut.checks.steps`), so this leaves room for film that is dragged along."""
 
 # Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
 # widens by this fraction of the depth at its ends, more than the edge turns at any vertex.
 _STRIP_SLOPE = 0.2
 
-# Least sine of the angle between the mid-plane and a way out of the solid that leads aside: flanks
-# stand at less than 60 degrees to the mid-plane, the blunt ones at 40; a face that ends the body
-# stands across it.
+# Least sine of the angle between the mid-plane and a sideways way out of the solid: flanks are at
+# less than 60 degrees to the mid-plane, blunt ones at 40; an end face is across it.
 _ASIDE = 0.5
 
 START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
@@ -53,7 +52,7 @@ START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
 
 
 class CuttingEdges(NamedTuple):
-    """The cutting-edge segments of a tool as kernels take them."""
+    """The cutting-edge segments of a tool, for kernels."""
 
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """a [mm], L e [mm], b and k of each segment."""
@@ -64,7 +63,7 @@ class CuttingEdges(NamedTuple):
 
     @classmethod
     def of(cls, tool: Tool | None) -> CuttingEdges:
-        """Collect the segments of a tool; none of no tool."""
+        """Collect the segments of a tool; without a tool there are none."""
         solid = ClosestTriangleGrid.of(tool).arrays
         if tool is None:
             return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid)
@@ -73,7 +72,7 @@ class CuttingEdges(NamedTuple):
         return cls(np.stack(rows, axis=1), tool.edge_body, solid)
 
     def strip_boxes(self, beside: float, deep: float) -> tuple[Floats, Floats]:
-        """Return boxes around the strips of each tooth, low and high corners : (n_body, 3) [mm].
+        """Return boxes around the strips of each tooth: low, high corners, (n_body, 3) [mm].
 
         Every point that a segment of the tooth owns, no deeper than ``deep`` [mm] and within
         ``beside`` [mm] of its mid-plane, lies in the box of that tooth.
@@ -102,7 +101,7 @@ def strip_coordinates(
 ) -> tuple[float, float, float, bool]:
     """Return along, lateral, depth [mm] of a point, and whether segment k owns it.
 
-    deepest : depth that is no longer owned [mm].
+    deepest : depth from which on points are no longer owned [mm].
     """
     d = sub(p, segment_part(segments, k, START))
     v = segment_part(segments, k, VECTOR)
@@ -117,9 +116,9 @@ def strip_coordinates(
 
 @inline
 def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
-    """Return whether the blade is where a point behind segment k lies, or beside it.
+    """Return whether the blade is at a point behind segment k, or beside it.
 
-    p : in the body frame, [mm].  lateral : of it, from :func:`strip_coordinates`.
+    p : point in the body frame, [mm].  lateral : its coordinate, from :func:`strip_coordinates`.
     """
     aside = segment_part(edges.segments, k, NORMAL)
     foot = combine(1.0, p, -lateral, aside)

@@ -1,4 +1,4 @@
-"""Cutting segments put into chains, each in order from end to end, all facing the same way."""
+"""Group cutting segments into chains, each ordered from end to end, all facing the same way."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from shellcut.arrays import Floats, Ints
 
 
 def chains_of(segments: Ints) -> tuple[Ints, Ints]:
-    """Return segments in the order of their chains, and the chain of each.
+    """Return segments ordered by chain, and the chain of each.
 
-    A chain breaks where not exactly two segments meet. It keeps the direction of its first segment
-    as given; chains are numbered by that segment.
+    A chain ends at a vertex unless exactly two segments meet there. It keeps the given direction of
+    its first segment; chains are numbered in the order of these.
     """
     at_vertex: dict[int, list[int]] = {}
     for e, (i, j) in enumerate(segments.tolist()):
@@ -57,7 +57,7 @@ def chains_of(segments: Ints) -> tuple[Ints, Ints]:
 
 
 def chains_facing_back(body: Ints, chain: Ints, normal: Floats) -> npt.NDArray[np.bool_]:
-    """Return which chains have their plus side against that of the first chain of their body."""
+    """Return which chains face opposite to the first chain of their body."""
     reverse = np.zeros(chain.max() + 1, dtype=bool)
     facing: dict[int, Floats] = {}
     for c in range(reverse.size):
@@ -68,7 +68,7 @@ def chains_facing_back(body: Ints, chain: Ints, normal: Floats) -> npt.NDArray[n
 
 
 def reverse_chains(segments: Ints, chain: Ints, reverse: npt.NDArray[np.bool_]) -> Ints:
-    """Return the segments with some of the chains in the opposite direction."""
+    """Return the segments with some of the chains reversed."""
     turned = segments.copy()
     for c in np.flatnonzero(reverse):
         turned[chain == c] = segments[chain == c][::-1, ::-1]

@@ -3,15 +3,15 @@
 ==================  ========================================================================
 R, r                ``pose``: rotation matrix and position of the body's origin [mm]
 w, v                ``twist``: dR/dt = w x R [rad/s], v = dr/dt [mm/s], both in world axes
-coordinate          the one number curves are drawn over: angle [rad] or path [mm]
+coordinate          abscissa of curves: angle [rad] or path [mm]
 ==================  ========================================================================
 
 A start from rest ramps the speed by half a cosine over the ramp time T,
 
     speed(t) = V (1 - cos(pi t / T)) / 2,    path(t) = V (t - T/pi sin(pi t / T)) / 2,    t < T,
 
-so that path(T) = V T / 2; before t = 0 the tool rests. The poses are plain scalar arithmetic, a few
-microseconds a call. Motions through tables of poses are in :mod:`shellcut.tool.table_motion`.
+so that path(T) = V T / 2; before t = 0 the tool rests. Poses use plain scalar arithmetic, a few
+microseconds per call. Motions through tables of poses are in :mod:`shellcut.tool.table_motion`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _ORIGIN = (0.0, 0.0, 0.0)
 
 
 class Motion(Protocol):
-    """What the simulation asks of a motion; times in s, lengths in mm, angles in rad."""
+    """What the simulation needs from a motion; times in s, lengths in mm, angles in rad."""
 
     @property
     def coordinate_unit(self) -> str:
@@ -53,7 +53,7 @@ class Motion(Protocol):
 
 @dataclass(frozen=True)
 class ScrewMotion:
-    """Turn about a fixed axis and advance in proportion, from rest.
+    """Turn about a fixed axis and advance in proportion, starting from rest.
 
     The turn is counter-clockwise seen from the tip of ``axis``; the coordinate is its angle.
 
@@ -67,7 +67,7 @@ class ScrewMotion:
     angular_speed: float
     """Speed after the ramp [rad/s], positive; to turn clockwise reverse ``axis``."""
     pitch: float = 0.0
-    """Advance a turn [mm]; negative against ``advance``, 0 for a pure rotation."""
+    """Advance per turn [mm]; negative against ``advance``, 0 for a pure rotation."""
     ramp: float = 0.0
     """Time over which the speed rises [s]; 0 starts at full speed."""
     axis: Sequence[float] = (0.0, 0.0, 1.0)
@@ -112,7 +112,7 @@ class ScrewMotion:
         ----------
         angle_deg : float, [deg]
         duration : float, [s]
-            The motion goes on at its speed afterwards.
+            The motion continues at its speed afterwards.
         ramp_fraction : float
             Part of the duration over which the speed rises, in [0, 1].
         pitch, axis, axis_point, advance
@@ -145,7 +145,7 @@ class ScrewMotion:
         angle = self.coordinate(time)
         rows = _turn(self._axis, angle)
         h0, h1, h2 = self._lead
-        if self._point == _ORIGIN:  # spared the turn: this is called every step
+        if self._point == _ORIGIN:  # skip the rotation: this is called every step
             origin = np.array((0.0 + h0 * angle, 0.0 + h1 * angle, 0.0 + h2 * angle))
         else:
             p0, p1, p2 = self._point

@@ -1,7 +1,7 @@
-"""Pose of the rigid tool: x = R X + r takes a point from the body frame to space.
+"""Pose of the rigid tool: x = R X + r maps a point from the body frame to space.
 
-The functions are for kernels, of one point or direction at a time; the methods of :class:`Pose` do
-the same for many points in NumPy.
+The functions are for kernels and take one point or direction; the methods of :class:`Pose` do the
+same for many points in NumPy.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from shellcut.numerics.jit import inline
 
 
 class Pose(NamedTuple):
-    """Where a rigid body is and how it is turned; kernels take it as it is.
+    """Position and orientation of a rigid body; kernels take it as an argument.
 
     Examples
     --------
@@ -28,23 +28,23 @@ class Pose(NamedTuple):
     rotation: Floats
     """R, shape (3, 3)."""
     translation: Floats
-    """r, where the body's origin is [mm], shape (3,)."""
+    """r, position of the body's origin [mm], shape (3,)."""
 
     @classmethod
     def of(cls, rotation: npt.ArrayLike, translation: npt.ArrayLike) -> Pose:
-        """Return a pose whose arrays are laid out as kernels take them.
+        """Return a pose whose arrays have the layout that kernels expect.
 
-        ``Pose.of(*motion.pose(time))`` is for motions of one's own, which may return views.
+        ``Pose.of(*motion.pose(time))`` is for user-written motions, which may return views.
         """
         return cls(np.ascontiguousarray(rotation, float), np.ascontiguousarray(translation, float))
 
     @classmethod
     def at_origin(cls) -> Pose:
-        """Return the pose at which the body frame is that of space."""
+        """Return the pose at which the body frame coincides with space."""
         return cls(np.eye(3), np.zeros(3))
 
     def copied(self) -> Pose:
-        """Return the pose with arrays of its own."""
+        """Return a copy with its own arrays."""
         return Pose(self.rotation.copy(), self.translation.copy())
 
     def to_space(self, points: Floats) -> Floats:

@@ -1,17 +1,17 @@
-r"""What a rigid motion keeps: an axis that it turns about, a line that it goes along, or neither.
+r"""Find the fixed axis that a motion turns about, or the line that it moves along, if any.
 
-A body with the angular velocity w and the velocity v of a point r turns at that instant about the
-line through
+A body with angular velocity w whose point r has velocity v turns at that instant about the line
+through
 
     c = r + w x v / |w|²
 
 along w (Mozzi's screw axis), and slides along it. The motion keeps an *axis* if w has one direction
 and sense and all c lie on one line along it; it keeps a *line* if it does not turn and v has one
-direction and sense. The coordinate of the motion must grow with the turn or the way itself, which
-that of a motion of one's own need not do.
+direction and sense. The coordinate of the motion must grow with the angle or the path itself; that
+of a user-written motion need not.
 
-Screws and straight motions say what they keep. Of all others the twist is looked at at many
-instants, which is sharp enough to tell a table of poses that turn about one axis.
+Screws and straight motions give their axis or line directly. For all others the twist is sampled at
+many instants, accurately enough to recognise a table of poses that turn about one axis.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from shellcut.arrays import Floats, Vec3
 from .motion import Motion, ScrewMotion, StraightMotion
 
 N_INSTANT = 256
-"""At which a motion is looked at."""
+"""Number of instants at which a motion is sampled."""
 
 AT_REST = 1e-3
-"""Of the largest rate of the coordinate: slower instants say nothing of the direction."""
+"""Fraction of the largest rate of the coordinate: at slower instants the direction is noise."""
 
-# Of the rate of the coordinate against the twist: the travel of a table is itself interpolated.
+# Tolerance of the coordinate's rate against the twist: the travel of a table is interpolated.
 _SAME_RATE = 1e-3
-# Of directions: far above round-off, far below any bend that would be wanted.
+# Tolerance of directions: far above round-off, far below any intended bend.
 _SAME_DIRECTION = 1e-6
-# Of the places of the axis, relative to the way of the body's origin a radian: of a table of poses
-# 10 degrees apart on a circle, a cubic spline, the axis wanders by 2e-4 of the radius.
+# Tolerance of the axis' position, relative to the path of the body's origin per radian: in a table
+# (cubic spline) of poses 10 degrees apart on a circle the axis wanders by 2e-4 of the radius.
 _SAME_PLACE = 5e-3
-# Of places, relative to the distance of the body from the world's origin.
+# Tolerance of positions, relative to the distance of the body from the world's origin.
 _ROUND_OFF = 1e-9
 # Half the interval of the rate of the coordinate, relative to the run: its round-off is 1e-10.
 _INTERVAL = 1e-6
@@ -61,41 +61,42 @@ class Axis:
     point: Vec3
     """A point of the axis at the start [mm]."""
     advance: Vec3
-    """Unit vector, along which the axial force is counted."""
+    """Unit vector; the axial force is positive along it."""
     drift: Vec3 = (0.0, 0.0, 0.0)
-    """How far the axis itself moves a radian [mm]: a screw may advance at an angle to its axis."""
+    """Displacement of the axis itself per radian [mm]: a screw may advance at an angle to its
+    axis."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """The motion goes along a line without turning."""
+    """The motion follows a line without turning."""
 
     direction: Vec3
-    """Unit vector, ahead."""
+    """Unit vector in the direction of motion."""
 
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """A motion at instants at which its coordinate moves, and what it does there a unit of it."""
+    """A motion sampled where its coordinate changes, with its derivatives by the coordinate q."""
 
     time: Floats
     """[s], shape (n,); ascending."""
     spin: Floats
-    """dw/dq: turn a unit of the coordinate, shape (n, 3), [rad] over that unit."""
+    """dw/dq: rotation per unit of the coordinate, shape (n, 3), [rad] over that unit."""
     shift: Floats
-    """dv/dq: way of the body's origin a unit of it, shape (n, 3), [mm] likewise."""
+    """dv/dq: path of the body's origin per unit, shape (n, 3), [mm] likewise."""
     origin: Floats
-    """Where the body's origin is, shape (n, 3), [mm]."""
+    """Position of the body's origin, shape (n, 3), [mm]."""
 
     @property
     def shift_at_world_origin(self) -> Floats:
-        """Way of the body's point that is at the world's origin, shape (n, 3)."""
+        """Path of the body's point at the world's origin, shape (n, 3)."""
         return np.asarray(self.shift - np.cross(self.spin, self.origin))
 
 
 def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
-    """Return the axis or line that a motion keeps from t = 0 to ``until`` [s], None if neither."""
-    # A class derived from one of these may move otherwise.
+    """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither."""
+    # Not isinstance: a derived class may move differently.
     if type(motion) is ScrewMotion:
         return _of_screw(motion)
     if type(motion) is StraightMotion:
@@ -109,7 +110,7 @@ def kept_axis(motion: Motion, until: float) -> Axis | Line | None:
 
 
 def instants(motion: Motion, until: float) -> Instants:
-    """Return what a motion does a unit of its coordinate, wherever that moves."""
+    """Return the derivatives of a motion by its coordinate, wherever that changes."""
     times = (np.arange(N_INSTANT) + 0.5) / N_INSTANT * until
     rate = np.array([coordinate_rate(motion, t, until) for t in times])
     moves = np.abs(rate) > AT_REST * np.abs(rate).max(initial=0.0)
@@ -122,7 +123,7 @@ def instants(motion: Motion, until: float) -> Instants:
 
 
 def coordinate_rate(motion: Motion, time: float, until: float) -> float:
-    """Return how fast the coordinate of a motion grows [rad/s or mm/s]."""
+    """Return the rate of a motion's coordinate [rad/s or mm/s]."""
     d = _INTERVAL * until
     return (motion.coordinate(time + d) - motion.coordinate(time - d)) / (2.0 * d)
 
@@ -176,7 +177,7 @@ def _line(seen: Instants) -> Line | None:
         return None
     if np.abs(np.cross(seen.shift, direction)).max() > _SAME_DIRECTION:
         return None
-    # A millimetre from the axis: less turn than that is none for any tool that fits a film.
+    # At a millimetre from the axis: less rotation than that is none for any tool that fits a film.
     if np.abs(seen.spin).max() > _SAME_DIRECTION:
         return None
     return Line(_triple(direction))

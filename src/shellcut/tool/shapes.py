@@ -1,13 +1,13 @@
-"""Tools by their parameters: a ring of teeth and a straight blade.
+"""Tools built from parameters: a ring of teeth and a straight blade.
 
-Both are wedges: a section parallel to the sheet grows from the cutting edge with the half-angle a
-to the half thickness w and goes on with parallel flanks,
+Both are wedges: a section parallel to the sheet widens from the cutting edge with the half-angle a
+to the half thickness w and continues with parallel flanks,
 
     half width(d) = min(d tan a, w),    d = distance behind the edge along the motion,
 
 and the cutting edge rises forward at an angle eta to the sheet. Seen along the edge the wedge is
-blunter, tan(a_edge) = tan(a) / sin(eta); a_edge is kept below 40° so that flanks, top and bottom
-can be told apart by the angle between them.
+blunter, tan(a_edge) = tan(a) / sin(eta); a_edge is kept below 40° so that the angle between them
+tells flanks, top and bottom apart.
 
 A tooth in its straight coordinates, s forward along the motion and z up::
 
@@ -31,12 +31,12 @@ from shellcut.arrays import Floats
 from .tool import Tool, ToolError
 
 EDGE_DEVIATION = 1.0 / 350.0
-"""A chord of the cutting edge must stay this near to its cylinder, over the half thickness of the
-tooth, 1e-3 mm of the default one: a cut beside the line of mesh edges costs energy (0.02 mm on
-edges of 0.4 mm: 3.5 %), and the edges of a film that is cut are of the order of its thickness."""
+"""Largest distance of a chord of the cutting edge from its cylinder, over the half thickness of the
+tooth (1e-3 mm for the default): a cut beside the line of mesh edges costs energy (0.02 mm on edges
+of 0.4 mm: 3.5 %), and mesh edges of a film to be cut are of the order of its thickness."""
 
 DEFAULT_DEVIATION = 1.0 / 700.0
-"""The deviation aimed at, likewise, when the number of segments is not given."""
+"""Target for this distance, likewise, if the number of segments is not given."""
 
 BLUNTEST_EDGE = 40.0
 """Largest half-angle of the wedge seen along the edge [deg]."""
@@ -45,11 +45,11 @@ FLANK_MARGIN = 5.0
 """A flank may turn by the half-angle plus this [deg]; facets of a cylinder turn by less."""
 
 LONGEST_TRIANGLE = 8.0 / 7.0
-"""Longest cutting segment of a tooth over its half thickness, 0.4 mm of the default one: keeps the
+"""Longest cutting segment of a tooth over its half thickness (0.4 mm for the default): keeps the
 lists of the contact grid short, whose cells are a third of the thickness."""
 
 MOST_TRIANGLES = 1_000_000
-"""Of the largest ring that is made; the default one has 4,112."""
+"""Most triangles of a ring; the default one has 4,112."""
 
 
 def tooth_ring(
@@ -97,14 +97,14 @@ def tooth_ring(
     phase_deg : float, [deg]
         Angle of the first tip.
     n_arc : int, optional
-        Segments of each cutting edge; by default so many that chords stay within
-        1/700 of the half thickness of the cylinder and segments below 8/7 of it. Fewer than a
-        deviation of 1/350 asks for are refused.
+        Segments of each cutting edge; by default enough that chords stay within 1/700 of the half
+        thickness from the cylinder and segments below 8/7 of it. If chords deviate by more than
+        1/350, the number is refused.
 
     Returns
     -------
     Tool
-        With one body and one chain of cutting segments a tooth.
+        With one body and one chain of cutting segments per tooth.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def tooth_ring(
             what="tooth ring",
         )
     parameters["n_arc"] = float(n_arc)
-    # two sides of strips between d-lines of n_arc pieces at most
+    # two sides, each with strips between d-lines of at most n_arc pieces
     n_triangle = 4.0 * n_teeth * n_arc * ((length + forward) / wanted + 3.0)
     if not n_triangle <= MOST_TRIANGLES:
         raise ToolError(
@@ -361,8 +361,8 @@ def _tooth(
 def _strip(
     points: list[tuple[float, float, float]], right: list[int], left: list[int]
 ) -> list[tuple[int, int, int]]:
-    # Zip two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
-    # run counter-clockwise with s to the right and z up, which is outward on the plus side.
+    # Join two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
+    # are counter-clockwise with s to the right and z up, which is outward on the plus side.
     def squared(i: int, j: int) -> float:
         return sum((u - v) ** 2 for u, v in zip(points[i], points[j], strict=True))
 

@@ -1,4 +1,4 @@
-"""Distance of a point from a tool's surface, and on which side of it the point lies.
+"""Signed distance of a point from a tool's surface.
 
 The candidates are the triangles of the point's cell in a :class:`ClosestTriangleGrid`, sorted by
 their distance d(c, T) from the cell's centre c; as d(p, T) >= d(c, T) - |p - c| a query stops
@@ -6,7 +6,7 @@ early.
 
 Inside or outside is decided by the sign of (p - q) . n at the closest point q of the whole
 surface, with n the angle-weighted pseudo-normal of the face, edge or vertex that q lies on
-[Baerentzen2005]; the regions of a triangle are told apart as in [Ericson2005], 5.1.5.
+[Baerentzen2005]; the regions of a triangle are distinguished as in [Ericson2005], 5.1.5.
 
 =======  =========================================
 feature  of triangle (a, b, c)
@@ -33,7 +33,7 @@ Cells3: TypeAlias = tuple[int, int, int]
 
 
 class GridCells(NamedTuple):
-    """Cubic cells side by side, z running fastest."""
+    """Grid of cubic cells, z running fastest."""
 
     lower: Vec3
     """Least corner of the grid [mm]."""
@@ -55,7 +55,7 @@ class CellLists(NamedTuple):
 
 
 class TriangleSurface(NamedTuple):
-    """The surface of a tool, a row a triangle."""
+    """The surface of a tool, one row per triangle."""
 
     corners: Annotated[Floats, "(n_triangle, 3, 3)"]
     """Corners [mm]."""
@@ -66,7 +66,7 @@ class TriangleSurface(NamedTuple):
 
 
 class TriangleGrid(NamedTuple):
-    """What a look-up takes; made by :mod:`shellcut.tool.closest_triangles`."""
+    """Tables for a look-up; built by :mod:`shellcut.tool.closest_triangles`."""
 
     cells: GridCells
     lists: CellLists
@@ -131,11 +131,11 @@ def _distance_from_centre(p: Vec3, cell: int, cells: GridCells) -> float:
 
 @inline
 def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, int, Vec3, float]:
-    """Return whether a triangle was found, the closest one of the side, the feature, its point.
+    """Return whether a triangle was found, the closest one of the side, feature, point and gap.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
-    Where nothing is found: 0, 0 and ``p`` itself. The last number is by how much all other
-    triangles of the side are farther at least [mm].
+    If nothing is found: 0, 0 and ``p`` itself. The gap [mm] is a lower bound on how much farther
+    all other triangles of the side are.
     """
     cell_start, cell_triangles, cell_distance = grid.lists
     corners, flank = grid.surface.corners, grid.surface.flank
@@ -174,14 +174,14 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
 def signed_distance(
     p: Vec3, side: int, grid: TriangleGrid
 ) -> tuple[bool, bool, int, Vec3, int, float]:
-    """Return whether ``p`` is near, whether inside the solid, and the closest of the side.
+    """Return whether ``p`` is near, whether inside the solid, and the closest triangle of the side.
 
     p : in the body frame, [mm].  side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.
 
-    ``inside`` looks at all triangles whatever the side; the triangle and its closest point are of
-    the side. A point on the surface is outside. Where nothing is found: False, triangle 0, ``p``.
-    The last two are the closest triangle of all, and how far ``p`` may move until either closest
-    triangle might become another: till then :func:`signed_distance_to` gives the same.
+    ``inside`` uses all triangles; the returned triangle and its closest point are of the side. A
+    point on the surface is outside. If nothing is found: False, triangle 0, ``p``. The last two are
+    the closest triangle of all, and how far ``p`` may move before either closest triangle can
+    change: until then :func:`signed_distance_to` gives the same.
     """
     cell_start = grid.lists.start
     flank, pseudo_normals = grid.surface.flank, grid.surface.pseudo_normals
@@ -207,9 +207,9 @@ def signed_distance(
 def signed_distance_to(
     p: Vec3, whole: int, triangle: int, surface: TriangleSurface
 ) -> tuple[bool, Vec3]:
-    """Return whether ``p`` is inside the solid and its closest point, the triangles being known.
+    """Return whether ``p`` is inside the solid and its closest point, for known triangles.
 
-    whole : the closest triangle of all.  triangle : that of the side.
+    whole : the closest triangle of all.  triangle : the closest of the side.
     """
     corners, pseudo_normals = surface.corners, surface.pseudo_normals
     nearest, i = closest_on_triangle(p, *_corners(corners, whole))

@@ -1,4 +1,4 @@
-"""A merged triangulated surface with its edge table: what its checks, sharp edges and flanks share.
+"""A merged triangulated surface with its edge table, for checks, sharp edges and flanks.
 
 An edge *turns* by the angle between the outward normals of its two triangles, positive where the
 surface is convex: the exterior angle. A wedge of half-angle a turns by 180° - 2a.
@@ -16,21 +16,21 @@ from shellcut.arrays import Floats, Ints, SmallInts
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 MERGE_TOLERANCE = 1e-7
-"""Vertices nearer than this part of the surface's diagonal are one: the round-off of a
+"""Vertices closer than this fraction of the surface's diagonal are merged: the round-off of a
 single-precision STL file."""
 
 DEGENERATE_HEIGHT = 1e-7
-"""Least height of a triangle as a part of its longest edge: below it the normal is noise."""
+"""Least height of a triangle over its longest edge: below it the normal is noise."""
 
 FLAT_TURN = radians(1.0)
 """A given cutting edge must turn by more than this [rad]: a flat one has no mid-plane."""
 
 EXAMPLES_SHOWN = 3
-"""How many places an error message lists of each kind of defect."""
+"""Number of places that an error message lists for each kind of defect."""
 
 
 class Surface:
-    """A surface whose coinciding vertices are one, with its edge table.
+    """A surface with merged vertices and its edge table.
 
     Each undirected edge (lo < hi) is a row; ``manifold`` rows have one triangle that runs lo -> hi
     (``forward``) and one that runs hi -> lo (``backward``).
@@ -52,7 +52,7 @@ class Surface:
         up_uses = np.bincount(row[runs_up], minlength=self.keys.size)
         self.manifold = (self.uses == 2) & (up_uses == 1)
         self.twisted = (self.uses == 2) & (up_uses != 1)
-        # where a direction is missing, any triangle of the edge stands in
+        # where a direction is missing, use any triangle of the edge
         self.forward = np.zeros(self.keys.size, dtype=np.int64)
         self.forward[row] = owner
         self.backward = self.forward.copy()
@@ -69,7 +69,7 @@ class Surface:
 
     def _turning_angles(self) -> Floats:
         # Angle between the two normals, negative where the edge is concave; 0 off manifold edges.
-        # The signs of an inside-out body are the wrong way round: its volume tells.
+        # The signs of an inside-out body (negative volume) are reversed.
         turn = np.zeros(self.keys.size)
         rows = np.flatnonzero(self.manifold)
         first, second = self.normals[self.forward[rows]], self.normals[self.backward[rows]]
@@ -86,7 +86,7 @@ class Surface:
         return np.bincount(self.body, weights=six_volumes(self.vertices, self.triangles)) / 6.0
 
     def problems(self) -> list[str]:
-        """Return why this is not the outside of solid bodies: one line a kind of defect."""
+        """Return why this is not the surface of solid bodies: one line per kind of defect."""
         found = []
         flat = np.flatnonzero(self.height < DEGENERATE_HEIGHT)
         if flat.size:
@@ -132,8 +132,8 @@ class Surface:
         return found
 
     def _pinched_vertices(self) -> Ints:
-        # A vertex whose corners (3 t + k) fall into more than one fan: two corners are of one fan
-        # if their triangles share an edge at that vertex.
+        # A vertex whose corners (3 t + k) form more than one fan: two corners belong to one fan if
+        # their triangles share an edge at that vertex.
         near, far = self.twin_corners  # half-edges; half-edge 3 t + k starts at corner k of t
         links_a, links_b = [], []
         vertex = self.triangles.ravel()
@@ -148,7 +148,7 @@ class Surface:
             connected_parts(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
         )
         pairs = np.unique(np.column_stack([vertex, fan]), axis=0)
-        # fans of an open surface are told by its holes already
+        # open surfaces are already reported by their holes
         fans = np.bincount(pairs[:, 0], minlength=self.vertices.shape[0])
         on_bad_edge = np.zeros(self.vertices.shape[0], dtype=bool)
         on_bad_edge[self.lo[self.uses != 2]] = True
@@ -156,7 +156,7 @@ class Surface:
         return np.flatnonzero((fans > 1) & ~on_bad_edge)
 
     def sharp_segments(self, least_turn: float) -> tuple[Ints, list[str]]:
-        """Return the edges that turn by so much [rad], shape (n, 2), and why there are none."""
+        """Return the edges that turn by at least this [rad], (n, 2), or why there are none."""
         rows = np.flatnonzero(self.turn >= least_turn)
         problems = []
         if rows.size == 0:
@@ -195,7 +195,7 @@ class Surface:
         return row, (self.keys[row] == key) & (ordered[:, 0] >= 0)
 
     def sides(self, segments: Ints) -> tuple[Ints, Ints]:
-        """Return the triangles that run along each segment in its sense and against it."""
+        """Return the triangles that run along each segment in its direction and against it."""
         row, _ = self._rows(segments)
         runs_up = segments[:, 0] < segments[:, 1]
         plus = np.where(runs_up, self.forward[row], self.backward[row])
@@ -209,8 +209,8 @@ class Surface:
         return normal, unit_rows(np.cross(normal, along))
 
     def flanks(self, plus: Ints, minus: Ints, largest_turn: float) -> SmallInts:
-        """Return +1, -1 or 0 a triangle: the side of the nearest cutting edge that it is on."""
-        # a way across a cutting edge passes a seed of the other side first: no need to bar it
+        """Return +1, -1 or 0 per triangle: its side of the nearest cutting edge."""
+        # a path across a cutting edge meets a seed of the other side first: no need to block it
         smooth = self.manifold & (np.abs(self.turn) < largest_turn)
         a, b = self.forward[smooth], self.backward[smooth]
         centre = self.vertices[self.triangles].mean(axis=1)
@@ -229,7 +229,7 @@ class Surface:
         return flank
 
     def _holes(self, rows: Ints) -> str:
-        # connected rims of open edges with their middle and size, the largest first
+        # connected rims of open edges with middle and size, largest first
         n = self.vertices.shape[0]
         rim_of_vertex = by_first_appearance(connected_parts(self.lo[rows], self.hi[rows], n))
         rim = rim_of_vertex[self.lo[rows]]
@@ -267,9 +267,9 @@ class Surface:
 def merge_vertices(
     vertices: Floats, triangles: Ints, edges: Ints | None, tolerance: float | None = None
 ) -> tuple[Floats, Ints, Ints | None]:
-    """Return vertices, triangles and edges with one id for vertices that coincide.
+    """Return vertices, triangles and edges with coinciding vertices merged.
 
-    The first of them stays, unused ones go (id -1 in edges).
+    The first of them is kept, unused ones are dropped (id -1 in edges).
 
     Parameters
     ----------
@@ -325,10 +325,10 @@ def _next_corner(half_edges: Ints) -> Ints:
 
 
 def counted(ids: Ints, singular: str, plural: str | None = None) -> str:
-    """Return how many things there are, with their name."""
+    """Return a count with its noun."""
     return f"{ids.size} {singular if ids.size == 1 else plural or singular + 's'}"
 
 
 def point_text(point: Floats) -> str:
-    """Return coordinates as a message shows them."""
+    """Return coordinates formatted for a message."""
     return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"

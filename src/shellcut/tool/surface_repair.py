@@ -1,8 +1,8 @@
-"""Surfaces of other programs put in order, as far as that is without a choice.
+"""Repair surfaces from other programs where the repair is unambiguous.
 
-Coinciding vertices become one; triangles without an area and repeated ones go; all triangles of a
-connected part are turned to run one way, and the part outside out. Holes are left: what should be
-there only the user knows.
+Coinciding vertices are merged; degenerate and repeated triangles are removed; the triangles of a
+connected part are oriented consistently, with normals outwards. Holes are left: only the user knows
+what belongs there.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from .surface import (
     point_text,
 )
 
-_MOST_SWAPS = 50  # rounds of flattened triangles; each leaves fewer, more mean a tangle
+_MOST_SWAPS = 50  # rounds of swaps; each leaves fewer flat triangles, more rounds mean a tangle
 
 
 @dataclass
 class Repaired:
-    """A surface and what was done to it."""
+    """A repaired surface and notes on the repairs."""
 
     vertices: Floats
     triangles: Ints
     notes: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
-    """Why it cannot be put in order."""
+    """Why it cannot be repaired."""
 
 
 def repaired(vertices: Floats, triangles: Ints, *, tolerance: float | None = None) -> Repaired:
-    """Return the surface in order.
+    """Return the repaired surface.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def repaired(vertices: Floats, triangles: Ints, *, tolerance: float | None = Non
 
 
 def _remove_flat(done: Repaired) -> None:
-    # A triangle with two corners in one place goes: its neighbours meet where it was. One with a
-    # corner on its longest side is swapped with the neighbour there, which gives both an area.
+    # A triangle with two coinciding corners is removed: its neighbours meet there. One with a
+    # corner on its longest side is swapped with the neighbour there, so that both get an area.
     n = len(done.triangles)
     collapsed = (done.triangles == np.roll(done.triangles, 1, axis=1)).any(axis=1)
     done.triangles = done.triangles[~collapsed]
@@ -81,8 +81,8 @@ def _remove_flat(done: Repaired) -> None:
 
 def _swap(done: Repaired, flat: Bools) -> bool:
     # the flat triangle (a, b, c) with c on the side a b, and its neighbour (b, a, d) across that
-    # side, become (b, c, d) and (c, a, d) when the neighbour has an area; one flat triangle of two
-    # that are each other's neighbour across the longest side goes with it
+    # side, become (b, c, d) and (c, a, d) when the neighbour has an area; of two flat triangles
+    # that are neighbours across their longest sides one is removed
     rows: list[list[int]] = done.triangles.tolist()
     beside: dict[tuple[int, int], int] = {}
     for t, (i, j, k) in enumerate(rows):
@@ -100,7 +100,7 @@ def _swap(done: Repaired, flat: Bools) -> bool:
             removed |= {t, other}
             continue
         rows[t], rows[other] = [b, c, d], [c, a, d]
-        # what lay across the other sides is found anew in the next round
+        # the other neighbours are found again in the next round
         touched |= {beside[side] for side in ((c, b), (a, c)) if side in beside}
     done.triangles = np.array(
         [row for t, row in enumerate(rows) if t not in removed], dtype=np.int64
@@ -116,14 +116,14 @@ def _longest_side_first(vertices: Floats, row: list[int]) -> tuple[int, int, int
 
 
 def _remove_repeated(done: Repaired) -> None:
-    # the same three corners in the same sense; in opposite senses they are a fin, left to be told
+    # the same three corners in the same sense; in opposite senses they are a fin, reported later
     first = np.argmin(done.triangles, axis=1)
     order = (first[:, None] + np.arange(3)) % 3
     turned = np.take_along_axis(done.triangles, order, axis=1)
     _, kept = np.unique(turned, axis=0, return_index=True)
     if gone := len(turned) - len(kept):
         done.triangles = done.triangles[np.sort(kept)]
-        done.notes.append(f"{gone} triangles that stood twice are kept once")
+        done.notes.append(f"{gone} repeated triangles are removed")
 
 
 def _turn(done: Repaired) -> None:
@@ -132,16 +132,16 @@ def _turn(done: Repaired) -> None:
         at = done.vertices[done.triangles[winding.one_sided]].mean(axis=(0, 1))
         done.problems.append(
             f"{counted(winding.one_sided, 'triangle')} around {point_text(at)} form a surface with "
-            "one side only, as a Möbius strip: it has no inside"
+            "one side only, like a Möbius strip: it has no inside"
         )
         return
     done.triangles[winding.turned] = done.triangles[winding.turned][:, ::-1]
     if n := int(winding.turned.sum()):
-        done.notes.append(f"{n} triangles ran against their neighbours and are turned")
+        done.notes.append(f"{n} triangles were oriented against their neighbours and are turned")
     surface = Surface(done.vertices, done.triangles)
     open_bodies = np.unique(surface.body[surface.forward[surface.uses != 2]])
     inverted = surface.body_volumes() < 0.0
-    inverted[open_bodies] = False  # the volume of an open surface says nothing
+    inverted[open_bodies] = False  # the volume of an open surface is meaningless
     if n := int(inverted.sum()):
         back = inverted[surface.body]
         done.triangles[back] = done.triangles[back][:, ::-1]

@@ -1,8 +1,8 @@
-"""A rigid motion through tabulated poses, smooth in translation and rotation.
+"""A rigid motion through tabulated poses, with smooth translation and rotation.
 
-Within an interval the translation is a cubic spline and the rotation R_i exp(phi), phi a cubic; all
-is evaluated in plain scalar arithmetic: a call costs a few microseconds, against some hundred for a
-scipy spline.
+Within an interval the translation is a cubic spline and the rotation R_i exp(phi), phi a cubic.
+Plain scalar arithmetic evaluates them in a few microseconds per call; a scipy spline takes a
+hundred.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from .motion import turned
 from .pose import Pose
 
 LARGEST_TABLE_TURN = 0.75 * pi
-"""Largest rotation between neighbouring entries of a table [rad]: near half a turn the way round
-is ambiguous."""
+"""Largest rotation between neighbouring entries of a table [rad]: near half a turn the direction is
+ambiguous."""
 
 SUBDIVISIONS = 16
 """Pieces of a table interval over which the travelled angle or path is summed."""
@@ -36,13 +36,13 @@ SMALL_ANGLE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class TableMotion:
-    """Pass through tabulated poses, smoothly: cubic splines in translation and rotation.
+    """Pass through tabulated poses smoothly: cubic splines in translation and rotation.
 
-    Before the first and after the last time the end pose is held at rest, so that a run may start
-    early and end a step late; a table that ends in motion therefore stops the tool dead.
+    Before the first and after the last time the tool rests at the end pose, so a run may start
+    early and end a step late; a table that ends in motion therefore stops the tool abruptly.
 
-    The coordinate is what the tool has travelled, a sum that only grows: the angle, the integral
-    of the angular speed, if the table turns at all, otherwise the path of the body's origin.
+    The coordinate is the travel of the tool, which only grows: the angle (integral of the angular
+    speed) if the table turns at all, otherwise the path of the body's origin.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class TableMotion:
     rotation_vectors: npt.ArrayLike | None = None
     """Axis times angle of the pose, shape (n_time, 3), [rad]; by default no rotation.
 
-    From one entry to the next the tool turns the shorter way; turns of 135° or more are refused.
+    Between entries the tool turns the shorter way; turns of 135° or more are refused.
     """
     _knots: list[float] = field(init=False, repr=False)
     _translation: list[list[float]] = field(init=False, repr=False)
@@ -101,7 +101,7 @@ class TableMotion:
 
     @classmethod
     def read_csv(cls, path: str | Path) -> TableMotion:
-        """Read a table of poses; units stand in its headings, as ``time [ms]``.
+        """Read a table of poses; its headings give the units, such as ``time [ms]``.
 
         The columns are those of :func:`shellcut.formats.motion_csv.read_motion_csv`: ``time``,
         ``x``, ``y``, ``z`` and ``rx``, ``ry``, ``rz`` or ``angle`` (about z).
@@ -189,7 +189,7 @@ class TableMotion:
         return turned(self._start[i], spin)
 
     def _sum_travel(self) -> list[list[tuple[float, float]]]:
-        # (travel, speed) at the ends of the pieces of each interval, by 5-point Gauss a piece
+        # (travel, speed) at the ends of the pieces of each interval, by 5-point Gauss per piece
         nodes, weights = np.polynomial.legendre.leggauss(5)
         speed_vector = self._angular_velocity if self._turns else self._velocity
 

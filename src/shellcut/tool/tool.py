@@ -1,8 +1,8 @@
 """The cutting tool: a rigid closed triangulated surface with its cutting edges, in its body frame.
 
-Words: a *body* (tooth) is a connected component of the surface; a *cutting edge* is a chain of
-*segments*, edges of the surface where it folds back sharply; the triangle that runs along a
-segment in the direction of its chain is the *plus* flank there, the other one the *minus* flank.
+Terms: a *body* (tooth) is a connected component of the surface; a *cutting edge* is a chain of
+*segments*, edges where the surface folds back sharply; the triangle that runs along a segment in
+the direction of its chain is the *plus* flank there, the other one the *minus* flank.
 
 =====================  ==================================================================
 n+, n-                 outward unit normals of the two triangles at a segment
@@ -31,7 +31,7 @@ from .edge_chains import chains_facing_back, chains_of, reverse_chains
 from .surface import Surface, counted, merge_vertices, point_text, six_volumes
 
 FARTHEST_SHIFT = 1e6
-"""Sizes of the tool by which it may be moved: coordinates then keep nine digits of its shape."""
+"""Largest shift in sizes of the tool: coordinates then keep nine digits of its shape."""
 
 
 class ToolError(ValueError):
@@ -47,7 +47,7 @@ class EdgeChain:
     """A cutting edge, in the body frame."""
 
     chain: int
-    """Its number, as in ``Tool.edge_chain``."""
+    """Number, as in ``Tool.edge_chain``."""
     body: int
     n_segment: int
     length: float
@@ -114,11 +114,11 @@ class Tool:
     edge_back: Floats
     """Unit vector of the mid-plane, normal to the segment, into the solid, shape (n_edge, 3)."""
     name: str = "tool"
-    """What reports call it."""
+    """Name in reports."""
     parameters: Mapping[str, float] = field(default_factory=dict)
-    """The numbers it was built from, for reports; empty for a surface that was read."""
+    """Parameters it was built from, for reports; empty for a surface that was read."""
     flank_angle_deg: float = 40.0
-    """Turn over which flanks extend, as :meth:`from_triangles` was given it [deg]."""
+    """Limit of turn up to which flanks extend, from :meth:`from_triangles` [deg]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -179,9 +179,9 @@ class Tool:
             Counter-clockwise seen from outside.
         edges : array_like of int, shape (n_edge, 2), optional
             The cutting segments, as ids into ``vertices``; each chain keeps the direction of its
-            first segment, which decides what is plus. By default they are found by angle.
+            first segment, which decides the plus side. By default they are found by angle.
         sharp_angle_deg : float, [deg]
-            Where no edges are given: the least angle between the two outward normals at a convex
+            If no edges are given: the least angle between the two outward normals at a convex
             edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this way
             starts in the direction of its smallest vertex id; further chains of a body are
             turned so that their plus sides face the same way as that of the first.
@@ -195,12 +195,12 @@ class Tool:
         Raises
         ------
         ToolError
-            Lists all that is wrong: shapes, non-finite coordinates, degenerate triangles, holes,
-            non-manifold edges and vertices, orientation, cutting edges that are not there.
+            Lists all defects: shapes, non-finite coordinates, degenerate triangles, holes,
+            non-manifold edges and vertices, orientation, missing cutting edges.
 
         Notes
         -----
-        Whether the surface cuts through itself is not checked.
+        Self-intersection of the surface is not checked.
         """
         coordinates, ids, given = _cast(
             vertices, triangles, edges, sharp_angle_deg, flank_angle_deg
@@ -245,7 +245,7 @@ class Tool:
         )
 
     def chains(self) -> list[EdgeChain]:
-        """Return what the cutting edges are, chain by chain.
+        """Return the cutting edges, chain by chain.
 
         Examples
         --------
@@ -280,12 +280,12 @@ class Tool:
         return found
 
     def without_cutting(self, *chains: int) -> Tool:
-        """Return the tool with some chains not cutting: mere edges of its surface.
+        """Return the tool with some chains not cutting, as ordinary edges of its surface.
 
         Parameters
         ----------
         *chains : int
-            Numbers of :meth:`chains`. The rest keep their order and are numbered anew.
+            Numbers of :meth:`chains`. The rest keep their order and are renumbered.
         """
         wrong = [c for c in chains if c not in range(self.n_chain)]
         problems = []
@@ -294,7 +294,7 @@ class Tool:
             problems.append(f"there is no chain {wrong}; the chains are: {known}")
         keep = ~np.isin(self.edge_chain, chains)
         if not wrong and not keep.any():
-            problems.append(f"one chain at least must cut, got all {self.n_chain} not to")
+            problems.append(f"at least one chain must cut, got all {self.n_chain} as not cutting")
         if problems:
             raise ToolError(problems)
         return Tool.from_triangles(
@@ -309,8 +309,8 @@ class Tool:
     def write(self, path: str | Path) -> None:
         """Write the surface as a binary STL file, in mm.
 
-        The format holds single precision and no cutting edges: they are found again by their angle
-        when it is read by :func:`shellcut.read_tool`.
+        The format has single precision and no cutting edges: :func:`shellcut.read_tool` finds them
+        again by their angle.
         """
         if Path(path).suffix.lower() != ".stl":
             raise ValueError(f"a tool is written as .stl, got {str(path)!r}")
@@ -324,7 +324,7 @@ class Tool:
     def half_thickness(self) -> float:
         """Return V / A of the thinnest body, volume over surface: half of a plate's thickness [mm].
 
-        Of a body that is no plate it is less than half its least width: 1/3 of a ball's radius.
+        For a body that is not a plate it is less than half its least width: 1/3 of a ball's radius.
         """
         a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
         area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -340,8 +340,8 @@ class Tool:
         Raises
         ------
         ValueError
-            If it is no shift, or one so far that the round-off of its coordinates shows in the
-            tool's shape.
+            If the shift is not three finite numbers, or so large that round-off of the coordinates
+            would change the tool's shape.
         """
         move = np.asarray(shift, dtype=np.float64)
         if move.shape != (3,) or not np.isfinite(move).all():
@@ -355,7 +355,7 @@ class Tool:
         return replace(self, vertices=self.vertices + move)
 
     def point(self, edge: int, s: float) -> Floats:
-        """Return the point of cutting segment ``edge`` at the part ``s`` in [0, 1] of its length.
+        """Return the point of cutting segment ``edge`` at the fraction ``s`` of its length.
 
         Parameters
         ----------

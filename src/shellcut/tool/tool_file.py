@@ -1,7 +1,7 @@
-"""A tool from a surface file of a CAD program: :func:`read_tool`.
+"""Read a tool from a surface file of a CAD program: :func:`read_tool`.
 
-What was assumed, turned or removed is logged as a warning of the logger ``shellcut.tool_file``,
-which Python shows unless told otherwise.
+Assumptions and repairs are logged as warnings by the logger ``shellcut.tool_file``; Python shows
+them by default.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ READERS: dict[str, Callable[[str | Path], SurfaceFile]] = {
     ".obj": read_obj,
     ".ply": read_ply,
 }
-"""The reader of each file name's end."""
+"""Reader by suffix of the file name."""
 
 _FARTHEST = 1e5
-"""A vertex so many times farther from the middle than most is an error of the file."""
+"""A vertex this many times farther from the middle than most is an error in the file."""
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -56,24 +56,24 @@ def read_tool(
     Parameters
     ----------
     path : str or Path
-        The format goes by the end of the name.
+        The suffix gives the format.
     unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
-        Unit of the file's coordinates, or its length in mm. By default guessed from the size
-        where that is safe, and said.
+        Unit of the file's coordinates, or its length in mm. By default guessed from the size, with
+        a warning, where that is safe.
     axis : {"x", "y", "z", "-x", "-y", "-z"} or sequence of 3 floats
         Direction in the file that becomes z, the normal of the film in the package's models; the
-        tool is turned the shortest way.
+        tool is turned by the shortest rotation.
     shift : sequence of 3 floats, [mm]
-        By which the tool is moved after that.
+        Translation of the tool after that.
     sharp_angle_deg : float, [deg]
-        Least exterior angle of an edge that cuts: 180 minus the angle of the wedge. Between 90 (the
-        rims of a machined block) and 120 the teeth of a cap are found alone.
+        Least exterior angle of a cutting edge: 180 minus the angle of the wedge. Between 90 (the
+        rims of a machined block) and 120 only the teeth of a cap are found.
     flank_angle_deg : float, [deg]
         See :meth:`Tool.from_triangles`.
     not_cutting : collection of int
-        Chains found by angle that do not cut, by the numbers of :meth:`Tool.chains` without them.
+        Chains found by angle that do not cut, by their numbers in :meth:`Tool.chains` when all cut.
     merge : float, optional, [mm]
-        Vertices nearer than this are one; by default 1e-7 of the tool's diagonal.
+        Vertices closer than this are merged; by default 1e-7 of the tool's diagonal.
     name : str, optional
         The file's name by default.
 
@@ -86,7 +86,8 @@ def read_tool(
     FileError
         For a file that cannot be read.
     ToolError
-        For a surface with holes (told with place and size), without inside, without a sharp edge.
+        For a surface with holes (listed with place and size), without an inside, or without a sharp
+        edge.
 
     Examples
     --------
@@ -131,8 +132,8 @@ def read_tool(
         raise ToolError(list(refusal.problems), what=f"surface in {path}") from None
     chains = tool.chains()
     _log.warning(
-        "%s: %d cutting edges by their angle, %.4g mm in all, of %d bodies; not_cutting=[...] "
-        "leaves out those of:\n%s",
+        "%s: %d cutting edges found by angle, %.4g mm in all, of %d bodies; not_cutting=[...] "
+        "excludes chains from:\n%s",
         path,
         len(chains),
         sum(chain.length for chain in chains),
@@ -151,7 +152,7 @@ def _check_coordinates(file: SurfaceFile) -> None:
         raise FileError(
             file.path,
             f"vertices must lie together, got vertex {k} at {point_text(file.vertices[k])}, "
-            f"{away[k] / np.median(away):.2g} times as far off as most; is the file damaged?",
+            f"{away[k] / np.median(away):.2g} times as far away as most; is the file damaged?",
         )
 
 
