@@ -116,7 +116,7 @@ def own_parts(user: User) -> str:
             f"{name}: no unit given: taken as mm, the film is 20.4 mm across",
             "cap.stl: no unit given: taken as mm",
             "4 of 4 bodies were inside out and are turned",
-            "4 cutting edges by their angle, 23.09 mm in all",
+            "4 cutting edges found by angle, 23.09 mm in all",
             "path of",
         )
         edges = re.findall(r"chain \d of body \d: .* 5\.773 mm", done.said)

@@ -364,7 +364,7 @@ def test_laws_are_known_by_name_and_refused_with_a_sentence():
         return strain, 0.0, 0.0, history
 
     for function in (other, TOY.law.stress):  # the latter without its history
-        with pytest.raises(ValueError, match="there is a law 'damaging' already"):
+        with pytest.raises(ValueError, match="a law 'damaging' is already registered"):
             register(PointLaw("damaging", function, TOY.law.thickness_stretch))
     assert LAWS["damaging"] is TOY.law
     for name, history, linear, wrong in (

@@ -51,7 +51,7 @@ def test_any_mix_of_orientations_becomes_one_outside_out():
     surface = Surface(*_pair(done))
     assert surface.problems() == []
     np.testing.assert_allclose(surface.body_volumes(), ring.volume(), rtol=1e-12)  # round-off
-    assert any("ran against their neighbours" in note for note in done.notes)
+    assert any("were oriented against their neighbours" in note for note in done.notes)
 
 
 def test_only_the_bodies_inside_out_are_turned():
@@ -116,7 +116,7 @@ def test_triangles_that_stand_twice_are_kept_once():
     again = triangles[[0, 3]][:, [1, 2, 0]]
     done = repaired(vertices, np.concatenate([triangles, again]))
     assert len(done.triangles) == len(triangles)
-    assert done.notes == ["2 triangles that stood twice are kept once"]
+    assert done.notes == ["2 repeated triangles are removed"]
 
 
 def test_a_moebius_strip_is_a_problem():

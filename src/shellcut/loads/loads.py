@@ -1,7 +1,7 @@
 """Loads: gravity, pressure (dead or following), edge traction, nodal forces ([Frangi2010] 17).
 
-Dead loads are summed to the nodes once; when a node splits, the loads of its two halves are found
-again from their own quads. A nodal force stays with the node that keeps the id.
+Dead loads are summed to the nodes once; when a node splits, the loads of both halves are recomputed
+from their own quads. A nodal force stays with the node that keeps the id.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Factor = Callable[[float], float]
 
 
 def steady(_time: float) -> float:
-    """Return 1: a load that is applied as a step at t = 0 and stays."""
+    """Return 1: a load applied as a step at t = 0, constant from then on."""
     return 1.0
 
 
@@ -41,7 +41,7 @@ def _vector(name: str, value: Sequence[float]) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class Gravity:
-    """Body force, an acceleration [mm/s²] times mass; factor(time) scales it.
+    """Body force, acceleration [mm/s²] times mass; factor(time) scales it.
 
     Examples
     --------
@@ -54,10 +54,10 @@ class Gravity:
 
 @dataclass(frozen=True)
 class Pressure:
-    """Pressure [MPa] along the director's side of the quads, all of them unless a set is named.
+    """Pressure [MPa] along the director's side of the quads; all quads unless a set is given.
 
-    ``following`` pressure turns and stretches with the surface; a dead one keeps the direction and
-    the area of the reference.
+    ``following`` pressure turns and stretches with the surface; dead pressure keeps direction and
+    area of the reference.
 
     Examples
     --------
@@ -88,7 +88,7 @@ class NodalForce:
 class NodalMoment:
     """Dead moment [N·mm] on the director of every node of a set or list.
 
-    Its part along the director does nothing: five freedoms a node leave no drilling.
+    Its part along the director has no effect: with five freedoms per node there is no drilling.
 
     Examples
     --------
@@ -123,7 +123,7 @@ class LoadSet:
     Raises
     ------
     ValueError
-        If a set is unknown, a vector has not three components, or no edge is loaded.
+        If a set is unknown, a vector does not have three components, or no edge is loaded.
     """
 
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
@@ -161,7 +161,7 @@ class LoadSet:
                 self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
 
     def begin_forces(self, state: State) -> float:
-        """Write the nodal forces anew, the loads at t_n; return their work since t_{n-1} [N·mm]."""
+        """Set the nodal forces to the loads at t_n; return their work since t_{n-1} [N·mm]."""
         n, dt = state.node, state.dt
         now, before = state.time, state.time - dt
         work = 0.0
@@ -211,7 +211,7 @@ class LoadSet:
         return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
 
     def largest(self, state: State) -> float:
-        """Return the largest component of the nodal loads, moments left out [N]."""
+        """Return the largest component of the nodal loads, without moments [N]."""
         n = state.node.count
         every = state.node.load_force[:n].copy()
         for dead in self._dead:
@@ -222,14 +222,14 @@ class LoadSet:
         return float(np.abs(every).max(initial=0.0))
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
-        """Add the load on a node that comes through a single quad, gravity left out [N].
+        """Add the load on a node that comes from a single quad, without gravity [N].
 
         Parameters
         ----------
         state : State
             At t_n.
         quads, nodes : ndarray of int, shape (n,)
-            Which quad, and which of its nodes.
+            Quad, and one of its nodes.
         force : ndarray, shape (n, 3)
             Added to.
         """
@@ -255,7 +255,7 @@ class _Weight:
 
 
 class _Pressed:
-    """Dead pressure on some quads: the area and the direction of the reference."""
+    """Dead pressure on some quads: area and direction of the reference."""
 
     def __init__(self, mesh: Mesh, quads: Ints, value: float) -> None:
         self._mesh, self._value = mesh, value
@@ -309,17 +309,17 @@ class _Drawn:
 class _DeadLoad:
     """A nodal force that keeps its direction, scaled by a factor of time.
 
-    Each half of a split node takes the share of its own quads, found again for these two alone.
+    Each half of a split node takes the share of its own quads, recomputed for these two only.
     """
 
     def __init__(self, factor: Factor, rule: _Weight | _Pressed | _Drawn) -> None:
         self.factor, self.rule = factor, rule
         self.force: Floats = np.zeros((0, 3))
-        """At a factor of one [N], shape (n_node, 3)."""
+        """Force at a factor of one [N], shape (n_node, 3)."""
         self._known = KnownTopology()
 
     def follow(self, state: State) -> None:
-        """Take in the splits since the last call."""
+        """Process the splits since the last call."""
         if self.force.shape[0] < state.n_node:
             grown = columns(state.node.x.shape[0], 3)
             if self.force.shape[0] == 0:
@@ -368,7 +368,7 @@ def _dead_at(
     velocity: Floats,
     rows: Floats,
 ) -> Number:
-    """Put in factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
+    """Write factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
     force = at(dead, n, 0, lane), at(dead, n, 1, lane), at(dead, n, 2, lane)
     v = at(velocity, n, 0, lane), at(velocity, n, 1, lane), at(velocity, n, 2, lane)
     if begins:
@@ -390,9 +390,9 @@ def _make_dead_kernel(begins: bool) -> Any:
         rows: Floats,
         sums: Floats,
     ) -> None:
-        """Put factor dead : (n_node, 3) into rows : (n_node, 8), of every ``stride``-th chunk.
+        """Write factor dead : (n_node, 3) to rows : (n_node, 8), in every ``stride``-th chunk.
 
-        sums : (n_chunk,), the power of ``dead``, is written.
+        Writes the power of ``dead`` to sums : (n_chunk,).
         """
         for chunk in range(first, sums.shape[0], stride):
             start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
@@ -408,14 +408,14 @@ def _make_dead_kernel(begins: bool) -> Any:
 
 
 _begin_with_dead_force = _make_dead_kernel(begins=True)
-"""In place of what stood there."""
+"""Overwrite the rows instead of adding to them."""
 _add_dead_force = _make_dead_kernel(begins=False)
 """Added."""
 
 
 @kernel
 def _clear_forces(first: int, stride: int, n_node: int, rows: Floats) -> None:
-    """Set rows : (n_node, 8) of every ``stride``-th chunk to zero."""
+    """Set rows : (n_node, 8) to zero in every ``stride``-th chunk."""
     for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for n in range(start, stop - WIDTH + 1, WIDTH):

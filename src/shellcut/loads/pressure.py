@@ -1,4 +1,4 @@
-"""Pressure on quads: ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points, spread to the corners."""
+"""Pressure on quads: ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points, for each corner a."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def pressure_on_nodes(
     """Write the dead pressure on ``nodes`` from the pressed quads at each into force : (n, 3).
 
     quads_at, n_quad_at : adjacency of the state.  quads, reference_quads : (n_quad, 4), now and
-    before any split.
+    before all splits.
     """
     for i in range(nodes.shape[0]):
         for k in range(n_quad_at[nodes[i]]):

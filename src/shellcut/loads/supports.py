@@ -1,10 +1,10 @@
 """Supports and prescribed motion, with their reactions.
 
-A support holds components of the velocity, and of the spin of the director, of some nodes; a
-*clamped* node holds position and director both ([Frangi2010] 5). What holds them, the reaction, is
-mass x acceleration minus the nodal force, written by the kick.
+A support holds components of the velocity, and of the director's spin, of some nodes; a *clamped*
+node holds both position and director ([Frangi2010] 5). The reaction is mass x acceleration minus
+the nodal force, written by the kick.
 
-A director has two turns, a spin three components, so holding spins about axes means, with T the
+A director has two rotations, a spin three components. So holding spins about axes means, with T the
 director of the reference:
 
 =====================  ==========================  ==========================================
@@ -17,11 +17,10 @@ one, h                 stays in the plane of h     h: is free, a spin about itse
                        and T                       it nowhere
 =====================  ==========================  ==========================================
 
-Both the explicit driver (:mod:`shellcut.central_difference`) and statics
-(:mod:`shellcut.statics.freedoms`) hold just that. A director that leans by a little, as the mean
-normal at an edge does, is thus held like one that does not, whatever the lean; between the axis and
-the plane normal to it 30° is where the one is taken for the other, because the mean normals of a
-mesh lean by so much at most (half the largest fold between two quads, ``max_fold_deg``).
+The explicit driver (:mod:`shellcut.central_difference`) and statics
+(:mod:`shellcut.statics.freedoms`) both hold exactly this. So a director that leans a little, as the
+mean normal at an edge does, is held like one that does not. The limit is 30° because the mean
+normals of a mesh lean by at most that (half the largest fold between two quads, ``max_fold_deg``).
 """
 
 from __future__ import annotations
@@ -68,11 +67,11 @@ class Support:
     nodes : str or sequence of int
         Node set or ids.
     translation, rotation : str
-        Held axes, a subset of "xyz", of the position and of the director's spin. With two axes
-        of spin held the director turns about the third only, whatever its direction.
+        Held axes, a subset of "xyz", of the position and of the director's spin. With two axes of
+        spin held the director only turns about the third, whatever its direction.
     velocity, spin : mapping from axis to function of time, optional
         Prescribed velocity [mm/s] of the position, and angular velocity [rad/s] of the director,
-        about held axes; at rest otherwise. A director only turns about axes normal to it.
+        about held axes; at rest otherwise. A director turns only about axes normal to it.
 
     Examples
     --------
@@ -132,7 +131,8 @@ class Support:
     def symmetry(cls, nodes: NodeChoice, normal: str) -> Support:
         """Hold nodes in the symmetry plane with the given normal axis, "x", "y" or "z".
 
-        Their reference directors are put into the plane, see :mod:`shellcut.loads.symmetry_plane`.
+        Their reference directors are moved into the plane, see
+        :mod:`shellcut.loads.symmetry_plane`.
         """
         if normal not in tuple(_AXES):
             raise ValueError(f"normal must be one of x, y and z, got {normal!r}")
@@ -140,9 +140,9 @@ class Support:
 
     @property
     def mirror(self) -> int | None:
-        """Axis normal to the symmetry plane that this support stands for, 0-2; else None.
+        """Axis normal to the symmetry plane that this support represents, 0-2; else None.
 
-        What :meth:`symmetry` holds, neither more nor less, and holds at rest.
+        It holds exactly the components of :meth:`symmetry`, at rest.
         """
         if len(set(self.translation)) != 1 or self.velocity or self.spin:
             return None
@@ -174,7 +174,7 @@ class SupportSet:
                         "keep one of them"
                     )
                 self._moving.append((ids, c, rate))
-        # A node that one support holds at rest and another moves along the same axis.
+        # Nodes held at rest by one support and moved along the same axis by another.
         for support, ids in zip(supports, self.nodes, strict=True):
             for c in set(support.held()) - set(support.rates()):
                 clash = [n for n in ids.tolist() if (n, c) in moved]
@@ -185,7 +185,7 @@ class SupportSet:
                     )
 
     def initialise(self, state: State) -> None:
-        """Write the masks of held components; supported nodes no longer follow their forces."""
+        """Write the masks of held components, which no longer follow the forces."""
         for support, ids in zip(self._supports, self.nodes, strict=True):
             for c in support.held():
                 state.node.support[ids, c] = True
@@ -194,14 +194,14 @@ class SupportSet:
         state.node.push[state.node.supported] = 0.0
 
     def _settle_spins(self, state: State) -> None:
-        """Hold all spins, or none, where that is what the held ones mean to the director."""
+        """Hold all spins, or none, where the held ones amount to that for the director."""
         held = state.node.support[: len(self._directors), 3:]
         n_held = held.sum(axis=1)
         along = np.abs(self._directors) > _ALONG
         held[(n_held == 2) & (along & ~held).any(axis=1)] = True
         idle = (n_held == 1) & (along & held).any(axis=1)
         for ids, c, _ in self._moving:
-            if c >= 3:  # a prescribed spin is taken at its word
+            if c >= 3:  # a prescribed spin is used as given
                 idle[ids] = False
         held[idle] = False
 

@@ -1,18 +1,18 @@
-"""Directors of nodes on a symmetry plane lie in it.
+"""Put the directors of nodes on a symmetry plane into it.
 
-The film of a half model goes on beyond its symmetry plane, mirrored. The director of a node on the
-plane is the mean normal of the quads on both sides; what one side's quads make of it, without their
-mirror images, leans out of the plane by half the angle between the two. That lean is no part of
-the film: it vanishes with the quads, but while it is there the film has a crease along the plane.
+The film of a half model continues beyond its symmetry plane, mirrored. The director of a node on
+the plane is the mean normal of the quads on both sides; the mean over one side only leans out of
+the plane by half the angle between the two. That lean is an artefact: it vanishes with the quads'
+size, but until then the film has a crease along the plane.
 
-A sum of vectors and their mirror images is twice their part in the plane. So the director put into
-the plane, made a unit vector again, is the one that the whole model has, and the half model gives
-what the whole one gives, to round-off. Where two planes meet, both parts normal to them go.
+A sum of vectors and their mirror images is twice their part in the plane. So the director projected
+onto the plane and normalised is that of the whole model, and the half model gives the results of
+the whole, to round-off. Where two planes meet, both normal parts are removed.
 
-A support stands for a symmetry plane if it holds just what :meth:`Support.symmetry` does and the
-film ends there: at a rim node whose quads all lie on one side. Nodes that are held in another way,
+A support represents a symmetry plane if it holds exactly the components of :meth:`Support.symmetry`
+and the film ends there: at a rim node whose quads all lie on one side. Nodes with other supports,
 clamped or hinged, keep their directors. So do those whose director leans by more than 30°:
-mirrored, the film would have a fold of more than 60°, which no mesh of the whole may have
+mirrored, the film would have a fold of more than 60°, which a mesh of the whole may not have
 (``max_fold_deg``). Such a support is a guide, or the film lies in the plane.
 """
 
@@ -30,15 +30,15 @@ from .supports import Support, choose_nodes
 
 _LARGEST_LEAN = float(np.sin(np.radians(30.0)))
 
-# Of the size of a node's quads, the part by which they may reach across the plane: coordinates in
-# text files carry seven digits.
+# Fraction of their size by which a node's quads may reach across the plane: coordinates in text
+# files have seven digits.
 _ACROSS = 1e-6
 
 
 def put_directors_into_planes(mesh: Mesh, supports: Sequence[Support]) -> Mesh:
     """Return the mesh with the directors of nodes on symmetry planes in these planes.
 
-    The mesh itself, if they are in them already.
+    The mesh itself, if they already are.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the film is made of: layers, their material laws, and the stress at a point.
+"""Material of the film: layers, their material laws, and the stress at a point.
 
 May import ``numerics`` and rows below.
 """

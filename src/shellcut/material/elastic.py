@@ -1,4 +1,4 @@
-"""The isotropic St.Venant-Kirchhoff law in plane stress, S = C E, linear at any strain."""
+"""The isotropic St.Venant-Kirchhoff law in plane stress, S = C E, linear at all strains."""
 
 from __future__ import annotations
 

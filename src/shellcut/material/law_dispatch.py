@@ -1,13 +1,12 @@
-"""The laws of a film as kernels call them: one function for all, compiled for those there are.
+"""How kernels call the laws of a film: one function for all laws, compiled for those in use.
 
-The laws of a film are a tuple among the arguments of the kernels that need them, and the *type* of
-a law, as Numba sees it, holds the law's name and a digest of its source file. A kernel is compiled
-once for each combination of laws, with the laws' functions inlined, and Numba keeps it in its cache
-under these types, whoever wrote the law. An edited law has another type, so no kernel runs with an
-older one. Kernels that meet no laws are compiled once and for all.
+Kernels that need laws take them as a tuple, and the Numba *type* of a law holds the law's name and
+a digest of its source file. A kernel is compiled once for each combination of laws, with the laws'
+functions inlined, and Numba caches it under these types, also for user-written laws. An edited law
+has another type, so no kernel runs with an old version. Kernels without laws are compiled once.
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, no-untyped-call"
 
 from __future__ import annotations
@@ -38,24 +37,24 @@ class PointLaws(NamedTuple):
     """The laws of the points through the thickness, the same for all quads."""
 
     laws: tuple[PointLaw, ...]
-    """Laws of the layers, each once."""
+    """Distinct laws of the layers."""
     kind: Annotated[Ints, "(n_point,)"]
-    """Which of them each point has."""
+    """Index of each point's law."""
     parameters: Annotated[Floats, "(n_point, n_parameter)"]
-    """Of each point's law, in rows filled up with zeros."""
+    """Of each point's law, rows padded with zeros."""
 
 
 class HistoryStep(NamedTuple):
-    """Where the history of a block of quads is read and written, and the time between."""
+    """Where the history of a block of quads is read and written, and the length of the step."""
 
     old: Annotated[Numbers, "(n_block, n, width)"]
     """At t_{n-1}."""
     new: Annotated[Numbers, "(n_new, n, width)"]
-    """At t_n; may be the same array."""
+    """At t_n; may be the same array as ``old``."""
     block: int
-    """That is read."""
+    """Block that is read."""
     new_block: int
-    """That is written."""
+    """Block that is written."""
     dt: float
     """Length of the step [s]."""
 
@@ -63,9 +62,9 @@ class HistoryStep(NamedTuple):
 def point_stress(
     laws: PointLaws, k: int, strain: Vector, history: HistoryStep, first: int, lane: Lane
 ) -> tuple[Vector, Number, Number]:
-    """Return stress [MPa], stored and just dissipated energy density [N/mm²] at point ``k``.
+    """Return stress [MPa], stored and dissipated energy density of the step [N/mm²] at point ``k``.
 
-    Its history numbers are those from ``first`` on.
+    Its history numbers start at ``first``.
     """
     law = laws.laws[laws.kind[k]]
     before = _before(law, history, first, lane)
@@ -90,15 +89,15 @@ def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> Hist
 
 
 def dissipates(laws: PointLaws) -> bool:
-    """Whether any of the laws has a history; of laws that have none nothing is summed."""
+    """Whether any law has a history; without one, no dissipation is summed."""
     return any(law.history for law in laws.laws)
 
 
-# ---------------------------------------------------------------- how Numba sees a law
+# ---------------------------------------------------------------- Numba's type of a law
 
 
 class LawType(types.Opaque):
-    """The type of a law: there is one for each law and each version of its source."""
+    """The Numba type of a law, different for each law and each version of its source."""
 
     def __init__(self, law: str, digest: str) -> None:
         self.law = law
@@ -151,7 +150,7 @@ def _point_thickness(laws, k, strain, history, first, lane):
 
 @functools.cache
 def _one_of(functions: tuple[Any, ...]) -> Any:
-    """Return a function that calls the ``kind``-th of some functions of the same arguments."""
+    """Return a function that calls the ``kind``-th of several functions with the same arguments."""
     if not functions:
         return _no_law
     function, others = functions[0], functions[1:]
@@ -181,7 +180,7 @@ def _no_law(kind, p, strain, history, first, lane):
 
 @functools.cache
 def _stress_function(law: PointLaw) -> Any:
-    """Return a law's stress as a function that reads and writes the history of a block."""
+    """Wrap a law's stress as a function that reads and writes the history of a block."""
     function, n = _compiled(law.stress), len(law.history)
     if n == 0:
 

@@ -1,4 +1,4 @@
-"""Material: what a layer is made of, as everything but the point law asks it."""
+"""Material of a layer: all its properties except the point law itself."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ class Material(ABC):
     """A material of one layer: its point law with the law's parameters, density and stiffness.
 
     A subclass is a frozen dataclass whose fields are numbers, or tuples of numbers: a checkpoint
-    compares them. It sets ``law`` and says what is abstract here.
+    compares them. It sets ``law`` and implements the abstract methods.
 
     Examples
     --------
-    :class:`shellcut.material.elastic.Elastic` is the shortest.
+    :class:`shellcut.material.elastic.Elastic` is the shortest subclass.
     """
 
     law: ClassVar[PointLaw]
-    """What stands between strain and stress at a thickness point."""
+    """Relation of stress and strain at a thickness point."""
     density: float
     """Reference density [t/mm³]."""
 
     @abstractmethod
     def parameters(self) -> Floats:
-        """Return what the law's functions are given as ``p``, shape (n_parameter,)."""
+        """Return the parameters ``p`` of the law's functions, shape (n_parameter,)."""
 
     @abstractmethod
     def plane_stress(self) -> Floats:
-        """Return C, shape (3, 3) [MPa], by (E_11, E_22, 2 E_12) in the layer's frame.
+        """Return C, shape (3, 3) [MPa], for (E_11, E_22, 2 E_12) in the layer's frame.
 
-        It bounds the law's tangent dS/dE in every state, as the elastic moduli of a material that
-        softens or yields do: time step and stiffness-proportional damping are taken from it.
+        It bounds the law's tangent dS/dE in every state, as the elastic moduli do for a material
+        that softens or yields: time step and stiffness-proportional damping are derived from it.
         """
 
     @abstractmethod
@@ -49,7 +49,7 @@ class Material(ABC):
     def stretching_modulus(self) -> float:
         """Nominal modulus in tension [MPa], for contact penalty, guards and checks.
 
-        Young's modulus; of a C without one the larger of the two directions'.
+        Young's modulus; if there is no single one, the larger of the two directions'.
         """
         compliance = np.linalg.inv(self.plane_stress())
         return float(1.0 / min(compliance[0, 0], compliance[1, 1]))
@@ -60,12 +60,12 @@ class Material(ABC):
         return math.sqrt(self.stretching_modulus / self.density)
 
     def thickness_slope(self) -> Floats:
-        """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12); of linear laws only."""
+        """Return a, shape (3,), with E_33 = - a · (E_11, E_22, 2 E_12); linear laws only."""
         raise NotImplementedError(f"{type(self).__name__} has a linear law but no thickness_slope")
 
 
 def density_problems(density: float) -> list[str]:
-    """Return what is wrong with a density [t/mm³], in sentences."""
+    """Return the problems of a density [t/mm³], in sentences."""
     if not (math.isfinite(density) and density > 0):
         return [
             f"density must be positive in t/mm³, got {density!r}; a polymer film has about 1e-9"
@@ -79,6 +79,6 @@ def density_problems(density: float) -> list[str]:
 
 
 def refuse(problems: list[str]) -> None:
-    """Raise a ValueError that names all problems, if there are any."""
+    """Raise a ValueError that lists all problems, if there are any."""
     if problems:
         raise ValueError("; ".join(problems))

@@ -1,13 +1,12 @@
-"""Plane stress at one thickness point: what a material does to a strain, with its history.
+"""Material law in plane stress at one thickness point, with history.
 
 A :class:`PointLaw` is two functions of numbers and the names of its history numbers. The functions
-serve one quad or all lanes of a block (:mod:`shellcut.numerics.lanes`), so they are made of + - * /
-and of :mod:`shellcut.numerics.lane_functions`, and do not branch on strains. Whoever writes a law
-passes it through :func:`register`, which adds its row to :data:`LAWS`; the material class that
-names it in ``law`` is then good for forces, energies, output stresses, criteria, checkpoints and
-frames alike.
+work on one quad or on all lanes of a block (:mod:`shellcut.numerics.lanes`), so they use only
++ - * / and :mod:`shellcut.numerics.lane_functions`, and do not branch on strains. A new law is
+passed to :func:`register`, which adds its row to :data:`LAWS`; a material class that names it in
+``law`` then works with forces, energies, output stresses, criteria, checkpoints and frames.
 
-How a law gets into the kernels stands in :mod:`shellcut.material.law_dispatch`.
+:mod:`shellcut.material.law_dispatch` passes the laws to the kernels.
 """
 
 from __future__ import annotations
@@ -30,24 +29,24 @@ class PointLaw:
     Parameters
     ----------
     name : str
-        Of the law, its key in :data:`LAWS`.
+        Name of the law, its key in :data:`LAWS`.
     stress : callable
         ``stress(p, strain, history, dt)`` returns four things: the second Piola-Kirchhoff stress
         (S_11, S_22, S_12) [MPa] at t_n; the stored energy density at t_n [N/mm²]; the energy
         density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n. ``p`` holds the
         material's parameters, shape (n_parameter,); ``strain`` is (E_11, E_22, 2 E_12) at t_n in
         the point's Cartesian frame; ``history`` holds the numbers at t_{n-1}, zero at the start;
-        ``dt`` is the length of the step [s]. Asked again with the same strain, the history it
-        returned and dt = 0, a law returns the same stress and dissipates nothing: output does so.
+        ``dt`` is the length of the step [s]. Called again with the same strain, the returned
+        history and dt = 0, as for output, a law must return the same stress and dissipate nothing.
     thickness_stretch : callable
-        ``thickness_stretch(p, strain, history)`` returns the present over the reference thickness
+        ``thickness_stretch(p, strain, history)`` returns present thickness over reference thickness
         at the point.
     history : tuple of str
-        What the history numbers are, with their units, such as ``"damage [-]"``. These names stand
-        in the frames. A law without any neither remembers nor dissipates.
+        Names of the history numbers with their units, such as ``"damage [-]"``; they are used in
+        the frames. A law without history does not dissipate.
     linear : bool
         Whether the stress is the ``plane_stress`` matrix of the material times the strain, at any
-        strain: such a film may be integrated through the thickness once, before the run.
+        strain: then the section can be integrated through the thickness once, before the run.
     """
 
     name: str
@@ -56,7 +55,7 @@ class PointLaw:
     history: tuple[str, ...] = ()
     linear: bool = False
     digest: str = field(init=False, default="")
-    """Of all of it, and of the source files of both functions."""
+    """Digest of all fields, and of the source files of both functions."""
 
     def __post_init__(self) -> None:
         problems = []
@@ -79,7 +78,7 @@ class PointLaw:
 
 
 LAWS: dict[str, PointLaw] = {}
-"""All laws there are, by name."""
+"""All registered laws, by name."""
 
 
 def register(law: PointLaw) -> PointLaw:
@@ -88,12 +87,12 @@ def register(law: PointLaw) -> PointLaw:
     Raises
     ------
     ValueError
-        If another law has this name.
+        If another law already has this name.
     """
     known = LAWS.get(law.name)
     if known is not None and known.digest != law.digest:
         raise ValueError(
-            f"there is a law {law.name!r} already; give yours another name, known are "
+            f"a law {law.name!r} is already registered; give yours another name than "
             f"{', '.join(sorted(LAWS))}"
         )
     LAWS[law.name] = law
@@ -101,7 +100,7 @@ def register(law: PointLaw) -> PointLaw:
 
 
 def _source_of(function: Callable[..., Any]) -> bytes:
-    """Return the name of a function and the file it stands in, or its code if there is none."""
+    """Return the name and source file of a function, or its code if there is no file."""
     plain: Any = getattr(function, "py_func", function)
     code = plain.__code__
     try:

@@ -1,4 +1,4 @@
-"""What the film is made of: layers of plane-stress material through the thickness."""
+"""Section of the film: layers of plane-stress material through the thickness."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from shellcut.arrays import Floats
 from .elastic import Elastic
 from .material import Material, refuse
 
-# Gauss points a layer when a section is integrated through the thickness. The integrand is a
+# Gauss points per layer when a section is integrated through the thickness. The integrand is a
 # rational function of xi^3 whose departure from a cubic is of order (thickness / radius)^4.
 POINTS_PER_LAYER = 4
 
-# Points a layer where a law needs them and nobody said how many: yielding or damage begins at the
-# faces, and of five Gauss points the outermost lie at 0.91 of half the layer.
+# Default points per layer if a law needs them: yielding or damage begins at the faces, and of five
+# Gauss points the outermost lie at 0.91 of half the layer.
 POINTS_OF_HISTORY = 5
 
 
@@ -29,7 +29,7 @@ class Layer:
     Parameters
     ----------
     material : Elastic
-        What it is made of.
+        Its material.
     thickness : float
         Its thickness [mm].
 
@@ -69,13 +69,13 @@ class ShellMaterial:
     shear_factor : float
         Factor on the transverse shear stiffness, 5/6 by default.
     points_per_layer : int, optional
-        Integrate by so many points (1 to 9) in each layer, at every step. Without it a section of
-        linear layers is integrated once, before the run, and one with any other law by five
-        points a layer.
+        Integrate with this many points (1 to 9) in each layer, at every step. By default a section
+        of linear layers is integrated once, before the run, and one with any other law with five
+        points per layer.
 
     Notes
     -----
-    :meth:`homogeneous` builds the single layer that [Frangi2010] uses. Its paper gives no density:
+    :meth:`homogeneous` builds the single layer that [Frangi2010] uses. The paper gives no density:
     1.0e-9 t/mm³ fits its time steps (LDPE 0.92e-9, aluminium 2.7e-9: the laminate's average is
     about 1.1e-9).
 
@@ -125,12 +125,12 @@ class ShellMaterial:
 
     @property
     def is_linear(self) -> bool:
-        """Whether stress is a matrix times strain in all layers, at any strain."""
+        """Whether stress is linear in strain in all layers, at any strain."""
         return all(layer.material.law.linear for layer in self.layers)
 
     @property
     def integration_points(self) -> int | None:
-        """Points a layer by which the section is integrated at every step, None if it is not."""
+        """Points per layer if the section is integrated at every step, else None."""
         if self.points_per_layer is None and not self.is_linear:
             return POINTS_OF_HISTORY
         return self.points_per_layer
@@ -142,15 +142,15 @@ class ShellMaterial:
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether the layers read the same from below and from above."""
+        """Whether the layers are the same from below and from above."""
         return tuple(self.layers) == tuple(reversed(self.layers))
 
     @property
     def bending_ratio(self) -> float | None:
-        """Bending over membrane stiffness [mm²], None unless one number says it and they part.
+        """Bending over membrane stiffness [mm²] if it is one number without coupling, else None.
 
-        h²/12 of a single layer; layers of different Poisson's ratio, that do not read the same
-        from below and from above, or that are not isotropic in their plane, have none.
+        h²/12 for a single layer; there is none for layers that differ in Poisson's ratio, are not
+        symmetric from below and above, or are not isotropic in their plane.
         """
         if not self.is_symmetric:
             return None
@@ -169,7 +169,7 @@ class ShellMaterial:
     def thickness_points(
         self, points_per_layer: int = POINTS_PER_LAYER
     ) -> tuple[Floats, Floats, list[Material]]:
-        """Return places xi^3 [mm], weights [mm] and materials of the thickness quadrature."""
+        """Return positions xi^3 [mm], weights [mm] and materials of the thickness quadrature."""
         place, weight = np.polynomial.legendre.leggauss(points_per_layer)
         z, w, materials = [], [], []
         bottom = -0.5 * self.thickness
