@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from naive import cases
-from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
@@ -72,10 +72,10 @@ def test_what_a_node_has_felt_or_a_crack_opened_does_not_count():
     beside = np.array([0.2, 0.0, 0.0])
     pose = Pose(np.eye(3), mesh.nodes[mesh.quads[5]].mean(axis=0) + beside)
     wires = ToolWires(tool)
-    count, depth = unfelt_penetration(wires, state, pose)
+    count, depth = missed_penetration(wires, state, pose)
     assert count >= 1
     assert depth > 0.1
     state.node.contact_depth[mesh.quads[5, 0]] = 0.01
-    assert unfelt_penetration(wires, state, pose)[0] < count
+    assert missed_penetration(wires, state, pose)[0] < count
     state.node.halved[: mesh.n_node] = True
-    assert unfelt_penetration(wires, state, pose) == (0, 0.0)
+    assert missed_penetration(wires, state, pose) == (0, 0.0)

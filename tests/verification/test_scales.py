@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from shellcut import CohesiveLaw, Contact, PathCurve, ShellMaterial, Simulation, Statics, imprint
-from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
 from shellcut.mesh.structured import opening_disc, rectangle
@@ -55,7 +55,7 @@ def curve(sim, f, until):
         if sim.state.step % 10:
             continue
         wrench = sim.tooth_wrenches
-        n_unfelt, unfelt = unfelt_penetration(wires, sim.state, sim.pose)
+        n_missed, missed = missed_penetration(wires, sim.state, sim.pose)
         rows.append(
             [
                 sim.state.step,
@@ -64,8 +64,8 @@ def curve(sim, f, until):
                 *(wrench[:, 3:] / f.energy).ravel(),
                 *(np.array(list(sim.ledger.entries().values())) / f.energy),
                 sim.contact.deepest / f.length,
-                n_unfelt,
-                unfelt / f.length,
+                n_missed,
+                missed / f.length,
                 len(sim.state.split_log),
                 sim.cables.n_joint_made,
                 sim.cables.n_broken,

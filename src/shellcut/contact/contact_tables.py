@@ -1,4 +1,4 @@
-"""What the kernel of the penalty contact takes, in named tables."""
+"""Named tables of the arguments of the penalty contact's kernel."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from .settings import PenaltyLaw
 
 
 class Lookups(NamedTuple):
-    """Of each listed node, what its last look-up in the tool found."""
+    """Result of the last look-up of each listed node in the tool."""
 
     node: Annotated[Ints, "(n_near,)"]
-    """The node, ascending."""
+    """Node ids, ascending."""
     place: Annotated[Floats, "(n_near, 3)"]
-    """Where it was then, in the body frame [mm]."""
+    """Position of the look-up, in the body frame [mm]."""
     lasts: Annotated[Floats, "(n_near,)"]
-    """How far from there this lasts [mm]: good as long as the node is closer to its place."""
+    """Range of validity [mm]: the result holds while the node is closer than this to that
+    position."""
     within: Annotated[Bools, "(n_near,)"]
-    """Whether it was inside."""
+    """Whether the node was inside."""
     closest: Annotated[Ints, "(n_near, 2)"]
-    """The closest triangles of all and of its side if it was."""
+    """If inside: the closest triangle of all, and the closest of its side."""
 
     @classmethod
     def none_yet(cls, nodes: Ints) -> Lookups:
-        """Return those of nodes that have not been looked up."""
+        """Return the table of nodes that have not been looked up yet."""
         return cls(
             node=nodes,
             place=np.zeros((nodes.size, 3)),
@@ -40,22 +41,22 @@ class Lookups(NamedTuple):
 
 
 class ContactTool(NamedTuple):
-    """The tool as the kernel takes it."""
+    """The tool, for the kernel."""
 
     grid: TriangleGrid
     """Finds the surface near a point."""
     reach: float
     """Points up to this far outside the surface are found [mm]."""
     round_off: float
-    """Taken off a distance from the surface [mm]."""
+    """Subtracted from a distance from the surface [mm]."""
     triangle_body: Annotated[Ints, "(n_triangle,)"]
     """Tooth of each triangle."""
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
-    """As of :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
+    """As in :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
 
 
 class ContactNodes(NamedTuple):
-    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+    """Fields of the nodes that the kernel needs, named as in :class:`shellcut.state.NodeTable`."""
 
     x: Annotated[Floats, "(n_node, 3)"]
     velocity_half: Annotated[Floats, "(n_node, 3)"]
@@ -63,7 +64,7 @@ class ContactNodes(NamedTuple):
     mass: Annotated[Floats, "(n_node,)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
-    """Written from here on."""
+    """The kernel writes this and the following fields."""
     contact_depth: Annotated[Floats, "(n_node,)"]
     contact_offset: Annotated[Floats, "(n_node,)"]
     contact_work: Annotated[Floats, "(n_node,)"]
@@ -72,7 +73,7 @@ class ContactNodes(NamedTuple):
 
 
 class ContactTables(NamedTuple):
-    """All that the kernel takes and that lasts until the list of near nodes is renewed."""
+    """Kernel arguments that stay valid until the list of near nodes is renewed."""
 
     tool: ContactTool
     law: PenaltyLaw

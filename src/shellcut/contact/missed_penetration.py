@@ -1,7 +1,7 @@
-"""Where the surface of the tool passes through quads of the sheet.
+"""Penetration between nodes, which nodal contact misses: where the tool passes through quads.
 
-Contact sees nodes only: a tooth that comes down between nodes is not felt until it reaches one.
-What went unnoticed is measured here and reported; and at the start nothing may pass through.
+Contact acts on nodes only: a tooth that comes down between nodes meets no force until it reaches
+one. The depth of that is measured during a run and reported; at the start any is refused.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.tool import Tool
 
-# Wires in a bundle, which are passed over together.
+# Wires in a bundle; all of a bundle are skipped together.
 _BUNDLE = 64
 
-# Share of a quad's half below which a crossing counts as lying on its border.
+# Fraction of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
 
 
@@ -41,7 +41,7 @@ class _Wires(NamedTuple):
 
 
 class ToolWires:
-    """The edges of the tool's triangles, which cross what the surface passes through."""
+    """Edges of the tool's triangles, tested for crossings with quads."""
 
     def __init__(self, tool: Tool) -> None:
         sides = tool.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -67,7 +67,7 @@ class ToolWires:
         noticed: Bools,
         pose: Pose,
     ) -> tuple[Ints, Floats]:
-        """Return the quads that the tool passes through, and how far.
+        """Return the quads that the tool passes through, and the depths.
 
         Parameters
         ----------
@@ -76,7 +76,7 @@ class ToolWires:
         quads : ndarray of int, shape (n_quad, 4)
             Node ids.
         noticed : ndarray of bool, shape (n_node,)
-            Nodes whose quads are left out.
+            Nodes whose quads are left out, such as those in contact.
         pose : Pose
             Of the tool.
 
@@ -94,10 +94,10 @@ class ToolWires:
         return crossed, depth[crossed]
 
 
-def unfelt_penetration(wires: ToolWires, state: State, pose: Pose) -> tuple[int, float]:
-    """Return how many whole quads the tool passes through unnoticed, and the largest depth [mm].
+def missed_penetration(wires: ToolWires, state: State, pose: Pose) -> tuple[int, float]:
+    """Return the number of quads that the tool passes through, and the largest depth [mm].
 
-    A quad notices when one of its nodes is in contact, and is no longer whole when one has split.
+    Quads with a node in contact or with a split node are left out.
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
@@ -121,7 +121,7 @@ def _deepest_crossings(
     wires: _Wires,
     depth: Floats,
 ) -> None:
-    """Write how deep any wire passes through each quad to depth : (n_quad,), else leave it.
+    """Write the largest depth of wires through each quad to depth : (n_quad,), where there are any.
 
     noticed : (n_node,), nodes whose quads are left out.
     """
@@ -159,7 +159,7 @@ def _deepest_crossings(
 
 @inline
 def _boxes_in_space(boxes: Floats, pose: Pose) -> Floats:
-    """Return boxes in space around boxes : (n, 2, 3) of the body frame."""
+    """Return boxes in space that enclose boxes : (n, 2, 3) of the body frame."""
     rotation, translation = pose.rotation, pose.translation
     around = np.empty(boxes.shape)
     for b in range(boxes.shape[0]):
@@ -194,7 +194,7 @@ def _box(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[Vec3, Vec3]:
 @inline
 def _apart(low: Vec3, high: Vec3, boxes: Floats, b: int) -> bool:
     """Return whether a box has no point in common with box b of boxes : (n_box, 2, 3)."""
-    # Without branches, as in near_nodes.
+    # Branch-free, as in near_nodes.
     return bool(
         (high[0] < boxes[b, 0, 0])
         | (low[0] > boxes[b, 1, 0])
@@ -207,7 +207,7 @@ def _apart(low: Vec3, high: Vec3, boxes: Floats, b: int) -> bool:
 
 @inline
 def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
-    """Return how far a segment passes through the triangle (a, b, c), 0 if it does not."""
+    """Return the depth of a segment through the triangle (a, b, c), 0 if it does not cross."""
     normal = cross(sub(b, a), sub(c, a))
     d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
     if d0 * d1 >= 0.0:

@@ -1,10 +1,9 @@
-"""Which nodes are near the tool: a list that lasts while nothing can have come in from outside.
+"""List of the nodes near the tool, valid while no other node can have come near.
 
-The nodes inside boxes fixed to the tool, each a margin wider than what is of interest, are listed.
-The list holds until tool and nodes together may have moved by half the margin; the other half is
-for the nodes outside, whose speed is not watched. So each step costs what the nodes of the list
-cost, and the search over all nodes is rare. What is listed never changes a result: whoever uses the
-list looks at each node of it anew.
+The nodes inside boxes fixed to the tool, each wider by a margin than needed, are listed. The list
+is valid until tool and nodes together may have moved by half the margin; the other half is for the
+nodes outside, whose speed is not tracked. So each step only treats the nodes of the list, and the
+search over all nodes is rare. The list never changes a result: its users check each node again.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from shellcut.numerics.vec3 import load
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
 
-# Steps between two looks at how far nodes have moved: they move by hundredths of the margin.
+# Steps between two checks of how far nodes have moved: they move by hundredths of the margin.
 _LOOK_EVERY = 10
 
 
@@ -45,11 +44,11 @@ class NearNodes:
         self._known = KnownTopology()
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
-        """The nodes, ascending."""
+        """Listed nodes, ascending."""
         self._way = bound_once(_moved)
 
     def renew(self, state: State, pose: Pose) -> bool:
-        """Search anew if need be, the tool at its pose of t_n; return whether it was done."""
+        """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
         n = state.node
         if self._known.is_of(state):
             if state.step % _LOOK_EVERY:
@@ -75,7 +74,7 @@ class NearNodes:
         return True
 
     def saved(self) -> dict[str, Any]:
-        """Return the list, and when and where it was made."""
+        """Return the list, with the time and the pose of its search."""
         return {
             "ids": self.ids,
             "pose": self._pose._asdict(),
@@ -94,7 +93,7 @@ class NearNodes:
     def within(self, state: State, pose: Pose) -> Ints:
         """Return the nodes within half the margin of the boxes.
 
-        They depend on the present places only, not on when the list was made.
+        They depend on the present positions only, not on when the list was made.
         """
         inner = 0.5 * self._margin
         body = pose.to_body(state.node.x[self.ids])
@@ -107,7 +106,7 @@ class NearNodes:
 @inline
 def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
     """Return whether a point lies inside box b of low, high : (n_box, 3)."""
-    # Without branches: which comparison fails first nobody can foretell, the processor neither.
+    # Branch-free: branches here would be mispredicted.
     return bool(
         (low[b, 0] < p[0])
         & (p[0] < high[b, 0])
@@ -126,8 +125,8 @@ def _moved(
     then: Pose,
     radius: float,
 ) -> tuple[float, float]:
-    """Return how far the tool has moved at most within a radius, and the largest nodal speed."""
-    # No point of the tool has moved by more than its origin plus the turn times its radius.
+    """Return a bound on the motion of the tool within a radius, and the largest nodal speed."""
+    # No point of the tool has moved by more than the origin plus rotation times radius.
     turn = 0.0
     shift = 0.0
     for i in range(3):
@@ -150,7 +149,7 @@ def _inside(
     high: Floats,
     found: Ints,
 ) -> int:
-    """Write the nodes inside any box to found : (n_node,), return how many."""
+    """Write the nodes inside any box to found : (n_node,), return their number."""
     pose, count = borrowed(pose), 0
     for n in range(n_node):
         p = to_body(load(x, n), pose)

@@ -1,30 +1,30 @@
 """Penalty contact of the nodes with the rigid tool ([Frangi2010] 5.2).
 
 A node inside the tool by the depth g gets the force +k f(g) n, n the outward normal of the tool
-there, and the tool minus that (the paper prints the minus, the force on the cutter); k and f are in
-:mod:`shellcut.contact.settings`. The faces are frictionless: adhesion is in the joints of the
-cables.
+there, and the tool gets the opposite (the minus in the paper: it prints the force on the cutter); k
+and f are in :mod:`shellcut.contact.settings`. The faces are frictionless; adhesion acts in the
+joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then
 (:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
-cell in a grid fixed to the tool. What it finds lasts until it has moved by a certain way from
-there, seen from the tool. Outside, that is the distance from the surface: before, it cannot have
-touched it and is passed over. Inside, it is half of what the other triangles are farther than the
-closest: before, that stays the closest.
+cell in a grid fixed to the tool. The result is valid until the node has moved a certain distance
+relative to the tool. Outside, this is the distance from the surface: until then the node cannot
+touch it and is skipped. Inside, it is half of the amount by which the other triangles are farther
+than the closest: until then that one stays the closest.
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
-node born inside the wedge by a split would take whichever is nearer, with a loaded spring. So a
-node keeps a side, +1 or -1 by the flank labels of the tool, found at its first contact: on the
-mid-plane or close to it (``_UNDECIDED``), from where its own quads lie, if they clearly lie beside
-the blade; else from the nearest face. It is forgotten when the node has left the tool. A blade that
-runs well beside the mesh line thus leaves both flanks on one side of it: to push one of them across
-would put energy into the film that no tool has paid for.
+node created inside the wedge by a split would take the nearer one, with a loaded spring. So a node
+keeps a side, +1 or -1 by the flank labels of the tool, chosen at its first contact: on or near the
+mid-plane (``_UNDECIDED``) from its own quads, if they clearly lie beside the blade; else from the
+nearest face. It is forgotten when the node has left the tool. So a blade that runs well beside the
+mesh line leaves both flanks of the cut on one side of it: pushing one across would give the film
+energy not matched by work of the tool.
 
-*Jumps.* When the depth grows by more than node and tool have moved in the step, which a split does
-that sets a node to the other flank, the excess is not loaded: it goes into an offset, which decays.
-As it does the spring is loaded without anyone moving, and gives the film what it takes to push the
-node out, work that no tool has done. It is an entry of the ledger, by its own increments. Growth
-by motion is no jump: a node that flies into a face is stopped by it however far it goes in a step,
+*Jumps.* When the depth grows by more than node and tool have moved in the step, as after a split
+that assigns a node to the other flank, the excess is not loaded: it goes into an offset, which
+decays. The decay loads the spring without motion and gives the film the energy to push the node
+out, which is not work of the tool; it has its own entry in the ledger, summed by increments. Growth
+by motion is no jump: a node that flies into a face is stopped by it however deep it goes in a step,
 and rebounds with no more energy than it came with.
 """
 
@@ -63,24 +63,25 @@ from .settings import (
     smoothed_integral,
 )
 
-# Of the list of near nodes, over the median edge length sqrt(quad area): it lasts for hundreds of
-# steps, as these follow the edges too. Half of it is also how near a node must be for its contact
-# stiffness to count in the time step until that is looked at again.
+# Margin of the list of near nodes, over the median edge length sqrt(quad area): the list lasts for
+# hundreds of steps, whose length also follows the edges. Nodes within half of it count with their
+# contact stiffness in the time step, until that is evaluated again.
 _MARGIN = 2.2
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
 _CLEARLY_BESIDE = 0.15
 
-# Taken off a distance from the surface, far above its round-off: of the tool's farthest coordinate.
+# Subtracted from a distance from the surface, far above its round-off: fraction of the tool's
+# farthest coordinate.
 _ROUND_OFF = 1e-10
 
-# How far off the mid-plane a node may lie, in local edge lengths, for its quads to decide its side.
+# Distance from the mid-plane, in local edge lengths, up to which a node's quads decide its side.
 _UNDECIDED = 0.1
 
 
 class ContactForces(NamedTuple):
-    """What the contact did in one evaluation."""
+    """Results of one evaluation of the contact."""
 
     wrench: Floats
     """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
@@ -89,14 +90,14 @@ class ContactForces(NamedTuple):
     stored: float
     """Penalty energy k ∫ f dg at t_n [N·mm]."""
     absorbed: float
-    """Energy that absorbed jumps took up since t_{n-1}; negative: gave to the film [N·mm]."""
+    """Energy taken up by absorbed jumps since t_{n-1}; negative: given to the film [N·mm]."""
     n_inside: int
-    """Nodes inside the tool."""
+    """Number of nodes inside the tool."""
     deepest: float
     """Largest depth [mm]."""
 
     def works(self, on_tool: float) -> dict[str, float]:
-        """Return by how much the ledger's entries grow, ``on_tool`` being the wrench's work."""
+        """Return the increments of the ledger's entries; ``on_tool`` is the work of the wrench."""
         return {
             "contact_work": -(self.node_work + on_tool),
             "contact_absorbed": self.absorbed,
@@ -113,7 +114,7 @@ class PenaltyContact:
     contact : Contact
         Parameters.
     film : ShellMaterial
-        Which they follow.
+        The film, which sets the parameters' defaults.
     edge_length : float
         Of a typical quad [mm].
     """
@@ -143,12 +144,12 @@ class PenaltyContact:
         self._tables: ContactTables | None = None
         self._call = bound_once(_add_contact_forces)
         self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
-        """Those of the last evaluation."""
+        """Results of the last evaluation."""
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
 
     def add_forces(self, state: State, pose: Pose) -> ContactForces:
-        """Add the contact forces at t_n to the nodal forces, tool at the given pose."""
+        """Add the contact forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
         if self.near.renew(state, pose):
             self._take_list(state)
@@ -164,19 +165,19 @@ class PenaltyContact:
         return near, self.law.steepest(state.node.contact_area[near])
 
     def stored(self, _state: State) -> dict[str, float]:
-        """Return the penalty energy at the last evaluation, by its entry of the ledger [N·mm]."""
+        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
         return {"contact_stored": self.forces.stored}
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon.
 
-        It depends on the places of the last evaluation alone, not on when the list was made; before
-        the first there are none.
+        They depend only on the positions at the last evaluation, not on when the list was made;
+        before the first evaluation there are none.
         """
         return self.near.within(state, self._pose) if self._pose else self.near.ids
 
     def saved(self) -> dict[str, Any]:
-        """Return the list of near nodes, what each of them found last, and the last forces."""
+        """Return the list of near nodes, their last look-ups, and the last forces."""
         return {
             "near": self.near.saved(),
             "lookups": self._lookups._asdict(),
@@ -193,7 +194,7 @@ class PenaltyContact:
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
-        """Go over to the new list; what has left it is outside, what stays keeps its look-up."""
+        """Switch to the new list: nodes that left it are outside, the others keep their look-up."""
         n, before, near = state.node, self._lookups.node, self.near.ids
         place = np.searchsorted(near, before)
         stays = near.take(place, mode="clip") == before if near.size else before < 0
@@ -204,13 +205,13 @@ class PenaltyContact:
         lookups = Lookups.none_yet(near)
         for new, old in zip(lookups[1:], self._lookups[1:], strict=True):
             new[place[stays]] = old[stays]
-        # A split leaves its node without a side: what was found of that side is void.
+        # A split leaves its node without a side: its look-up is void.
         lookups.lasts[lookups.within & (n.contact_side[near] == 0)] = 0.0
         self._lookups = lookups
         self._collect(state)
 
     def _collect(self, state: State) -> None:
-        """Lay out what the kernel takes, good until a split renews the list."""
+        """Build the kernel's tables, valid until a split renews the list."""
         n = state.node
         self._tables = ContactTables(
             tool=ContactTool(
@@ -239,7 +240,7 @@ def _side_of_quads(
     shallowest = np.inf
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(here, k, segments, CUT_DEPTH * size)
-        # Near the mid-plane only; the strip of the tooth across the ring reaches here too.
+        # Only near the mid-plane: the strip of the tooth across the ring reaches here too.
         if owns and depth < shallowest and abs(lateral) < _UNDECIDED * size:
             shallowest = depth
             k_best = k
@@ -277,8 +278,8 @@ def _look_up(
         store(near.place, i, p)
         near.within[i] = found and inside
         near.closest[i, 0], near.closest[i, 1] = whole, triangle
-        # A node without a side may get one below, and one that keeps a side outside knows the
-        # closest point of that side only: both look again next time.
+        # A node without a side may get one below, and a node outside that keeps its side knows only
+        # the closest point of that side: both are looked up again next time.
         near.lasts[i] = 0.0
         if near.within[i] and side != 0:
             near.lasts[i] = steady - tool.round_off
@@ -308,9 +309,9 @@ def _add_contact_forces(
 ) -> tuple[float, float, float, int, float]:
     """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
-    Writes what was looked up, and side, depth, offset, contact_work and contact_force of these
-    nodes. Returns the work on the nodes over the last step, the stored energy, the absorbed energy,
-    how many are inside and the largest depth.
+    Writes the look-ups, and side, depth, offset, contact_work and contact_force of these nodes.
+    Returns the work on the nodes over the last step, the stored energy, the absorbed energy, the
+    number of nodes inside and the largest depth.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
@@ -327,7 +328,7 @@ def _add_contact_forces(
         n = ids[i]
         p = to_body(load(x, n), pose)
         known = norm(sub(p, load(place, i))) < lasts[i]
-        if known and not within[i]:  # has not come to the surface since
+        if known and not within[i]:  # has not reached the surface since
             continue
         triangle, q = _look_up(i, p, known, side[n], tool, near)
         old = load(nodes.contact_force, n)
@@ -368,7 +369,7 @@ def _add_contact_forces(
             absorbed += stiffness * smoothed_integral(loaded, g_m)
             edge_length = np.sqrt(4.0 * nodes.contact_area[n])
             offset[n] *= np.exp(-dt / (law.absorb_slowness * edge_length))
-            # A node that has come out may come in again: that is felt at once.
+            # A node that has left may enter again: contact then acts at once.
             offset[n] = min(offset[n], max(g, 0.0))
             loaded = max(g, 0.0) - offset[n]
             absorbed -= stiffness * smoothed_integral(loaded, g_m)

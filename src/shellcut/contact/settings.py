@@ -6,36 +6,37 @@ A node inside the tool by g gets the force k f(g), with
 
 which is continuous in value and slope, with the steepest slope 27/16 at ¾ g_M. [Frangi2010] has one
 film, 74 µm of 1678 MPa: k = lambda A with lambda = 1e4 N/mm³, A = ¼ of the mean area of the node's
-quads, g_M = h/4. These numbers belong to it. What they must follow in another:
+quads, g_M = h/4. For other films they scale as follows:
 
-*lambda follows E h.* The film resists with forces of E h times strain times length, so that with
-lambda in proportion to E h the depth does not depend on film or modulus: a film that tears at the
-strain eps pushes with some eps E h l on a node of quads of edge l and goes 4 eps E h / (lambda l)
-deep, 1 µm to 10 µm in the paper's. And the step: lambda A on the node's mass rho h l² is
-(E / rho l²) lambda l² / (4 E h), to the film's own (E / rho l²) as in the paper whatever h, E and
-rho. A fixed lambda costs a film of 5 µm a third of its step, and is soft to one of 1 mm.
+*lambda follows E h.* The film resists with forces of E h times strain times length. So with lambda
+in proportion to E h the depth depends neither on thickness nor on modulus: a film that tears at the
+strain eps pushes with about eps E h l on a node of quads of edge l and goes 4 eps E h / (lambda l)
+deep, 1 µm to 10 µm in the paper. The same holds for the step: lambda A over the node's mass rho h
+l² is (E / rho l²) lambda l² / (4 E h), in the same ratio to the film's own (E / rho l²) as in the
+paper for all h, E and rho. A fixed lambda would cost a film of 5 µm a third of its step, and be
+soft for a film of 1 mm.
 
 *k is held between* ``SOFTEST`` *and* ``STIFFEST`` *times E h.* The contact is along a line, the
-flank of the cut; the share of a node is a length. By the area alone it would grow soft as l goes to
-zero, the depth as 1/l, and stiff as l grows, for nothing but a short step. Quads of 0.16 to 1.1 mm
-are between the bounds.
+flank of the cut; the share of a node is a length. With the area alone it would become soft as l
+goes to zero (depth as 1/l), and needlessly stiff as l grows, with a short step. Quads of 0.16 to
+1.1 mm are between the bounds.
 
 *g_M follows the film, and stays small beside the tool.* It is the depth over which the force sets
-in; more than an eighth of the tool's half thickness (V / A of the thinnest body, the half thickness
-of a plate) would let a node half through the tool before it is felt.
+in. With more than an eighth of the tool's half thickness (V / A of the thinnest body, the half
+thickness of a plate) a node could be halfway through the tool before the force acts.
 
-*A jump* is a growth of the depth that neither the node nor the tool has moved: a node set to the
-other flank by a split. It must not be loaded at once. Its size is compared with g_M: up to
-``NOTICED`` g_M, the force that sets in so softly stores 1e-3 k g_M² at most. It is let go over
-``ABSORB_WAVES`` times as long as a membrane wave takes along one edge, l sqrt(rho / E): slow to
-the node, that swings some ten times meanwhile, and short to the tool, which moves by a small part
-of an edge.
+*A jump* is a growth of the depth without motion of node or tool: a split assigns the node to the
+other flank. It must not be loaded at once. Its size is compared with g_M: up to ``NOTICED`` g_M,
+the force sets in so softly that it stores at most 1e-3 k g_M². The offset decays over
+``ABSORB_WAVES`` times as long as a membrane wave takes along one edge, l sqrt(rho / E): slow for
+the node, which oscillates some ten times meanwhile, and short for the tool, which moves by a small
+part of an edge.
 
 *An impact* is a change of the depth by as much in one step, all of it by motion. The steps are
-stable for a node that rests on the spring, k dt² / m up to 3, but one that is in it for a step or
-two only may leave with several times the energy that it came with: the spring pushes for the whole
-of the last step, most of which the node is outside. So in these steps the force is limited to that
-which gives back no more than has been put in, see :func:`largest_rebound`.
+stable for a node that rests on the spring, k dt² / m up to 3, but a node in contact for only a step
+or two may leave with several times its initial energy: the spring pushes for the whole last step,
+most of which the node spends outside. So in these steps the force is limited so that the spring
+returns no more than has been put in, see :func:`largest_rebound`.
 """
 
 from __future__ import annotations
@@ -58,13 +59,13 @@ SOFTEST, STIFFEST = 0.5, 25.0
 """Bounds of a node's stiffness over E h of the film."""
 
 NOTICED = 0.2
-"""Change of the depth in a step, over g_M, that is looked at as a jump or an impact. No node of the
-opening test of [Frangi2010] comes to it."""
+"""Change of the depth in a step, over g_M, from which it is treated as a jump or an impact. No node
+of the opening test of [Frangi2010] reaches it."""
 
 ABSORB_WAVES = 30.0
-"""Decay time of an absorbed jump, over the time in which a wave runs along an edge of a quad."""
+"""Decay time of an absorbed jump, over the time of a wave along an edge of a quad."""
 
-# lambda [N/mm³] of [Frangi2010] 5.2 for a film of that E h [N/mm].
+# lambda [N/mm³] of [Frangi2010] 5.2, and the E h [N/mm] of its film.
 _PENALTY, _STRETCHING = 1e4, 1678.0 * 0.074
 
 # Largest g_M over half the thickness of the tool.
@@ -78,10 +79,11 @@ class Contact:
     Parameters
     ----------
     penalty : float, optional
-        lambda [N/mm³], then of every node whatever the size of its quads; by default it follows
-        the film: 1e4 for 74 µm of 1678 MPa, see :mod:`shellcut.contact.settings`.
+        lambda [N/mm³]; if given it applies to every node, whatever the size of its quads. By
+        default it follows the film: 1e4 for 74 µm of 1678 MPa, see
+        :mod:`shellcut.contact.settings`.
     smoothing : float
-        g_M as a fraction of the thickness; a thin tool makes it smaller.
+        g_M as a fraction of the thickness; reduced for a thin tool.
 
     Examples
     --------
@@ -103,7 +105,7 @@ class Contact:
 
 
 class PenaltyLaw(NamedTuple):
-    """The numbers of the contact of one film with one tool; kernels take it as it is."""
+    """Parameters of the contact of one film with one tool, for kernels."""
 
     penalty: float
     """lambda [N/mm³]."""
@@ -114,7 +116,7 @@ class PenaltyLaw(NamedTuple):
     smoothing_depth: float
     """g_M [mm]."""
     noticed: float
-    """Change of the depth in a step above which it is taken for a jump or an impact [mm]."""
+    """Change of the depth in a step above which it is treated as a jump or an impact [mm]."""
     tool_half_thickness: float
     """V / A of the thinnest body [mm]."""
     absorb_slowness: float
@@ -152,14 +154,14 @@ class PenaltyLaw(NamedTuple):
         )
 
     def steepest(self, area: Floats) -> Floats:
-        """Return the largest slope of the force of nodes by area [mm²], shape (n,), [N/mm]."""
+        """Return the largest slope of the nodes' force from their area [mm²], (n,) [N/mm]."""
         law, softest, stiffest = STEEPEST * self.penalty, self.softest, self.stiffest
         return np.asarray(np.clip(law * area, STEEPEST * softest, STEEPEST * stiffest))
 
 
 @inline
 def node_stiffness(area: float, law: PenaltyLaw) -> float:
-    """Return k of a node by its contact area [mm²], [N/mm]."""
+    """Return k of a node from its contact area [mm²], [N/mm]."""
     return min(max(law.penalty * area, law.softest), law.stiffest)
 
 
@@ -186,15 +188,15 @@ def smoothed_integral(g: float, g_m: float) -> float:
 def largest_rebound(
     put_in: float, before: float, way: float, pushed: float, mass: float, dt: float
 ) -> float:
-    """Return the largest contact force that gives a node no more than it has put in [N].
+    """Return the largest contact force that gives a node no more energy than it has put in [N].
 
-    With way' = way + (pushed - f) dt²/m, how far the node goes in over the next step if the tool
-    goes on as it does, the spring has got ½ (f' + f) way over the last step, f' being the force
-    before, and gives back at least -½ f way' over the next. That
+    Let way' = way + (pushed - f) dt²/m be the way of the node into the face over the next step if
+    the tool continues as it does. With f' the force before, the spring has received ½ (f' + f) way
+    over the last step and returns at least -½ f way' over the next. The condition
 
         put_in + ½ (f' + f) way + ½ f way' >= 0
 
-    holds up to the larger root of a quadratic equation in f.
+    holds for f up to the larger root of a quadratic equation.
 
     Parameters
     ----------
@@ -203,11 +205,11 @@ def largest_rebound(
     before : float
         Contact force at t_{n-1} [N].
     way : float
-        How far the node went into the face over the last step [mm].
+        Way of the node into the face over the last step [mm].
     pushed : float
-        Force of all else on the node into the face [N].
+        All other force on the node, into the face [N].
     mass, dt : float
-        Of the node [t] and the step [s].
+        Mass of the node [t] and length of the step [s].
     """
     give = dt * dt / mass
     linear = 2.0 * way + give * pushed

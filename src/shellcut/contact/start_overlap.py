@@ -1,4 +1,4 @@
-"""Refuse a start with the tool already inside the sheet: the contact would throw it out."""
+"""Refuse a start with the tool already inside the sheet: contact would throw the sheet out."""
 
 from __future__ import annotations
 

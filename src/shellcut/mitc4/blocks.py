@@ -1,14 +1,14 @@
-"""Quads in blocks of eight or sixteen, the order in which the force kernels take them.
+"""Quads in blocks of eight or sixteen, in the order of the force kernels.
 
 A block fills the lanes of one vector (:mod:`shellcut.numerics.lanes`). Quads of one block are
-neighbours, so that their nodes lie in few cache lines; flat quads stand in blocks of their own,
-before the others, because they need less data. Within each kind the quads form *strips* across the
-film, in order along its longest side, each strip broad enough that only neighbouring strips share
-nodes. Two strips of even number, or two of odd number, may thus add their forces at the same time
-on two threads; and a node receives its quads' forces in an order that depends on the strips alone,
-not on the number of threads.
+neighbours, so their nodes lie in few cache lines; flat quads have separate blocks, before the
+others, because they need less data. Within each kind the quads form *strips* across the film,
+ordered along its longest side, each wide enough that only neighbouring strips share nodes. So two
+strips of even number, or two of odd number, may add their forces at the same time on two threads;
+and the order in which a node receives its quads' forces depends only on the strips, not on the
+number of threads.
 
-Places that no quad fills repeat the last quad of the strip, with a stiffness of zero.
+Unused places repeat the last quad of the strip, with zero stiffness.
 """
 
 from __future__ import annotations
@@ -21,18 +21,19 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, SmallIds
 from shellcut.numerics.lanes import aligned_zeros
 
-# One strip until a second thread could pay; then two for every so many quads, at most so many.
+# One strip below the size at which a second thread helps; then two for every this many quads, at
+# most this many strips.
 _ONE_STRIP_BELOW = 20_000
 _QUADS_PER_STRIP = 5_000
 _MOST_STRIPS = 64
 
-# Breadth of a lane of quads within a strip, in median diagonals of a quad.
+# Width of a lane of quads within a strip, in median diagonals of a quad.
 _LANE = 2.5
 
 
 @dataclass(frozen=True)
 class QuadBlocks:
-    """Which quad stands where.
+    """Places of the quads in blocks.
 
     Attributes
     ----------
@@ -45,7 +46,7 @@ class QuadBlocks:
     corner : ndarray of int32, shape (n_block, 4, width)
         Node ids; :meth:`rewire` keeps them up to date.
     chain : ndarray of bool, shape (n_block,)
-        Whether at every corner the ids of the nodes follow each other; likewise.
+        Whether the node ids at every corner are consecutive; also kept up to date.
     flat_start, full_start : ndarray of int, shape (n_strip + 1,)
         First block of each strip, of flat quads and of the others.
     """
@@ -74,7 +75,7 @@ class QuadBlocks:
         return int(self.quad.shape[1])
 
     def rewire(self, quads: Ints, which: Ints) -> None:
-        """Take over the nodes of the quads ``which`` from quads : (n_quad, 4)."""
+        """Copy the nodes of the quads ``which`` from quads : (n_quad, 4)."""
         block, lane = np.divmod(self.slot[which], self.width)
         self.corner[block, :, lane] = quads[which]
         for b in np.unique(block):
@@ -93,7 +94,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
     quads : ndarray, shape (n_quad, 4)
         Node ids.
     flat : ndarray of bool, shape (n_quad,)
-        Which quads stand in the first blocks.
+        Quads that go into the first blocks.
     width : int
         Quads in a block.
     """
@@ -103,7 +104,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
     strip = _strips(along, quads, nodes.shape[0])
     n_strip = int(strip.max(initial=0)) + 1
     part = strip + n_strip * ~flat
-    # Within a strip up and down narrow lanes: the nodes in hand stay in the nearest cache.
+    # Within a strip up and down narrow lanes: the nodes in use stay in the nearest cache.
     diagonal = np.linalg.norm(nodes[quads[:, 2]] - nodes[quads[:, 0]], axis=1)
     lane = np.floor((along - along.min()) / (_LANE * np.median(diagonal)))
     order = np.lexsort((across, lane, part))
@@ -115,7 +116,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
     quad = np.vstack([chained, _in_rows(others, part[others], 2 * n_strip, width)])
     quad = quad[np.argsort(rank[quad[:, 0]], kind="stable")]
     filled = quad >= 0
-    # The last quad of the block: its first place is always filled.
+    # The last quad of the block (its first place is always filled).
     quad = np.take_along_axis(
         quad, np.maximum.accumulate(np.where(filled, np.arange(width), 0), axis=1), axis=1
     )
@@ -136,7 +137,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
 
 
 def _is_chain(corner: SmallIds) -> Bools:
-    """Return which blocks have nodes one after the other at every corner."""
+    """Return which blocks have consecutive node ids at every corner."""
     return np.asarray((np.diff(corner, axis=2) == 1).all(axis=(1, 2)))
 
 
@@ -152,7 +153,7 @@ def _chained(quads: Ints, part: Ints, width: int) -> Ints:
 
 
 def _in_rows(quads: Ints, part: Ints, n_part: int, width: int) -> Ints:
-    """Return quads, sorted by part, in rows, each of one part and filled up with -1."""
+    """Return quads, sorted by part, in rows of one part each, padded with -1."""
     size = np.bincount(part, minlength=n_part)
     n_row = -(-size // width)
     begins = width * np.cumsum([0, *n_row[:-1]]) - np.cumsum([0, *size[:-1]])
@@ -162,7 +163,7 @@ def _in_rows(quads: Ints, part: Ints, n_part: int, width: int) -> Ints:
 
 
 def _strips(along: Floats, quads: Ints, n_node: int) -> Ints:
-    """Return the strip of each quad, as many as share nodes with their neighbours only."""
+    """Return the strip of each quad; only neighbouring strips share nodes, as many as possible."""
     n_quad = along.size
     if n_quad < _ONE_STRIP_BELOW:
         return np.zeros(n_quad, np.int64)

@@ -1,4 +1,4 @@
-"""Cauchy stress at the centres of quads, from the deformation there.
+"""Cauchy stress at the centres of quads, from the deformation at the centre.
 
 With the base vectors G_alpha of the reference and g_alpha of the present surface at the height xi³
 at the quad's centre, the strain is E_alphabeta = ½ (g_alpha·g_beta - G_alpha·G_beta). In the
@@ -14,14 +14,14 @@ its slope over the height, A = ∫ C dxi³ and B = ∫ xi³ C dxi³. Over the th
 stress S = (A E + B K)/h, pushed forward with the mid-surface. In a single layer B = 0 and this is
 the stress at the mid-surface.
 
-**Thickness.** The director is inextensible, the forces know of one thickness only. But plane stress
-is S_33 = 0, hence E_33 = -nu/(1 - nu) (E_11 + E_22), and a fibre across a layer has the stretch
+**Thickness.** The director is inextensible, and the forces use a constant thickness. But plane
+stress is S_33 = 0, so E_33 = -nu/(1 - nu) (E_11 + E_22), and a fibre across a layer has the stretch
 lambda = sqrt(1 + 2 E_33). The present thickness is the sum over the layers, lambda taken at the
 middle of each:
 
     h = sum_k h_k sqrt(1 - 2 nu_k/(1 - nu_k) (E_11 + E_22)(xi³_k)).
 
-It is what the law says of the film and is used nowhere in the solution.
+It follows from the law and is used for output only, not in the solution.
 
 All this is for layers whose law is S = C E; the output of any other law is in
 :mod:`shellcut.mitc4.point_output`.
@@ -47,17 +47,17 @@ _AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
 
 
 PLACES = ("mid", "top", "bottom", "nominal")
-"""Where a stress is to be had."""
+"""Places at which stresses are available."""
 
 
 def check_place(place: str) -> None:
-    """Refuse a place that is none of :data:`PLACES`."""
+    """Refuse a place that is not in :data:`PLACES`."""
     if place not in PLACES:
         raise ValueError(f"place must be one of {sorted(PLACES)}, got {place!r}")
 
 
 class FaceStresses(NamedTuple):
-    """What there is to see of the stresses of all quads."""
+    """Output stresses of all quads."""
 
     stress: Floats
     """Cauchy stress s11, s22, s12 in the lamina frame of the mid-surface, shape (n_quad, 3, 3):
@@ -69,7 +69,7 @@ class FaceStresses(NamedTuple):
 
 
 class CentreStress:
-    """Reference geometry and layers, to recover stresses at the quads' centres."""
+    """Stresses at the quads' centres, from reference geometry and layers."""
 
     def __init__(self, mesh: Mesh, material: ShellMaterial) -> None:
         self._mesh = mesh
@@ -90,13 +90,13 @@ class CentreStress:
         slope = np.array([layer.material.thickness_slope() for layer in layers])
         mean = np.einsum("k,kij->ij", ply / h, plane)
         coupling = np.einsum("k,kij->ij", ply * middle / h, plane)
-        if material.is_symmetric:  # by round-off it is not quite zero
+        if material.is_symmetric:  # round-off would leave it not quite zero
             coupling[:] = 0.0
         self._laws = np.stack([mean, coupling, self._law["top"], self._law["bottom"]])
         self._plies = np.stack([ply, middle, *2.0 * slope.T], axis=1)
 
     def cauchy(self, x: Floats, t: Floats, quads: Ints, which: Ints, place: str) -> Floats:
-        """Return the stress tensors of some quads [MPa], shape (n, 3, 3), in space.
+        """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
 
         Parameters
         ----------
@@ -177,7 +177,7 @@ class CentreStress:
         return np.asarray(total)
 
     def faces(self, x: Floats, t: Floats, quads: Ints) -> FaceStresses:
-        """Return the stresses of the membrane and at both faces, and the thickness, of all quads.
+        """Return membrane stresses, stresses at both faces, and thickness of all quads.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class CentreStress:
 
 
 def check_quads(which: Ints, n_quad: int) -> Ints:
-    """Return ids of quads; the kernels would read beyond their arrays."""
+    """Return checked quad ids: with wrong ones the kernels would read beyond their arrays."""
     ids = np.asarray(which)
     wanted = f"quads must be a list of quad ids from 0 to {n_quad - 1}, got "
     if ids.ndim != 1 or (ids.size and not np.issubdtype(ids.dtype, np.integer)):
@@ -212,7 +212,7 @@ def check_quads(which: Ints, n_quad: int) -> Ints:
 
 @inline
 def _centre(x: Floats, quads: Ints, e: int) -> tuple[Vec3, Vec3, Vec3]:
-    """Return the value at the centre of quad e and the derivatives by xi and eta."""
+    """Return value and derivatives by xi and eta at the centre of quad e."""
     x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
     x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
     near, far = combine(0.25, x0, 0.25, x1), combine(0.25, x2, 0.25, x3)
@@ -325,7 +325,7 @@ def _faces(
         for k in range(plies.shape[0]):
             at = combine(1.0, mid, plies[k, 1], slope)
             thinning = plies[k, 2] * at[0] + plies[k, 3] * at[1] + plies[k, 4] * at[2]
-            # Compressed beyond measure by the law at an area strain of 117 % (nu 0.3).
+            # With this law the thickness vanishes at an area strain of 117 % (nu 0.3).
             h += plies[k, 0] * np.sqrt(max(0.0, 1.0 - thinning))
         seen.thickness[e] = h
 

@@ -1,18 +1,18 @@
 """The MITC4 element: strains, resultants and nodal forces of a quad.
 
 Total Lagrangian, in convective coordinates xi, eta in [-1, 1] ([Frangi2010] 2, eqs. 1-9), with the
-transverse shear tied at the mid-edge points ([DvorkinBathe1984]). Everything here is a function of
-numbers: of one quad, or of a block at once (:mod:`shellcut.numerics.lanes`).
+transverse shear tied at the mid-edge points ([DvorkinBathe1984]). All functions here take numbers:
+of one quad, or of a whole block (:mod:`shellcut.numerics.lanes`).
 
 **Modes.** The bilinear mid-surface 4 x = m + xi p + eta q + xi eta h has the modes
 
     p = -x0 + x1 + x2 - x3,   q = -x0 - x1 + x2 + x3,   h = x0 - x1 + x2 - x3,   m = sum of x,
 
-so that 4 a_1 = p + eta h and 4 a_2 = q + xi h ([Frangi2010] below (3)). The directors t have modes
-alike, written tp, tq, th, tm, with 4 t_,1 = tp + eta th and 4 t_,2 = tq + xi th.
+so that 4 a_1 = p + eta h and 4 a_2 = q + xi h ([Frangi2010] below (3)). The directors t have the
+same modes, written tp, tq, th, tm, with 4 t_,1 = tp + eta th and 4 t_,2 = tq + xi th.
 
-**Strains.** Because a_1 depends on eta alone and a_2 on xi alone, sixteen scalar products of modes
-hold all strains of the quad:
+**Strains.** Because a_1 depends only on eta and a_2 only on xi, sixteen scalar products of modes
+give all strains of the quad:
 
 ====== ====================================== ======================================
 row    product                                gives ([Frangi2010] 5, 8, 9)
@@ -26,8 +26,8 @@ row    product                                gives ([Frangi2010] 5, 8, 9)
 14-15  q·tm+h·tp, q·tp+h·tm                   16 2E_23 = s14 + xi s15
 ====== ====================================== ======================================
 
-each minus its value on the reference surface. The last two rows are the tied shear: a_1·t at the
-tying points (0, -1), (0, +1) and a_2·t at (-1, 0), (+1, 0), joined linearly, is exactly that.
+each minus its value on the reference surface. The last two rows are exactly the tied shear: a_1·t
+at the tying points (0, -1), (0, +1) and a_2·t at (-1, 0), (+1, 0), interpolated linearly.
 
 **Resultants and forces.** The energy of a linear material is W = ½ sᵀ H s, exact for 2 x 2 Gauss
 points (:mod:`shellcut.mitc4.section`); r = dW/ds are the resultants, and the nodal forces are
@@ -57,13 +57,13 @@ from shellcut.numerics.lanes import (
 from shellcut.numerics.vec3 import add, add_scaled, scale, sub
 
 N_STRAIN = 16
-"""Strains of a quad, and resultants."""
+"""Number of strains of a quad, and of resultants."""
 
 N_FLAT_PRODUCT, N_FLAT = 6, 10
-"""Products on the reference surface of a flat quad that do not vanish, and all of its numbers."""
+"""Non-zero products on the reference surface of a flat quad, and all its numbers."""
 
 N_FULL = 136
-"""Numbers in the upper triangle of the 16 x 16 stiffness."""
+"""Entries of the upper triangle of the 16 x 16 stiffness."""
 
 G = 1.0 / sqrt(3.0)
 GAUSS = ((-G, -G), (G, -G), (G, G), (-G, G))
@@ -124,7 +124,7 @@ def quad_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tu
 
 @always_inline
 def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> tuple[Modes, Modes]:
-    """Return :func:`quad_modes` of a block whose node ids follow each other at every corner."""
+    """Return :func:`quad_modes` of a block with consecutive node ids at every corner."""
     n0, n1 = first_node(corner, b, 0, lane), first_node(corner, b, 1, lane)
     n2, n3 = first_node(corner, b, 2, lane), first_node(corner, b, 3, lane)
     return (
@@ -151,7 +151,7 @@ def chain_modes(x: Floats, t: Floats, corner: SmallIds, b: int, lane: Lane) -> t
 
 @always_inline
 def _narrow(v: Modes, lane: Lane) -> Modes:
-    """Return modes in the precision of the block: only now, for they are differences of nodes."""
+    """Return modes in the precision of the block: rounded only now, after taking differences."""
     return (
         _narrow_vector(v[0], lane),
         _narrow_vector(v[1], lane),
@@ -172,13 +172,13 @@ def _vector_at(values: Floats, n: int, lane: Lane) -> Vector:
 
 @always_inline
 def _dot(a: Vector, b: Vector) -> Number:
-    """Return a · b, its rounding fixed: what a strain subtracts at rest is to be the same bits."""
+    """Return a · b with fixed rounding, so that strains at rest are exactly zero."""
     return multiply_add(a[2], b[2], multiply_add(a[1], b[1], a[0] * b[0]))
 
 
 @always_inline
 def products(x: Modes, t: Modes) -> Sixteen:
-    """Return the sixteen scalar products whose change is the strain."""
+    """Return the sixteen scalar products whose changes are the strains."""
     p, q, h, _ = x
     tp, tq, th, tm = t
     ptq, qtp, htp, htq, htm = _dot(p, tq), _dot(q, tp), _dot(h, tp), _dot(h, tq), _dot(h, tm)
@@ -253,7 +253,7 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
 
 @always_inline
 def pick6(table: Numbers, b: int, first: int, lane: Lane) -> Six:
-    """Return six numbers of a block from the number ``first`` on."""
+    """Return six numbers of a block, starting at ``first``."""
     return (
         pick(table, b, first, lane),
         pick(table, b, first + 1, lane),
@@ -266,7 +266,7 @@ def pick6(table: Numbers, b: int, first: int, lane: Lane) -> Six:
 
 @always_inline
 def pick4(table: Numbers, b: int, first: int, lane: Lane) -> Four:
-    """Return four numbers of a block from the number ``first`` on."""
+    """Return four numbers of a block, starting at ``first``."""
     return (
         pick(table, b, first, lane),
         pick(table, b, first + 1, lane),
@@ -282,12 +282,12 @@ def pick16(table: Numbers, b: int, lane: Lane) -> Sixteen:
 
 
 class FlatModuli(NamedTuple):
-    """What the stiffness of flat quads has in common, see :func:`flat_resultants`."""
+    """Constants shared by the stiffness of all flat quads, see :func:`flat_resultants`."""
 
     bending: float
     """Bending over membrane stiffness [mm²]."""
     lateral: float
-    """Twice the shear modulus in the plane over C_11: 1 - nu where there is one nu."""
+    """Twice the in-plane shear modulus over C_11: 1 - nu if there is one nu."""
     shear: float
     """Transverse shear stiffness over 8 C_11."""
 
@@ -309,7 +309,7 @@ def _at_gauss_points(c: Six) -> tuple[Pair, Pair, Four]:
 
 @always_inline
 def _from_gauss_points(n0: Three, n1: Three, n2: Three, n3: Three) -> Six:
-    """Return the resultants of what n11, n22, n12 at the Gauss points do: the transpose."""
+    """Return the resultants of n11, n22, n12 at the Gauss points: the transpose."""
     low11, high11, low22, high22 = n0[0] + n1[0], n2[0] + n3[0], n0[1] + n3[1], n1[1] + n2[1]
     sum11, sum22 = low11 + high11, low22 + high22
     alike, apart = n0[2] + n2[2], n1[2] + n3[2]
@@ -337,7 +337,7 @@ def _plane_stress(k: Number, by: Number, a: Three, e11: Number, e22: Number, e12
 
 @always_inline
 def _plane_resultants(k: Four, by: Four, metric: tuple[Three, ...], v: Six) -> Six:
-    """Return the resultants of six strains, of the membrane or of bending."""
+    """Return the resultants of six strains, membrane or bending."""
     e11, e22, e12 = _at_gauss_points(v)
     return _from_gauss_points(
         _plane_stress(k[0], by[0], metric[0], e11[0], e22[0], e12[0]),
@@ -372,8 +372,8 @@ def flat_resultants(table: Numbers, moduli: FlatModuli, b: int, lane: Lane, s: S
              = C_11 J⁻³ (A:E) A - 2 mu J⁻¹ adj E,                        q = shear J⁻¹ A gamma
 
     because G^ab = A / J² and A E A = (A:E) A - det A adj E for symmetric 2 x 2 matrices (Cayley and
-    Hamilton). Bending is the membrane's law in the strains K. The products on the reference surface
-    give the metric as the strains give E.
+    Hamilton). Bending follows the membrane's law with the strains K. The products on the reference
+    surface give the metric in the same way as the strains give E.
 
     table : (n_block, 10, width), the first six products on the reference surface and, at the Gauss
     points, k = C_11 J⁻³ / 2¹⁴. The strains here are 16 E, the metric 8 A, and r = Bᵀ n / 16, hence
@@ -412,7 +412,7 @@ def _scale4(factor: float, v: Four) -> Four:
 
 @always_inline
 def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Numbers) -> Sixteen:
-    """Return r = H s with every strain coupled to every other.
+    """Return r = H s with all strains coupled.
 
     h : (n_block, 136, width), the upper triangle of H, row by row.  work : (2, 16, width),
     overwritten.

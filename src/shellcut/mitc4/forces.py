@@ -1,18 +1,18 @@
-"""Kernels that add the forces of quads to the nodes: a block at a time, or one by one.
+"""Kernels that add the forces of quads to the nodes, by blocks or one by one.
 
 Damping is proportional to the stiffness, on the strain rate: the stress acts on
 u = s + rho (s_n - s_{n-1}), rho = beta / dt, the rate of the half step before t_n (so the step
-stays explicit; [Frangi2010] 5.2). Of a linear material the resultants are thus r = H u, one
-product. The ledger wants the stored energy ½ s·H s and, for the central difference's own work of
-the damping stress, ½ rho (a_{n-1} + a_n)·H a_n with the strain steps a_n = s_n - s_{n-1}. Summed
-over all quads, A = s_n·H s_n, B = s_n·H a_n, C = a_n·H a_n and D = a_{n-1}·H a_n follow from three
-products with r alone and last step's A and B, because H is symmetric:
+stays explicit; [Frangi2010] 5.2). So for a linear material the resultants are r = H u, one product.
+The ledger needs the stored energy ½ s·H s and, for the work of the damping stress that is
+consistent with the central difference, ½ rho (a_{n-1} + a_n)·H a_n with the strain steps
+a_n = s_n - s_{n-1}. Summed over all quads, A = s_n·H s_n, B = s_n·H a_n, C = a_n·H a_n and
+D = a_{n-1}·H a_n follow from three products with r and last step's A and B, because H is symmetric:
 
     s_n·r = A + rho B,   a_n·r = B + rho C,   A' = (s_n - a_n)·H (s_n - a_n) = A - 2 B + C
     a_{n-1}·r = a_{n-1}·H s_n + rho D,        B' = (s_n - a_n)·H a_{n-1} = a_{n-1}·H s_n - D
 
 so C = (A' + (2 + rho) a_n·r - s_n·r) / (1 + rho)² and D = (a_{n-1}·r - B') / (1 + rho). Errors of
-A' fade by (rho / (1 + rho))² a step. The kernels sum s_n·r, s_{n-1}·r and s_{n-2}·r.
+A' fade by (rho / (1 + rho))² per step. The kernels sum s_n·r, s_{n-1}·r and s_{n-2}·r.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ from .quad_strains import (
 _prefetch_flat = make_prefetch(N_FLAT)
 _prefetch_strain = make_prefetch(N_STRAIN)
 
-# Blocks from which on the tables lie in memory, beyond any cache: there asking ahead saves a fifth,
-# below it costs a tenth.
+# Prefetching saves 20 % above this many blocks, whose tables exceed any cache, and costs 10 %
+# below.
 _FAR = 30_000
 
 
 @always_inline
 def _ask_for_block(b: int, flat: bool, tables: LinearTables, step: QuadStep) -> None:
-    """Fetch what block ``b`` will need, while the block before it is worked on."""
+    """Prefetch the data of block ``b`` while the block before it is computed."""
     if flat:
         _prefetch_flat(tables.flat, b)
     if step.damped:
@@ -101,7 +101,7 @@ def _make_linear_kernel(flat: bool) -> Any:
     ) -> None:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
-        Strips ``first``, ``first`` + ``stride``, ... are taken.  start : (n_strip + 1,), blocks.
+        Treats the strips ``first``, ``first`` + ``stride``, ...  start : (n_strip + 1,), blocks.
         rows : (n_node, 8).  sums : (n_strip, 3), to which s_n·r, s_{n-1}·r and s_{n-2}·r are
         added.  lane : None or SIXTEEN for a block at a time, any number for one by one.
         """
@@ -128,6 +128,6 @@ def _make_linear_kernel(flat: bool) -> Any:
 
 
 add_flat_quads = _make_linear_kernel(flat=True)
-"""Of flat quads."""
+"""For flat quads."""
 add_full_quads = _make_linear_kernel(flat=False)
-"""Of quads that are curved, warped or unevenly layered."""
+"""For curved, warped or unevenly layered quads."""

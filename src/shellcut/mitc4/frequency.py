@@ -1,35 +1,35 @@
-"""The largest frequency of every quad, by bounds that are never too low.
+"""Upper bounds of the largest frequency of every quad.
 
-The largest eigenvalue omega² of a quad's tangent stiffness K (pre-stress counted) on its own share
-of mass and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
+The largest eigenvalue omega² of a quad's tangent stiffness K (with pre-stress) on its own share of
+mass and inertia bounds that of the assembly, because mass and stiffness are sums over quads.
 
-*One quad.* A power iteration approaches omega² from below. That sigma is not below it is proved by
-the factorisation of sigma M - K, which meets a pivot that is not positive if it were. Congruent
-quads of the reference mesh are evaluated once.
+*One quad.* A power iteration approaches omega² from below. The factorisation of sigma M - K proves
+that sigma is not below omega²: otherwise some pivot would not be positive. Congruent quads of the
+reference mesh are evaluated once.
 
-*In between.* A quad need not be evaluated again while it hardly changes shape. Let p be positions
-and directors at its last evaluation, turned back as a whole to those of now, p + d, and V a motion.
-The strain rates B(p, V) are linear in p, so with |.| the norm of the section's energy
+*In between.* A quad need not be evaluated again while it hardly changes shape. Let p be the
+positions and directors at its last evaluation, rotated as a whole to the present ones, p + d, and V
+a motion. The strain rates B(p, V) are linear in p, so with |.| the energy norm of the section
 
     |B(p + d, V)| <= |B(p, V)| + |B(d, V)|,     |B(p, V)| <= omega |V|.
 
-A motion psi e along one direction e has the strain sym(e grad psi); summed over two directions at
-right angles, its energy is at least 2 a |grad psi|², where 2 a is the least trace of the acoustic
+A motion psi e along one direction e has the strain sym(e grad psi); summed over two orthogonal
+directions, its energy is at least 2 a |grad psi|², where 2 a is the least trace of the acoustic
 tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |grad V|².
 
 * A stretch by epsilon takes B to at most 1 + epsilon times itself. The stress grows by at most
   C_max epsilon, C_max being the largest modulus (E/(1 - nu) = 1.43 E), which adds C_max/a epsilon
   omega² to omega². Together omega grows by at most (1 + ½ C_max/a) epsilon to first order.
 * Where one part of the quad turns by theta against the whole, by bending, twisting or shear, the
-  change of the base vectors there has any direction: |B(d, V)|² <= theta² C_max |grad V|², and
+  change of the base vectors there can have any direction: |B(d, V)|² <= theta² C_max |grad V|², and
   omega grows by at most sqrt(C_max/a) theta.
 
-All this holds for a law that is not linear, too: the stiffness evaluated is that of its moduli C
-with its own stresses, and C bounds its tangent.
+All this also holds for nonlinear laws: the evaluated stiffness is that of the moduli C with the
+law's own stresses, and C bounds its tangent.
 
-Bending strains are carried by the same moduli times h²/12, which the rotary inertia m h²/12 or more
-outweighs, and shear strains by G or less. Epsilon is the largest principal strain and theta the sum
-of the angle bent from the centre to a corner, the shear, and the spread of the strains over the
+Bending strains have the same moduli times h²/12, which the rotary inertia m h²/12 or more
+outweighs, and shear strains have G or less. Epsilon is the largest principal strain and theta the
+sum of the angle bent from the centre to a corner, the shear, and the spread of the strains over the
 quad, all as changes since the evaluation. A test finds no more than 0.6 of this growth.
 """
 
@@ -52,14 +52,15 @@ from .element import GAUSS, N_STRAIN, modes, products
 from .surface import Surface
 from .tangent import N_FREEDOM, reference_products
 
-# How much above the power iteration's value the bound is tried, and the turns of one try. Two
-# eigenvalues of a ratio of 0.8 are told apart to 1e-5 in twelve turns; nearer ones need not be.
+# Relative excess of the tried bound over the power iteration's value, and iterations per try. Two
+# eigenvalues with a ratio of 0.8 are separated to 1e-5 in twelve iterations; closer ones need not
+# be.
 _ABOVE = 1.002
 _TURNS = 12
 _TRIES = 4
 
-# Scalar products that agree to this part of the largest belong to congruent quads; what this
-# changes in a frequency is far below ``_ABOVE``.
+# Quads are congruent if their scalar products agree to this fraction of the largest; the effect on
+# a frequency is far below ``_ABOVE``.
 _CONGRUENT = 1e-9
 
 Shares = Callable[[Ints], tuple[Floats, Floats]]
@@ -70,11 +71,11 @@ class _Evaluations(NamedTuple):
     """The last evaluation of each quad."""
 
     row: Annotated[Ints, "(n_quad,)"]
-    """Its row among"""
+    """Row of each quad in ``strain``."""
     strain: Annotated[Floats, "(n_row, 16)"]
-    """the strains of the evaluations, row 0 for the reference."""
+    """Strains of the evaluations; row 0 is the reference."""
     evaluated: Annotated[Floats, "(n_quad,)"]
-    """omega² then [1/s²]."""
+    """omega² at the evaluation [1/s²]."""
 
 
 class QuadFrequencies:
@@ -85,12 +86,12 @@ class QuadFrequencies:
     mesh : Mesh
         The reference.
     material : ShellMaterial
-        Its moduli say how fast a frequency may grow.
+        Its moduli bound the growth of a frequency.
     shares : callable
-        Takes which quads; returns their own shares of mass [t] and inertia [t·mm²] at their
-        corners, shape (n, 4) each.
+        Takes quad ids; returns their own shares of mass [t] and inertia [t·mm²] at their corners,
+        shape (n, 4) each.
     tangents : callable
-        Takes x, t and which quads; returns their stiffness, shape (n, 20, 20).
+        Takes x, t and quad ids; returns their stiffness, shape (n, 20, 20).
     """
 
     def __init__(
@@ -102,7 +103,7 @@ class QuadFrequencies:
     ) -> None:
         self._mesh, self._shares, self._tangents = mesh, shares, tangents
         self._by_stretch, self._by_turn = growth_rates(material)
-        # The quads evaluated in a deformed state have a row of the strains they had; row 0 is the
+        # Quads evaluated in a deformed state have a row with their strains then; row 0 is the
         # reference, where all are evaluated first.
         self._row: Ints = np.zeros(mesh.n_quad, np.int32)
         self._strain = np.zeros((1, N_STRAIN))
@@ -111,7 +112,7 @@ class QuadFrequencies:
         """Bound of omega² of each quad at the last :meth:`follow` [1/s²], shape (n_quad,)."""
 
     def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
-        """Bring the bounds up to the present positions and directors, without an evaluation."""
+        """Update the bounds to the present positions and directors, without an evaluation."""
         _follow(
             reference=Surface.of(self._mesh),
             present=Surface(x, t, quads),
@@ -137,7 +138,7 @@ class QuadFrequencies:
         self.squared[which] = self._evaluated[which]
 
     def saved(self) -> dict[str, Any]:
-        """Return what the evaluations so far have left: bounds depend on when each was made."""
+        """Return the last evaluations: the bounds depend on when each was made."""
         return {
             "row": self._row,
             "strain": self._strain,
@@ -154,13 +155,13 @@ class QuadFrequencies:
 
     def _at_rest(self) -> Floats:
         first, same = _classes(self._mesh)
-        # In the layout of a state's arrays: the kernel is compiled for no second one.
+        # In the layout of a state's arrays, so that the kernel is not compiled for a second one.
         x, t = np.asfortranarray(self._mesh.nodes), np.asfortranarray(self._mesh.directors)
         return self._bounds(x, t, first)[same]
 
     def _bounds(self, x: Floats, t: Floats, which: Ints) -> Floats:
         squared = np.empty(which.size)
-        # In pieces: a stiffness takes 3.2 kB.
+        # In pieces: one stiffness takes 3.2 kB.
         for begin in range(0, which.size, _PIECE):
             piece = which[begin : begin + _PIECE]
             mass, inertia = self._shares(piece)
@@ -177,7 +178,7 @@ _PIECE = 1024
 
 
 def growth_rates(material: ShellMaterial) -> tuple[float, float]:
-    """Return by what part omega grows at most for a unit of stretch and for one of turn."""
+    """Return the largest relative growth of omega per unit of stretch and per unit of turn."""
     h = material.thickness
     membrane, bending = np.zeros((3, 3)), np.zeros((3, 3))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):
@@ -187,7 +188,7 @@ def growth_rates(material: ShellMaterial) -> tuple[float, float]:
     unit = np.diag([1.0, 1.0, np.sqrt(2.0)])
     largest = max(np.linalg.eigvalsh(unit @ C @ unit)[-1] for C in (membrane, bending))
     if not material.is_symmetric:
-        largest *= 2.0  # stretching and bending may do their most together
+        largest *= 2.0  # stretching and bending may both be at their maximum
     # Trace of the acoustic tensor along (c, s): C_11 c² + C_22 s² + C_33 + 2 (C_13 + C_23) c s.
     angle = np.linspace(0.0, np.pi, 181)
     c, s = np.cos(angle), np.sin(angle)
@@ -204,7 +205,7 @@ def _classes(mesh: Mesh) -> tuple[Ints, Ints]:
     def products_of(piece: slice) -> Floats:
         return reference_products(mesh.nodes[mesh.quads[piece]], mesh.directors[mesh.quads[piece]])
 
-    # Congruent quads have the same scalar products: a hash of their digits tells the classes.
+    # Congruent quads have the same scalar products: a hash of their digits identifies the classes.
     unit = _CONGRUENT * max(np.abs(products_of(piece)).max() for piece in pieces)
     factors = np.random.default_rng(0).integers(1, 2**62, N_STRAIN) | 1
     key = np.concatenate(

@@ -1,4 +1,4 @@
-"""The state of an unloaded mesh at rest, from which a simulation or a static solution starts."""
+"""State of an unloaded mesh at rest: start of a simulation or a static solution."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shellcut.state import RESERVE, CableTable, NodeTable, State, columns
 
 
 def initial_state(mesh: Mesh) -> State:
-    """Allocate the state of an unloaded mesh at rest; the shell lays out strains and history."""
+    """Allocate the state of an unloaded mesh at rest; the shell adds strains and history."""
     n, cap = mesh.n_node, mesh.n_node + RESERVE
 
     def rows(*shape: int) -> Floats:
@@ -100,7 +100,7 @@ _CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
 
 
 def quads_of_nodes(quads: Ints, capacity: int) -> tuple[SmallIds, SmallIds]:
-    """Return the quads at every node, ascending, shape (capacity, MAX_VALENCE), and their count."""
+    """Return the quads at every node, ascending, (capacity, MAX_VALENCE), and their number."""
     n_quad_at = np.bincount(quads.ravel(), minlength=capacity).astype(np.int32)
     table = np.zeros((capacity, MAX_VALENCE), np.int32)
     order = np.argsort(quads.ravel(), kind="stable")

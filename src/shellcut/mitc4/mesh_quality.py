@@ -1,4 +1,4 @@
-"""How good a film's quads are, and what step each of them allows: :func:`mesh_quality`."""
+"""Shape of a film's quads, and the stable step of each: :func:`mesh_quality`."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from shellcut.mesh.mesh import Mesh
 from .shell import MITC4Shell
 
 LISTED = 10
-"""Quads named as the worst."""
+"""Number of quads listed as the worst."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeshQuality:
-    """Shape of every quad and the step it allows; ``str()`` is a report of a screen."""
+    """Shape and stable step of every quad; ``str()`` is a report of one screen."""
 
     scaled_jacobian: Floats
     """Least sine of the corner angles, shape (n_quad,); 1 for a rectangle."""
@@ -27,7 +27,7 @@ class MeshQuality:
     longest_edge: Floats
     """Of each quad [mm], shape (n_quad,)."""
     step: Floats
-    """Stable step of each quad for itself, unloaded, without contact [s], shape (n_quad,)."""
+    """Stable step of each quad by itself, unloaded, without contact [s], shape (n_quad,)."""
     centre: Floats
     """Mean of the corners [mm], shape (n_quad, 3)."""
     worst: Ints
@@ -81,9 +81,9 @@ class MeshQuality:
 def mesh_quality(
     mesh: Mesh, material: ShellMaterial | None = None, *, damping_beta: float = 5e-8
 ) -> MeshQuality:
-    """Return the shape of every quad and the step that it allows.
+    """Return the shape and the stable step of every quad.
 
-    The step is that of the run's own bound: the largest eigenvalue of a quad's stiffness on its
+    The step comes from the bound used in a run: the largest eigenvalue of a quad's stiffness on its
     share of the mass, with the stiffness damping. Contact and pre-stress shorten it in a run.
 
     Parameters

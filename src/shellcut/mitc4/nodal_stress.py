@@ -1,11 +1,11 @@
 """Superconvergent patch recovery of the nodal stress ([ZienkiewiczZhu1992], [Frangi2010] 5).
 
 The samples are the Cauchy stresses at the centres of the quads around a node. Their components are
-rotated into the node's tangent frame and fitted by 1, x, y there; the value at the node is the
+rotated into the node's tangent frame and fitted with 1, x, y; the value at the node is the
 recovered stress. The patch is the node's own fan, so it never reaches across a crack: split nodes
-have split fans. A patch with fewer than three samples, or nearly on a line, takes the polynomial of
-the neighbour on the same side whose patch is the largest; these are counted. Without any, the mean
-of the samples is taken.
+have split fans. A patch with fewer than three samples, or with samples nearly on a line, uses the
+polynomial of the neighbour on the same side with the largest patch; these nodes are counted. If
+there is none, the mean of the samples is used.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class NodalStress:
     direction : ndarray, shape (n, 3)
         Its unit direction in space, in the tangent plane.
     n_borrowed : int
-        Nodes that took a neighbour's polynomial.
+        Number of nodes that used a neighbour's polynomial.
     """
 
     principal: Floats
@@ -53,7 +53,7 @@ class _Patches(NamedTuple):
 
     surface: Surface
     quads_at: Annotated[SmallIds, "(n_node, n_most)"]
-    """Quads at every node, the first ``n_quad_at`` in use."""
+    """Quads at every node; the first ``n_quad_at`` are valid."""
     n_quad_at: Annotated[SmallIds, "(n_node,)"]
     sampled: Annotated[Ints, "(n_sampled,)"]
     """All quads around the nodes and around their neighbours, ascending."""
@@ -76,13 +76,13 @@ def recover(
     state : State
         At t_n.
     shell : MITC4Shell
-        Gives the stresses at the quads' centres.
+        For the stresses at the quads' centres.
     nodes : ndarray of int, shape (n,)
         Which nodes.
     place : {"mid", "top", "bottom", "nominal", "largest"}
         As :meth:`MITC4Shell.stress`; ``largest`` is the largest of top, mid and bottom.
     tips : sequence of int
-        Crack tips: their patches have quads on both flanks and are lent to no other node.
+        Crack tips: their patches have quads on both flanks and are not used for other nodes.
     """
     if place == "largest":
         layers = [
@@ -185,7 +185,7 @@ def _recover(
     principal: Floats,
     direction: Floats,
 ) -> int:
-    """Write principal : (n,) and direction : (n, 3) of the nodes; return how many borrowed.
+    """Write principal : (n,) and direction : (n, 3) of the nodes; return ``n_borrowed``.
 
     tips : ascending.
     """

@@ -1,8 +1,8 @@
-"""Kernels that add the forces of quads whose thickness is integrated by points, for any material.
+"""Kernels that add the forces of quads with thickness points, for any material.
 
 Damping is that of :mod:`shellcut.mitc4.forces`, with the stiffness H of the elastic moduli: the
-stress of the law and rho H a_n act together, and H a_n is formed for itself. Below, the forces of
-single quads on single nodes, of either kind, without a change of what is stored.
+stress of the law and rho H a_n act together, and H a_n is computed separately. At the end: forces
+of single quads on single nodes, of both kinds, without changing stored values.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from .thickness_points import Frames, flat_point_resultants, full_point_resultan
 def point_resultants(
     quads: PointQuads, flat: bool, s: Sixteen, history: HistoryStep, lane: Lane
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of a block, its stored and its just dissipated energy."""
+    """Return the resultants of a block, its stored energy and the energy dissipated in the step."""
     points, b = quads.points, history.block
     if flat:
         frames = Frames(points.flat_frame, b)
@@ -60,7 +60,7 @@ def _point_block(
 ) -> tuple[Number, Number, Number]:
     """Add the forces of block ``b``; return its stored energy, (a_n + a_{n-1})·H a_n, dissipated.
 
-    The last is what the material has dissipated since t_{n-1}.
+    The last is the energy dissipated by the material since t_{n-1}.
     """
     quads, step = both.quads, now.step
     xm, tm = modes_of(quads, b, lane)
@@ -91,8 +91,8 @@ def _make_point_kernel(flat: bool) -> Any:
     ) -> None:
         """Add the forces of quads with thickness points; arguments as of the linear kernel.
 
-        sums : (n_strip, 3), to which the stored energy, (a_n + a_{n-1})·H a_n and what the material
-        dissipated in the step are added.
+        sums : (n_strip, 3), to which the stored energy, (a_n + a_{n-1})·H a_n and the energy
+        dissipated by the material in the step are added.
         """
         align_stack()
         quads, step = borrowed(quads), borrowed(step)
@@ -117,9 +117,9 @@ def _make_point_kernel(flat: bool) -> Any:
 
 
 add_flat_point_quads = _make_point_kernel(flat=True)
-"""Of flat quads."""
+"""For flat quads."""
 add_full_point_quads = _make_point_kernel(flat=False)
-"""Of quads that are curved, warped or unevenly layered."""
+"""For curved, warped or unevenly layered quads."""
 
 
 def _make_corner_kernel(by_points: bool) -> Any:
@@ -157,6 +157,6 @@ def _make_corner_kernel(by_points: bool) -> Any:
 
 
 write_corner_forces = _make_corner_kernel(by_points=False)
-"""Of linear material."""
+"""For linear materials."""
 write_point_corner_forces = _make_corner_kernel(by_points=True)
-"""Of any material."""
+"""For any material."""

@@ -1,13 +1,13 @@
-"""Stress, thickness and history of quads whose thickness is integrated by points, from the law.
+"""Stress, thickness and history of quads with thickness points, from the law.
 
-A law with history has no stress at the centre of a quad, where none of its history is kept. So the
-law is asked where the forces ask it, at the four Gauss points and the points through the
+A law with history has no stress at the centre of a quad, where no history is kept. So the law is
+evaluated where the forces evaluate it, at the four Gauss points and the points through the
 thickness, with the present strain and the history of t_n. With S its stress in the Cartesian frame
 there, sigma = S_ij f_i f_j / J as in :mod:`shellcut.mitc4.centre_stress`, with f_i = F ê_i and
 J = |f_1 x f_2|. Output is the mean over the four Gauss points, of
 
 =========  =====================================================================================
-membrane   the mean over the thickness, by the weights of the quadrature
+membrane   the mean over the thickness, with the weights of the quadrature
 top        the uppermost point; of five Gauss points in a single layer it lies at 0.91 of h/2
 bottom     the lowest point
 mid        the point nearest to the mid-surface, or the mean of two that are equally near
@@ -87,7 +87,7 @@ class PointOutput:
         return self._stress(state, which, [place])[0][:, 0]
 
     def faces(self, state: State) -> FaceStresses:
-        """Return the stresses of membrane, top and bottom, and the thickness, of all quads."""
+        """Return the stresses of membrane, top and bottom, and the thickness of all quads."""
         n = len(state.quads)
         sigma, thickness = self._stress(state, np.arange(n), ["membrane", "top", "bottom"])
         axes = _lamina(state.node.x, state.quads)
@@ -103,7 +103,7 @@ class PointOutput:
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the means of the history numbers by name, shape (n_quad,) each.
 
-        Over the Gauss points and the thickness points of those layers whose law has the number.
+        Over the Gauss points and the thickness points of the layers whose law has this number.
         """
         rule, (n_block, _, width) = self._points.rule, state.history.shape
         shape = n_block, 4, rule.place.size, rule.n_history, width
@@ -116,7 +116,7 @@ class PointOutput:
         return means
 
     def resultants(self, x: Floats, t: Floats, which: Ints, history: Floats) -> Floats:
-        """Return the resultants r of some quads by the law, shape (n, 16)."""
+        """Return the resultants r of some quads from the law, shape (n, 16)."""
         resultants = np.empty((which.size, N_STRAIN))
         _resultants(
             slot=self._blocks.slot[which],
@@ -145,7 +145,7 @@ class PointOutput:
 
 
 def _lamina(x: Floats, quads: Ints) -> Floats:
-    """Return the two axes of the frame in which a frame's stresses are given, (n_quad, 2, 3)."""
+    """Return the two axes in which output stresses are given, shape (n_quad, 2, 3)."""
     corners = x[quads]
     e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
     a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
@@ -208,7 +208,7 @@ def _strain_and_stretch(
     z: float,
     place: tuple[float, float],
 ) -> tuple[Vec3, Vec3, Vec3]:
-    """Return (E_11, E_22, 2 E_12) as the forces take it, f_1 and f_2 at a point."""
+    """Return (E_11, E_22, 2 E_12) as used for the forces, and f_1 and f_2 at a point."""
     a, c, p, f, r = frame
     (xm, tm), (xi, eta) = modes, place
     e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
@@ -239,8 +239,8 @@ def _stresses(
 ) -> None:
     """Add the stresses and the thickness of quads to sigma : (n, n_place, 3, 3), thickness : (n,).
 
-    share : (n_place, n_point), of the thickness points in each place.  nominal : S turned with the
-    surface instead of sigma.  The other arguments as those of the force kernels.
+    share : (n_place, n_point), weights of the thickness points in each place.  nominal : S turned
+    with the surface instead of sigma.  The other arguments as in the force kernels.
     """
     nodes, points = quads.quads, quads.points
     rule, width = points.rule, nodes.corner.shape[2]

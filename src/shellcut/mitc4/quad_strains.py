@@ -1,4 +1,4 @@
-"""Tables of all quads as the kernels take them, and the sixteen strains of a block of quads."""
+"""Tables of all quads for the kernels, and the sixteen strains of a block of quads."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from .thickness_points import PointRule
 
 
 class LinearTables(NamedTuple):
-    """What does not change of the quads, in blocks: the flat ones first."""
+    """Constant data of the quads, in blocks: flat quads first."""
 
     n_flat: int
     """Number of blocks of flat quads."""
     flat: Annotated[Numbers, "(n_flat, 10, width)"]
-    """The first six products on the reference surface, the others vanish, and four stiffnesses,
-    see :func:`shellcut.mitc4.element.flat_resultants`."""
+    """The first six products on the reference surface (the others vanish) and four stiffnesses, see
+    :func:`shellcut.mitc4.element.flat_resultants`."""
     flat_moduli: FlatModuli
-    """What flat quads have in common."""
+    """Constants shared by all flat quads."""
     full_reference: Annotated[Numbers, "(n_full, 16, width)"]
     """The products on the reference surface."""
     full_stiffness: Annotated[Numbers, "(n_full, 136, width)"]
@@ -45,7 +45,7 @@ class PointTables(NamedTuple):
 
     flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
     full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
-    """4 n_point 7 numbers a block."""
+    """4 n_point 7 numbers per block."""
     rule: PointRule
 
 
@@ -64,14 +64,14 @@ class Quads(NamedTuple):
 
 
 class PointQuads(NamedTuple):
-    """The same where the thickness is integrated by points."""
+    """The same for quads with thickness points."""
 
     quads: Quads
     points: PointTables
 
 
 class QuadStep(NamedTuple):
-    """What the kernels need of the step to t_n."""
+    """Data of the step to t_n for the kernels."""
 
     damped: bool
     rho: float
@@ -83,11 +83,12 @@ class QuadStep(NamedTuple):
 
 
 class PointStep(NamedTuple):
-    """The same where the thickness is integrated by points."""
+    """The same for quads with thickness points."""
 
     step: QuadStep
     history: Annotated[Numbers, "(n_block, n_history, width)"]
-    """Of the thickness points, 4 n_point numbers of each kind; taken from t_{n-1} to t_n."""
+    """History of the thickness points, 4 n_point numbers of each kind; updated from t_{n-1} to
+    t_n."""
     dt: float
     """Length of the step [s]."""
 
@@ -191,7 +192,7 @@ def plus_scaled(a: Sixteen, k: float, b: Sixteen) -> Sixteen:
 
 @always_inline
 def dot16(a: Sixteen, b: Sixteen) -> Number:
-    """Return a · b in four short sums: one long one would wait for itself."""
+    """Return a · b in four short sums: one long sum would be a chain of dependent additions."""
     return (
         (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3])
         + (a[4] * b[4] + a[5] * b[5] + a[6] * b[6] + a[7] * b[7])
@@ -240,8 +241,8 @@ def write_products(
 ) -> None:
     """Write the first n products on the reference surface of the blocks from ``first`` on.
 
-    By the functions that make strains of them, in the same precision, so that what is subtracted
-    at rest is the same to the last bit.  X, T : (n_node, 3).  table : (n_block - first, n or more,
+    Uses the functions that compute strains, in the same precision, so that strains at rest are
+    exactly zero.  X, T : (n_node, 3).  table : (n_block - first, n or more,
     width).
     """
     for b in range(table.shape[0]):

@@ -1,4 +1,4 @@
-"""Stiffness H of every quad in the strains of its modes, and its mass, integrated once.
+"""Stiffness H of every quad for the strains of its modes, and its mass, integrated once.
 
 At a Gauss point the generalised strains are v = (E_11, E_22, 2E_12, K_11, K_22, 2K_12, 2E_13,
 2E_23), all covariant, and the energy there is ½ vᵀ h v with
@@ -6,24 +6,24 @@ At a Gauss point the generalised strains are v = (E_11, E_22, 2E_12, K_11, K_22,
     h = ∫ Pᵀ Qᵀ C Q P √G dxi³ (Gauss weight 1),      √G = det(G_1, G_2, G_3).
 
 P (5 x 8) gives the covariant strains at the height xi³: E + xi³ K, and the tied shear; Q (5 x 5)
-takes covariant to Cartesian components in the frame ê_3 = T/|T|, ê_1 ∝ G_2 x ê_3 of
+maps covariant to Cartesian components in the frame ê_3 = T/|T|, ê_1 ∝ G_2 x ê_3 of
 [DvorkinBathe1984], by e_ij = (ê_i·G^k)(ê_j·G^l) E_kl; C is the plane-stress law with the shear
 moduli. Because G_alpha = A_alpha + xi³ T_,alpha ([Frangi2010] 6) is taken at its own height, the
-curvature of the reference surface and the volume factor mu ([Frangi2010] 20) are exact, warped
-quads included, and a layered section brings its coupling of stretching and bending along.
+curvature of the reference surface and the volume factor mu ([Frangi2010] 20) are exact, also for
+warped quads, and the coupling of stretching and bending in a layered section is included.
 
 The strains at a Gauss point are v = B s, with s the sixteen strains of the quad
-(:mod:`shellcut.mitc4`), so that the quad as a whole has the energy ½ sᵀ H s with
+(:mod:`shellcut.mitc4.element`), so the quad has the energy ½ sᵀ H s with
 
     H = sum over the four Gauss points of Bᵀ h B:
 
-136 numbers. Where the reference quad is flat (T constant and normal to it) and bending is to
-membrane stiffness in one ratio, as in any homogeneous or evenly layered film, four numbers are left
+136 numbers. If the reference quad is flat (T constant and normal to it) and the ratio of bending to
+membrane stiffness is one number, as in any homogeneous or evenly layered film, four numbers remain
 besides the metric of the reference surface (:func:`shellcut.mitc4.element.flat_resultants`).
 
-Between nodes the interpolated director is a little shorter than one: on a curved quad that turns by
-10° by 0.4 %. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it
-matches mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
+Between nodes the interpolated director is slightly shorter than one: by 0.4 % on a curved quad that
+turns by 10°. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it matches
+mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from shellcut.material.shell_material import ShellMaterial
 
 from .element import GAUSS, N_STRAIN, FlatModuli
 
-# A quad counts as flat when its directors agree and stand normal to its corners' edges to this
-# relative size: round-off of normalised normals, far below any curvature that matters.
+# A quad counts as flat if its directors agree and are normal to its corners' edges within this
+# relative size: round-off of normalised normals, far below any relevant curvature.
 _FLAT = 1e-12
 
 _XI = np.array([-1.0, 1.0, 1.0, -1.0])
@@ -106,12 +106,12 @@ def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
 
 
 def flat_moduli(material: ShellMaterial) -> FlatModuli:
-    """Return what all flat quads have in common.
+    """Return the constants shared by all flat quads.
 
     Raises
     ------
     ValueError
-        If bending is to membrane stiffness not in one ratio.
+        If the ratio of bending to membrane stiffness is not one number.
     """
     if material.bending_ratio is None:
         raise ValueError("flat quads need a material with a bending_ratio, this one has none")
@@ -167,7 +167,7 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
 
 
 def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, Floats]:
-    """Return the share of each corner in the mass [t] and the area [mm²] of quads.
+    """Return the share of each corner in the mass [t], and the area [mm²], of quads.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, 
 def cartesian_map(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
     """Return Q, shape (n, 5, 5), and the in-plane frame (ê_1, ê_2), shape (n, 2, 3).
 
-    Q takes the covariant (E_11, E_22, 2E_12, 2E_13, 2E_23), with E_33 = 0, to the Cartesian
+    Q maps the covariant (E_11, E_22, 2E_12, 2E_13, 2E_23), with E_33 = 0, to the Cartesian
     (e_11, e_22, 2e_12, 2e_13, 2e_23).
     """
     c, frame = frame_components(G1, G2, G3)
@@ -216,7 +216,7 @@ def cartesian_map(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
 def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats]:
     """Return ê_n · G^k, shape (n, 3, 3), and (ê_1, ê_2), shape (n, 2, 3).
 
-    ê_1 stands normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
+    ê_1 is normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
     """
     e3 = G3 / np.linalg.norm(G3, axis=1, keepdims=True)
     e1 = np.cross(G2, e3)

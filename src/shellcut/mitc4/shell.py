@@ -37,22 +37,22 @@ from .section import flat_quads, lumped_mass
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
 
-# Rotary inertia m max(h²/12, A / _INERTIA_AREA): bending waves of so thin a shell would otherwise
-# set the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
+# Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would
+# limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
 
 Precision: TypeAlias = Literal["double", "single"]
 
 
 class Work(NamedTuple):
-    """What the shell books of one evaluation of its forces."""
+    """Energies of one evaluation of the shell's forces, for the ledger."""
 
     strain_energy: float
-    """At t_n [N·mm]."""
+    """Stored energy at t_n [N·mm]."""
     damping: float
-    """Work that the damping stress has taken since t_{n-1} [N·mm]."""
+    """Work of the damping stress since t_{n-1} [N·mm]."""
     dissipated: float
-    """By the material, since t_{n-1} [N·mm]."""
+    """Energy dissipated by the material since t_{n-1} [N·mm]."""
 
 
 class MITC4Shell:
@@ -69,11 +69,11 @@ class MITC4Shell:
     workers : Workers, optional
         Threads; one by default.
     precision : {"double", "single"}
-        Of what the shell keeps and computes of each quad. Positions, directors and nodal forces are
-        double either way, and so are the differences of positions that strains are made of.
+        Precision of the data and arithmetic per quad. Positions, directors and nodal forces are
+        always double, and so are the differences of positions in the strains.
     by_lanes : bool
-        False takes the quads one by one, as plain floats in double precision: slow, the same to
-        round-off.
+        False computes the quads one by one, as plain floats in double precision: slow, same results
+        to round-off.
     """
 
     def __init__(
@@ -107,12 +107,12 @@ class MITC4Shell:
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
         self.tables, self.points = build_tables(mesh, material, self.blocks, self._whole)
         self.has_points = bool(self.points.rule.place.size)
-        """Whether the thickness is integrated by points, at every step."""
+        """Whether the thickness is integrated with points at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
         if self.has_points:
             kernels = (add_flat_point_quads, add_full_point_quads)
         starts = (self.blocks.flat_start, self.blocks.full_start)
-        # A kernel for each kind of quads there are, and where its strips begin.
+        # A kernel for each kind of quads in the mesh, and the starts of its strips.
         self._kernels = [
             (bound_once(kernel), start)
             for kernel, start in zip(kernels, starts, strict=True)
@@ -154,8 +154,8 @@ class MITC4Shell:
     def node_inertia(self, state: State, node: int) -> tuple[float, float, float]:
         """Return mass [t], rotary inertia [t·mm²] and contact area [mm²] of a node from its quads.
 
-        The sums run over the node's quads in ascending order, so that the two halves of a split
-        node share the mass by elements, whatever the order of the splits.
+        The sums run over the node's quads in ascending order, so the halves of a split node share
+        the mass by elements, whatever the order of the splits.
         """
         at = state.node.quads[node, : state.node.n_quad_at[node]]
         corner = np.argmax(state.quads[at] == node, axis=1)
@@ -166,7 +166,7 @@ class MITC4Shell:
         )
 
     def initialise(self, state: State) -> None:
-        """Write mass, rotary inertia and contact area of all nodes; lay out strains and history."""
+        """Write mass, rotary inertia, contact area of all nodes; allocate strains and history."""
         n, node = state.n_node, state.node
         n_block = self.blocks.quad.shape[0]
         width, dtype = self.blocks.width, block_dtype(self._whole)
@@ -217,7 +217,7 @@ class MITC4Shell:
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
 
     def _collect(self, state: State) -> None:
-        """Collect what the kernels are given until the next split."""
+        """Build the arguments of the kernels, valid until the next split."""
         quads = self._quads(state.node.x, state.node.t)
         self._lasting = PointQuads(quads, self.points) if self.has_points else quads
         self._known.take(state)
@@ -233,9 +233,9 @@ class MITC4Shell:
         state : State
             Positions at t_{n+1}, strains of t_n.
         quads, nodes : ndarray of int, shape (n,)
-            Which quad, and which of its nodes.
+            Quad, and one of its nodes.
         dt : float
-            Length of the step between [s].
+            Length of the step between the two [s].
 
         Returns
         -------
@@ -255,7 +255,7 @@ class MITC4Shell:
         return force
 
     def most_strained_quad(self, state: State) -> int:
-        """Return the quad whose edges have changed most in length, or one that is not finite."""
+        """Return the quad with the largest change of edge length, or one that is not finite."""
         X, x = state.node.X[state.quads], state.node.x[state.quads]
         with np.errstate(all="ignore"):  # the lengths themselves may overflow
             length = [np.linalg.norm(np.roll(v, -1, axis=1) - v, axis=2) for v in (X, x)]
@@ -272,8 +272,8 @@ class MITC4Shell:
         quads : ndarray of int, shape (n,)
             Which quads.
         place : {"mid", "top", "bottom", "nominal"}
-            Height at which it is taken; ``nominal`` is the mid-surface's second Piola-Kirchhoff
-            stress turned with the surface, without the change of area.
+            Height of the stress; ``nominal`` is the mid-surface's second Piola-Kirchhoff stress
+            turned with the surface, without the change of area.
 
         Returns
         -------
@@ -300,7 +300,7 @@ class MITC4Shell:
         Parameters
         ----------
         x, t : ndarray, shape (n_node, 3)
-            Positions [mm] and directors before it.
+            Positions [mm] and directors before the motion.
         quads : ndarray of int, shape (n_quad, 4)
             Present node ids.
         displacement, rotation : ndarray, shape (n_node, 3)
@@ -308,7 +308,7 @@ class MITC4Shell:
         which : ndarray of int, shape (n,)
             The quads asked for.
         place : {"mid", "top", "bottom"}
-            Height at which it is taken.
+            Height of the stress.
 
         Returns
         -------
@@ -320,7 +320,7 @@ class MITC4Shell:
         return self._centre_stress.linear(x, t, displacement, turn, quads, which, place)
 
     def face_stresses(self, state: State) -> FaceStresses:
-        """Return stresses of the membrane and at both faces, and the thickness, of all quads."""
+        """Return membrane stresses, stresses at both faces, and thickness of all quads."""
         if self._point_output is not None:
             return self._point_output.faces(state)
         assert self._centre_stress is not None
@@ -329,15 +329,15 @@ class MITC4Shell:
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the history numbers of the quads by name, shape (n_quad,) each.
 
-        Means over the thickness and the Gauss points; none of a film whose laws keep no history.
+        Means over the thickness and the Gauss points; empty if no law has a history.
         """
         return self._point_output.history_means(state) if self._point_output is not None else {}
 
     def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
-        Freedoms as in :mod:`shellcut.mitc4.tangent`. Of a law that is not linear it is that of the
-        elastic moduli with the stresses of the law: an upper bound, for the time step.
+        Freedoms as in :mod:`shellcut.mitc4.tangent`. For a nonlinear law it is that of the elastic
+        moduli with the stresses of the law: an upper bound, for the time step.
 
         Parameters
         ----------
@@ -346,7 +346,7 @@ class MITC4Shell:
         quads : ndarray of int, shape (n,)
             Which quads.
         bent : ndarray, shape (n, 16), optional
-            Part of their strains that the stresses in the stiffness leave out.
+            Part of the strains that is subtracted for the stresses in the stiffness.
         """
         node = state.node
         return self._tangents(node.x, node.t, quads, bent)
@@ -356,8 +356,9 @@ class MITC4Shell:
     ) -> tuple[Floats, Floats]:
         """Return the tangent stiffness of the film times a motion, through the strains.
 
-        Of positions [mm] and directors, shape (n_node, 3), the latter normal to these; ``bent`` as
-        of :meth:`tangents`. Returned are nodal forces [N] and director forces [N·mm] of that shape.
+        Takes the motion of positions [mm] and directors, shape (n_node, 3), the latter normal to
+        the directors; ``bent`` as in :meth:`tangents`. Returns nodal forces [N] and director forces
+        [N·mm] of that shape.
         """
         rows = np.zeros((state.n_node, 6))
         node, slot = state.node, self.blocks.slot

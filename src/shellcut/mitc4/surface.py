@@ -1,4 +1,4 @@
-"""Positions, directors and quads of one configuration, as kernels over single quads take them."""
+"""Positions, directors and quads of one configuration, for kernels over single quads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from shellcut.mesh.mesh import Mesh
 
 
 class Surface(NamedTuple):
-    """The film in its reference or in its present configuration."""
+    """The film in its reference or present configuration."""
 
     x: Annotated[Floats, "(n_node, 3)"]
     """Positions [mm]."""
@@ -20,5 +20,5 @@ class Surface(NamedTuple):
 
     @classmethod
     def of(cls, mesh: Mesh) -> Surface:
-        """Return the reference."""
+        """Return the reference configuration."""
         return cls(mesh.nodes, mesh.directors, mesh.quads)

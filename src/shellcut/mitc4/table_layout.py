@@ -1,4 +1,4 @@
-"""Lay out in blocks all that does not change of the quads: products, stiffness, frames."""
+"""Build the constant tables of the quads in blocks: products, stiffness, frames."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from .section import flat_moduli, flat_stiffness, full_stiffness
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, build_rule, flat_frames, full_frames
 
 BLOCKS_AT_A_TIME = 512
-"""Blocks whose tables are built at a time: their temporaries stay small beside the film."""
+"""Number of blocks whose tables are built at a time: temporaries stay small beside the film's
+tables."""
 
 
 def build_tables(
     mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, lane: Lane
 ) -> tuple[LinearTables, PointTables]:
-    """Lay out what does not change of the quads in blocks."""
+    """Build the constant tables of the quads in blocks."""
     n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
     n_full = n_block - n_flat
     rule = build_rule(material)
@@ -67,7 +68,7 @@ def build_tables(
                 some = slice(start - first, stop - first)
                 table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
 
-            # Places that repeat a quad pull at nothing.
+            # Places that repeat a quad get zero stiffness.
             filled = blocks.filled[start:stop].reshape(-1, 1)
             if flat:
                 fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))

@@ -1,21 +1,21 @@
-"""Tangent stiffness of a quad: the element's own functions, differentiated exactly.
+"""Tangent stiffness of a quad, by exact differentiation of the element's functions.
 
 The strains are quadratic and the nodal forces f(u, r) bilinear in u = (positions, directors) and
 the resultants r. For any motion d, of any size,
 
     ds = ½ [s(u + d) - s(u - d)],       df = f(u, H ds) + f(d, r),
 
-exactly: no difference quotient with its error is formed, and the tangent cannot drift from the
-forces. With d of the size of the quad round-off is that of the forces.
+exactly: this is no difference quotient with an error, and the tangent always agrees with the
+forces. With d of the size of the quad, round-off is that of the forces.
 
-The product of the tangent with a motion goes through these strains, too, and that makes it better
-than the assembled stiffness where a film is thin. A stiffness of entries K (1 + eps) takes energy
-eps |K| for a motion that does not stretch the film, beside the bending energy, some (h/R)² |K|. In
-ds the round-off is one of strains, and their energy is of the order eps² |K|.
+The product of the tangent with a motion also uses these strains, which makes it more accurate than
+the assembled stiffness if the film is thin. A stiffness with entries K (1 + eps) gives an error eps
+|K| in the energy of a motion that does not stretch the film, next to a bending energy of about
+(h/R)² |K|. In ds the round-off is in the strains, and its energy is of the order eps² |K|.
 
 Each node has five freedoms: its translation and the turn of its director t along two unit tangents
 b_1, b_2, t -> t cos + b sin. On that path the energy has the second derivative b·W_tt·b - t·W_t:
-the second term, the *director's curvature*, keeps the tangent symmetric away from equilibrium too.
+the second term, the *director's curvature*, keeps the tangent symmetric also away from equilibrium.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from .element import (
 from .quad_strains import Quads, stiffness_product, store_strain, strain_of
 
 N_FREEDOM = 20
-"""Freedoms of a quad: twelve translations, then two turns a node."""
+"""Freedoms of a quad: twelve translations, then two turns per node."""
 
 
 @kernel
@@ -73,7 +73,7 @@ def _make_tangent_kernel(given: bool) -> Any:
         """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
 
         Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four
-        nodes. bent : (n, 16), taken off the strains, or the resultants themselves.  The other
+        nodes. bent : (n, 16), subtracted from the strains, or the resultants themselves.  The other
         arguments as the force kernel's.
         """
         t, corner, tables = quads.t, quads.corner, quads.tables
@@ -107,7 +107,7 @@ def _make_tangent_kernel(given: bool) -> Any:
                     for column in range(N_FREEDOM):
                         tangent[i, 12 + 2 * a + d, column] = 0.0
                     tangent[i, 12 + 2 * a + d, 12 + 2 * a + d] = -pull
-            # A step of the quad's own size: round-off is that of the strains.
+            # A step of the quad's size: round-off is that of the strains.
             size = norm(sub(xm[0], xm[1]))
             for column in range(N_FREEDOM):
                 step = size if column < 12 else 1.0
@@ -142,7 +142,7 @@ def _make_tangent_kernel(given: bool) -> Any:
 quad_tangents = _make_tangent_kernel(given=False)
 """With the stresses of the linear material."""
 stressed_tangents = _make_tangent_kernel(given=True)
-"""With given resultants in the place of ``bent``, and the linear material's stiffness."""
+"""With given resultants instead of ``bent``, and the linear material's stiffness."""
 
 
 @kernel
@@ -194,7 +194,7 @@ def _both(a: Vec3, da: Vec3, b: Vec3, db: Vec3) -> float:
 
 @inline
 def _products_change(x: Modes, t: Modes, dx: Modes, dt: Modes) -> Sixteen:
-    """Return the linear change of :func:`products`, each term to its own last digit."""
+    """Return the linear change of :func:`products`, each term to full relative accuracy."""
     p, q, h, _ = x
     tp, tq, th, tm = t
     dp, dq, dh, _ = dx

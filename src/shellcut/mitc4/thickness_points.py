@@ -1,4 +1,4 @@
-"""Resultants by points through the thickness: the general path, for any material with history.
+"""Resultants from points through the thickness: the general path, for any material.
 
 At every Gauss point of the quad and every point xi³ of the thickness, with Q and √G as in
 :mod:`shellcut.mitc4.section`,
@@ -6,12 +6,12 @@ At every Gauss point of the quad and every point xi³ of the thickness, with Q a
     e = Q (E + xi³ K, 2E_13, 2E_23),   S = law(e, history),   (N, M, q) += w √G Qᵀ (S, xi³ S, ..),
 
 so curved and warped references, the volume factor and layers are treated as in the pre-integrated
-section. For a St.Venant-Kirchhoff material both paths agree to round-off; this one costs more
-and needs no linearity. The transverse shear stays elastic.
+section. For a St.Venant-Kirchhoff material both paths agree to round-off; this one costs more but
+needs no linearity. The transverse shear stays elastic.
 
 Q follows from the frame ê_n · G^k, of which a, b, p = ê_1 · G^1, G^2, G^3 and f, r = ê_2 · G^2, G^3
 and d = ê_3 · G^3 do not vanish. On a flat quad the frame is the same at all heights, p = r = 0 and
-d = 1: strains are turned once a Gauss point, and the law is asked for e + xi³ k.
+d = 1: strains are turned once per Gauss point, and the law is evaluated at e + xi³ k.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .element import G, Sixteen
 from .section import frame_components, gauss_geometry
 
 N_FLAT_FRAME, N_FULL_FRAME = 4, 7
-"""Numbers a frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
+"""Numbers per frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
 
 
 class PointRule(NamedTuple):
@@ -40,24 +40,24 @@ class PointRule(NamedTuple):
     place: Annotated[Floats, "(n_point,)"]
     """xi³ [mm]."""
     weight: Annotated[Floats, "(n_point,)"]
-    """Of the quadrature [mm]."""
+    """Weights of the quadrature [mm]."""
     laws: PointLaws
-    """What each point is made of."""
+    """Material laws of the points."""
     shear: Annotated[Floats, "(n_point, 3)"]
     """Transverse shear moduli 11, 12, 22 with the shear factor [MPa]."""
     n_history: int
-    """Numbers kept at a point, those of the law that keeps most."""
+    """History numbers per point, for the law with the most."""
 
 
 class Frames(NamedTuple):
-    """Where the frames of a block of quads are."""
+    """Table and block of the frames of a block of quads."""
 
     table: Annotated[Numbers, "(n_block, n, width)"]
     block: int
 
 
 def build_rule(material: ShellMaterial) -> PointRule:
-    """Return the points of a material that has ``integration_points``; else there are none."""
+    """Return the thickness points of a material; none without ``integration_points``."""
     if material.integration_points is None:
         none = np.zeros(0)
         nothing = PointLaws((), np.zeros(0, np.int64), np.zeros((0, 1)))
@@ -137,7 +137,7 @@ def _sixteen(v: Number) -> Sixteen:
 def _add_resultants(
     r: Sixteen, n: Vector, m: Vector, q1: Number, q2: Number, xi: float, eta: float
 ) -> Sixteen:
-    """Return r + Bᵀ (n, m, q) / 16 of one Gauss point; n, m, q come with the factor 1/16."""
+    """Return r + Bᵀ (n, m, q) / 16 of one Gauss point; n, m, q contain the factor 1/16."""
     xx, ee, xe = xi * xi, eta * eta, 2.0 * xi * eta
     return (
         r[0] + n[0],
@@ -175,7 +175,7 @@ def _flat_gauss_point(
     table, b = frame
     n_point = rule.place.shape[0]
     none = zero(lane)
-    # A quarter on the frame makes the sixteenth that the strains of the modes carry.
+    # A quarter in the frame gives the factor 1/16 of the strains of the modes.
     a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
     c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
     f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
@@ -225,7 +225,7 @@ def flat_point_resultants(
 
     frame.table : (n_block, 16, width).
     """
-    # One call a point, not a loop: with xi and eta known most of their products vanish.
+    # One call per point, no loop: with constant xi and eta most of their products vanish.
     r = _sixteen(zero(lane))
     r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, frame, rule, history, lane)
     r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, frame, rule, history, lane)
@@ -280,7 +280,7 @@ def _full_gauss_point(
         back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
         n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
         m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])
-        # dW/d(ag) and dW/d(fg), with their quarter.
+        # dW/d(ag) and dW/d(fg), with the quarter included.
         to_ag = (0.25 * w) * (p * s1 + t * s12 + d * s13)
         to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
         q1 = q1 + a * to_ag

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.checks import ModelCheck, check_model
-from shellcut.contact.missed_penetration import ToolWires, unfelt_penetration
+from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import written_whole
 from shellcut.frame import Frame
@@ -205,7 +205,7 @@ class Recorder:
             self._files.history.append({column: value for column, _, value in self._row()})
             schedule.row_time = now
         if schedule.look_due(now):
-            _, schedule.unfelt = unfelt_penetration(self._wires, sim.state, sim.pose)
+            _, schedule.unfelt = missed_penetration(self._wires, sim.state, sim.pose)
             schedule.largest_unfelt = max(schedule.largest_unfelt, schedule.unfelt)
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)
