@@ -48,5 +48,5 @@ def test_more_threads_than_cores_are_said(monkeypatch, caplog):
     assert not caplog.messages
     assert Workers(10, 3).count == 3
     assert caplog.messages == [
-        "3 threads share 2 cores: the run is slower than with as many as there are"
+        "3 threads share 2 cores: the run is slower than with one thread per core"
     ]

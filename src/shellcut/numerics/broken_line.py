@@ -1,4 +1,4 @@
-"""A curve of straight pieces: values, means and integrals of it, all exact."""
+"""Piecewise linear curve: exact values, means and integrals."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shellcut.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class BrokenLine:
-    """Corners of a curve.
+    """A piecewise linear curve, given by its corners.
 
     Examples
     --------
@@ -34,7 +34,7 @@ class BrokenLine:
         return np.interp(x, self.x, self.y)
 
     def mean_at(self, x: Floats, window: float) -> Floats:
-        """Return the means over the window about x, made narrower near the ends of the line."""
+        """Return the means over a window around x, which narrows near the ends of the line."""
         half = np.minimum(0.5 * window, np.minimum(x - self.x[0], self.x[-1] - x))
         wide = half > 0.0
         means = self.at(x)

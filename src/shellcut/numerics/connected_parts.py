@@ -1,4 +1,4 @@
-"""Things linked by pairs, and the connected parts that they make."""
+"""Connected parts of things linked in pairs."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from shellcut.arrays import Ints
 
 
 def connected_parts(a: Ints, b: Ints, n: int) -> Ints:
-    """Return the connected part of each of n things, shape (n,); parts are counted from 0.
+    """Return the connected part of each of n things, shape (n,), numbered from 0.
 
     Parameters
     ----------
     a, b : ndarray of int, shape (n_pair,)
-        What is linked: ``a[k]`` with ``b[k]``.
+        Links: ``a[k]`` with ``b[k]``.
     n : int
         Number of things.
 
@@ -29,7 +29,7 @@ def connected_parts(a: Ints, b: Ints, n: int) -> Ints:
 
 
 def by_first_appearance(labels: Ints) -> Ints:
-    """Return labels numbered anew from 0, in the order in which they come.
+    """Return labels renumbered from 0, in the order of first appearance.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Cells of a surface turned to run the same way: triangles of a tool, quads of a film.
+"""Consistent orientation of the cells of a surface: triangles of a tool, quads of a film.
 
 Two neighbours agree if they run along their common edge in opposite senses. Take every cell twice,
-as it is and reversed, and join the copies that agree: each connected part of the surface then falls
-into two mirror images, its two consistent orientations; where both copies of a cell land in one
-image the part has no orientation (a Möbius strip).
+as it is and reversed, and connect the copies that agree: each connected part of the surface then
+splits into two mirror images, its two consistent orientations. If both copies of a cell are in one
+image, the part has no orientation (a Möbius strip).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from .connected_parts import connected_parts
 
 
 class Winding(NamedTuple):
-    """How the cells of a surface are to be turned."""
+    """Cells to reverse for a consistent orientation."""
 
     turned: Bools
-    """Cells to reverse so that each part runs one way, the way of most of its cells; (n_cell,)."""
+    """Cells to reverse so that each part has the orientation of most of its cells; (n_cell,)."""
     part: Ints
     """Connected part of each cell, shape (n_cell,)."""
     one_sided: Ints
@@ -40,7 +40,7 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
 
     Notes
     -----
-    Only edges of exactly two cells join them; edges of more are left to the checks of the mesh.
+    Only edges of exactly two cells connect them; other edges are left to the checks of the mesh.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def common_winding(cells: Ints, n_node: int) -> Winding:
     _, part = np.unique(np.minimum(as_is, reverse), return_inverse=True)
     votes = np.bincount(as_is, minlength=2 * n_cell)
     turned = votes[reverse] > votes[as_is]
-    # of two images with equal votes the one that holds the first cell of the part as it is
+    # of two images with equal votes the one with the first cell of the part unreversed
     _, first_cell = np.unique(part, return_index=True)
     tie = votes[reverse] == votes[as_is]
     turned |= tie & (as_is != as_is[first_cell][part])

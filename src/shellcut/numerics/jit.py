@@ -1,23 +1,22 @@
-"""The only place that says ``numba.njit``: option sets, each with its reason.
+"""The only place that calls ``numba.njit``: sets of options, with reasons.
 
 ``error_model="numpy"``
     A division by zero gives inf or nan, as NumPy does, instead of a branch and an exception in
-    every kernel; lengths that may vanish are guarded by a documented branch.
+    every kernel; lengths that may vanish are guarded by documented branches.
 ``fastmath={"contract"}``
-    Lets a multiplication and an addition become one fused instruction. Nothing is reassociated
-    and nan stays nan, so results do not depend on how a loop was vectorised and the divergence
-    guard keeps working.
+    Allows fused multiply-add. Nothing is reassociated and nan stays nan, so results do not depend
+    on vectorisation and the divergence guard works.
 ``nogil=True``
-    Kernels touch no Python object, so two threads may run them side by side
+    Kernels use no Python objects, so threads may run them in parallel
     (:mod:`shellcut.numerics.threads`).
 ``cache=True``
-    Compile once a machine. A cached caller does not see an edit in a kernel it imports, hence
-    the tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
+    Compile once per machine. A cached caller does not notice an edit in a kernel it imports, so the
+    tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
 
-Kernels do not call kernels: the machine code of a cached kernel has a copy of its callees, which
-may differ from the callees' own in the last bit. A process that has compiled both runs one, a
-process that has found the caller in the cache the other; a function inlined into both has no such
-freedom.
+Kernels do not call kernels: the machine code of a cached kernel contains a copy of its callees,
+which may differ in the last bit from the callees compiled by themselves. A process that compiled
+both runs one version, a process that loaded the caller from the cache the other. With inlined
+functions this cannot happen.
 """
 
 from __future__ import annotations
@@ -35,25 +34,25 @@ from .kernel_tables import check_tables
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Calls of a bound kernel whose arguments' types are looked at, where they are: the first and every
-# so many later ones, because finding the types takes longer than most of the kernels.
+# Checks of argument types, if enabled: in the first calls of a bound kernel and in every n-th later
+# one, because finding the types takes longer than most kernels.
 _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a loop over entities; called from Python, arrays and numbers only."""
+    """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Callable[P, R] = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
     return compiled
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
-    """Return a kernel's machine code for arguments of just these types, compiled if need be.
+    """Return a kernel's machine code for arguments of exactly these types, compiled if needed.
 
-    Which variant of a kernel is meant is found out at every call, and with tuples among the
-    arguments this takes longer than handing them over: 1.5 µs hot, several amid a step. Whoever
-    calls it thousands of times a second with the same types asks once. Others would be misread.
+    Every call of a kernel selects the compiled variant, and with tuples among the arguments this
+    takes longer than passing them: 1.5 µs hot, several within a step. A caller with thousands of
+    calls per second and fixed types selects it once. Arguments of other types would be misread.
     """
     if not hasattr(function, "compile"):
         return function
@@ -66,9 +65,9 @@ def bound_once(function: Callable[..., R]) -> Callable[..., R]:
     """Return a kernel :func:`bound` to the types of its first call, the same at every call.
 
     For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Tables among
-    the arguments of the first call are looked through (:mod:`shellcut.numerics.kernel_tables`).
-    Arguments of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in
-    the tests, they are refused, looked for in the first calls and in every so many later ones.
+    the arguments of the first call are checked (:mod:`shellcut.numerics.kernel_tables`). Arguments
+    of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in the tests,
+    they are refused: the first calls and some of the later ones are checked.
     """
     code: Callable[..., R] | None = None
 
@@ -83,7 +82,7 @@ def bound_once(function: Callable[..., R]) -> Callable[..., R]:
 
 
 def _checked(call: Callable[..., R]) -> Callable[..., R]:
-    """Return ``call`` with the types of its arguments compared with those of its first call."""
+    """Wrap ``call`` to compare the types of its arguments with those of its first call."""
     first: tuple[Any, ...] = ()
     count = 0
 
@@ -104,17 +103,17 @@ def _checked(call: Callable[..., R]) -> Callable[..., R]:
 def inline(function: Callable[P, R]) -> Callable[P, R]:
     """Compile scalar arithmetic that only kernels call; LLVM may inline it into them.
 
-    Not cached by itself: it is part of the kernels that are.
+    Not cached by itself: it is part of cached kernels.
     """
     compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
     return compiled
 
 
 def always_inline(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile arithmetic on many numbers at once, which a call would send through memory.
+    """Compile arithmetic on many numbers, always inlined: a call would pass them through memory.
 
-    Of a quad's mechanics sixteen strains and as many resultants are alive at a time; left to
-    itself LLVM calls such functions, and passing the numbers costs as much as the arithmetic.
+    A quad has sixteen strains and as many resultants live at a time; by default LLVM calls such
+    functions, and passing the numbers costs as much as the arithmetic.
     """
     compiled: Callable[P, R] = nb.njit(forceinline=True, **_OPTIONS)(function)
     return compiled
@@ -137,7 +136,7 @@ class _Once(event.Listener):
 def on_compilation(call: Callable[[], None]) -> Iterator[None]:
     """Call a function when the first kernel is compiled within the block; not if all are cached.
 
-    Numba tells of compilations only, not of kernels that it loads from the cache.
+    Numba reports compilations only, not kernels loaded from the cache.
     """
     with event.install_listener("numba:compile", _Once(call)):
         yield

@@ -1,16 +1,16 @@
-"""Tables of kernels: NamedTuples of arrays, and the check that each array is in its place.
+"""Argument tables of kernels: NamedTuples of arrays, and a check that each array is in its place.
 
-A kernel takes its arrays in a few tables built by keyword, so that two arrays cannot be swapped
-unseen by their order. A field says in its annotation what it holds,
+A kernel takes its arrays in a few tables built by keyword, so that two arrays cannot be swapped by
+mistake. The annotation of a field gives its contents,
 
     class Cables(NamedTuple):
         ends: Annotated[Ints, "(n_cable, 2)"]
         area: Annotated[Floats, "(n_cable,)"]
 
-and :func:`check_tables` compares what came with it: the kind of number, the number of dimensions,
-lengths that are given as numbers, and that a length with a name is the same wherever the name is
-used. Fields without a shape are not looked at; tables within tables are. It takes a few tenths of a
-millisecond, so it is done where a kernel is bound, not where it is called.
+and :func:`check_tables` compares the arrays with it: kind of number, number of dimensions, lengths
+given as numbers, and that lengths of the same name are equal. Fields without a shape are not
+checked; tables within tables are. This takes a few tenths of a millisecond, so it is done when a
+kernel is bound, not at each call.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ import numpy as np
 
 
 class _Wanted(NamedTuple):
-    """What an annotation asks of a field."""
+    """Requirements of an annotation on a field."""
 
     name: str
     dtype: Any
-    """Of the array, None for any."""
+    """Type of the array's numbers, None for any."""
     shape: tuple[str, ...]
     """Lengths, each a number or a name."""
 
@@ -38,7 +38,7 @@ class _Wanted(NamedTuple):
 
 
 def check_tables(arguments: Iterable[object]) -> None:
-    """Refuse tables among some arguments one of whose fields holds another array than it should.
+    """Refuse arguments with a table that holds a wrong array in some field.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def check_tables(arguments: Iterable[object]) -> None:
 
 
 def _check_table(table: Any, known: dict[str, tuple[int, str]]) -> None:
-    """Check one table; ``known`` holds the lengths by name, and which field gave them first."""
+    """Check one table; ``known`` holds lengths by name, with the field that gave them first."""
     for field in table:
         if _is_table(field):
             _check_table(field, known)
@@ -84,7 +84,7 @@ def _is_table(value: object) -> bool:
 
 
 def _wanted(table: type) -> Iterator[_Wanted]:
-    """Yield what the annotations of a table ask, of the fields with a shape."""
+    """Yield the requirements of a table's fields that have a shape."""
     for name, hint in get_type_hints(table, include_extras=True).items():
         for told in getattr(hint, "__metadata__", ()):
             shape = tuple(length.strip() for length in told.strip("()").split(",") if length)
@@ -93,5 +93,5 @@ def _wanted(table: type) -> Iterator[_Wanted]:
 
 
 def _generic(dtype: Any) -> Any:
-    """Return the class of numbers of ``np.integer[Any]`` or ``np.float64``."""
+    """Return the number class of ``np.integer[Any]`` or ``np.float64``."""
     return getattr(dtype, "__origin__", dtype)

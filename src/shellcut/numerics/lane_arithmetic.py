@@ -1,6 +1,6 @@
-"""Arithmetic with lanes as LLVM is given it: operators, precision, sums, fused products."""
+"""LLVM code for arithmetic with lanes: operators, precision, sums, fused products."""
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _CONTRACT = ("contract",)
 
 
 def broadcast(builder: Any, value: Any, kind: LanesType) -> Any:
-    """Return lanes that are all one double."""
+    """Return lanes that all hold the same double."""
     if kind.bits == 32:
         value = builder.fptrunc(value, kind.one)
     nothing = ir.Constant(kind.all, ir.Undefined)

@@ -1,10 +1,10 @@
-"""Choices and square roots of numbers: what a material law needs beside + - * /.
+"""Choices and square roots of numbers, which material laws need besides + - * /.
 
-As in :mod:`shellcut.numerics.lanes` the same call serves one float or all lanes of a block. Lanes
-cannot branch; :func:`where_above` takes, lane by lane, one of two numbers that are both computed.
+As in :mod:`shellcut.numerics.lanes` the same call works on one float or on all lanes of a block.
+Lanes cannot branch; :func:`where_above` selects, lane by lane, one of two computed numbers.
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def _root_of_lanes(typing_context: Any, a: Any) -> Any:
 
 
 def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
-    """Return ``yes`` where a > b, else ``no``; nan is above nothing."""
+    """Return ``yes`` where a > b, else ``no``, also for nan."""
     chosen: Any = np.where(np.asarray(a) > b, yes, no)
     return chosen if chosen.ndim else float(chosen)
 
@@ -81,5 +81,5 @@ def _square_root(a):
 
 @always_inline
 def larger(a: Number, b: Number) -> Number:
-    """Return the larger of two numbers, the first where they are equal or ``b`` is nan."""
+    """Return the larger of two numbers; the first if they are equal or ``b`` is nan."""
     return where_above(b, a, b, a)

@@ -1,6 +1,6 @@
-"""The types of lanes and the instructions that load and store them, as LLVM is given them.
+"""The types of lanes and the LLVM instructions that load and store them.
 
-Kernels call these through :mod:`shellcut.numerics.lanes`, which says what they are for.
+Kernels call these through :mod:`shellcut.numerics.lanes`, which explains them.
 
 =================  ==========================================================================
 ``DOUBLES``       ``<8 x double>``, a block of eight
@@ -10,7 +10,7 @@ Kernels call these through :mod:`shellcut.numerics.lanes`, which says what they 
 =================  ==========================================================================
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numba.core import cgutils
 from numba.extending import NativeValue, intrinsic, models, register_model, typeof_impl, unbox
 
 WIDTH = 8
-"""Doubles in one vector: nodes are taken so many at a time."""
+"""Doubles in one vector; nodes are treated in groups of this size."""
 
 
 class _Sixteen:
@@ -31,13 +31,13 @@ class _Sixteen:
 
 
 SIXTEEN = _Sixteen()
-"""All of a block of sixteen, in single precision."""
+"""Lane argument for all of a block of sixteen, in single precision."""
 
 Lane: TypeAlias = int | _Sixteen | None
 
 
 def takes_all(lane: Any) -> bool:
-    """Whether the type of ``lane`` says all of a block."""
+    """Whether the type of ``lane`` means all of a block."""
     return isinstance(lane, types.NoneType) or lane == SIXTEEN_TYPE
 
 
@@ -45,7 +45,7 @@ CACHE_LINE = 64
 """Bytes."""
 
 OVERLOAD_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
-"""For the functions of lanes that kernels call: as those of ``always_inline``."""
+"""Options for the functions of lanes that kernels call: those of ``always_inline``."""
 
 _I1, I8, I32, I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _DOUBLE = ir.DoubleType()
@@ -74,7 +74,7 @@ class LanesType(types.Type):
 
     @property
     def suffix(self) -> str:
-        """Of the names of LLVM's functions."""
+        """Suffix of the names of LLVM's functions."""
         return f"v{self.width}f{self.bits}"
 
 
@@ -91,7 +91,7 @@ class _SixteenType(types.Opaque):
 
 
 DOUBLES, SINGLES = LanesType(64, WIDTH), LanesType(32, 2 * WIDTH)
-WIDE = LanesType(64, 2 * WIDTH)  # sixteen doubles: what is to become singles, and sums of them
+WIDE = LanesType(64, 2 * WIDTH)  # sixteen doubles: values to round to singles, and their sums
 SIXTEEN_TYPE = _SixteenType("Sixteen")
 
 
@@ -124,7 +124,7 @@ def _unbox_sixteen(kind: Any, value: Any, context: Any) -> Any:
 
 
 def vector_constant(kind: Any, values: list[int]) -> Any:
-    """Return a vector of whole numbers."""
+    """Return a constant vector of integers."""
     return ir.Constant(ir.VectorType(kind, len(values)), values)
 
 
@@ -140,21 +140,21 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, index: lis
 def vector_address(
     context: Any, builder: Any, array_type: Any, array: Any, index: list[Any], kind: Any
 ) -> Any:
-    """Return where an element of an array begins, as the address of ``kind``."""
+    """Return the address of an element of an array, as a pointer to ``kind``."""
     address = _address(context, builder, array_type, array, index)
     return builder.bitcast(address, kind.as_pointer())
 
 
 def _row_address(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
-    """Address of a row of eight in a C-ordered (n, 8) array: a shift instead of a product."""
+    """Return the address of a row of a C-ordered (n, 8) array, by a shift instead of a product."""
     made = context.make_array(array_type)(context, builder, array)
     return builder.gep(builder.bitcast(made.data, _LANES.as_pointer()), [row])
 
 
 def _transpose(builder: Any, rows: list[Any]) -> list[Any]:
-    """Turn eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges.
+    """Transpose eight rows into eight columns by 2 x 2, 4 x 4 and 8 x 8 exchanges.
 
-    Fewer than eight are filled up: what then stands in the last columns means nothing.
+    Fewer than eight are padded: the last columns are then meaningless.
     """
     rows = [*rows, *[ir.Constant(rows[0].type, ir.Undefined)] * (WIDTH - len(rows))]
 
@@ -180,12 +180,12 @@ _ZERO = ir.Constant(I64, 0)
 
 
 def _of_nodes(lane: Any) -> LanesType:
-    """Return the lanes of what is read at nodes."""
+    """Return the type of lanes that are read at nodes."""
     return WIDE if lane == SIXTEEN_TYPE else DOUBLES
 
 
 def _of_table(table: Any) -> LanesType:
-    """Return the lanes of a table in blocks."""
+    """Return the type of a table's lanes."""
     return SINGLES if table.dtype == types.float32 else DOUBLES
 
 
@@ -218,7 +218,7 @@ def store_block(typing_context: Any, table: Any, b: Any, k: Any, value: Any) -> 
 
 @intrinsic
 def load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
-    """Load column ``c`` of nodes from ``n`` on."""
+    """Load column ``c`` of consecutive nodes, starting at ``n``."""
     kind = _of_nodes(lane)
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -230,7 +230,7 @@ def load_at(typing_context: Any, values: Any, n: Any, c: Any, lane: Any) -> Any:
 
 @intrinsic
 def load_along(typing_context: Any, values: Any, n: Any) -> Any:
-    """Load eight of a row of doubles."""
+    """Load eight consecutive doubles."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         where = vector_address(context, builder, values, args[0], [args[1]], _LANES)
@@ -241,7 +241,7 @@ def load_along(typing_context: Any, values: Any, n: Any) -> Any:
 
 @intrinsic
 def store_at(typing_context: Any, values: Any, n: Any, c: Any, value: Any) -> Any:
-    """Store column ``c`` of eight nodes from ``n`` on."""
+    """Store column ``c`` of eight consecutive nodes, starting at ``n``."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         where = vector_address(context, builder, values, args[0], [args[1], args[2]], _LANES)
@@ -272,7 +272,7 @@ def gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         column = _address(context, builder, values, args[0], [_ZERO, args[1]])
-        # llvmlite does not build an address per lane from one base; LLVM does, and then needs no
+        # llvmlite cannot build one address per lane from a single base; LLVM can, and then needs no
         # vector of addresses in registers.
         where = builder.gep(column, [_ZERO])
         where.indices = [args[2]]
@@ -295,7 +295,7 @@ def gather_column(typing_context: Any, values: Any, c: Any, ids: Any) -> Any:
 def scatter_add_rows(
     typing_context: Any, rows: Any, corner: Any, b: Any, a: Any, force: Any
 ) -> Any:
-    """Add six numbers a lane to the rows of the nodes at a corner, lane after lane."""
+    """Add six numbers per lane to the rows of the nodes at a corner, lane after lane."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         columns = cgutils.unpack_tuple(builder, args[4], 6)
@@ -339,7 +339,7 @@ def load_row_columns(typing_context: Any, rows: Any, n: Any) -> Any:
 
 
 def _to_rows(rows: Any, columns: Any, *, adding: bool) -> Any:
-    """Return what writes columns, filled up with zeros, to eight rows or adds them."""
+    """Return an intrinsic that writes columns, padded with zeros, to eight rows or adds them."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = cgutils.unpack_tuple(builder, args[2], columns.count)

@@ -1,14 +1,14 @@
-"""Lanes: eight doubles, or sixteen singles, that a kernel handles as one number.
+"""Lanes: eight doubles, or sixteen singles, that a kernel treats as one number.
 
-A loop over quads written with plain floats is not turned into vector instructions by the compiler:
-the gathers at its start and the scatters at its end stand in the way. Lanes say it outright. The
-mechanics are functions of *numbers* (:data:`shellcut.numerics.jit.Number`); given floats they treat
-one quad, given lanes as many at a time as a block has.
+The compiler does not vectorise a loop over quads written with plain floats, because of the gathers
+at its start and the scatters at its end. Lanes are explicit vectors. The mechanics are functions of
+*numbers* (:data:`shellcut.numerics.jit.Number`); given floats they treat one quad, given lanes all
+quads of a block.
 
-Where a number comes from is the only difference, and the functions here hide it. Their argument
-``lane`` says which of a block are meant: an integer takes one, as a float; ``None`` takes all
-eight, as doubles; :data:`SIXTEEN` takes all sixteen, as singles. What is read at nodes is double
-always, and :func:`narrow` makes singles of it:
+Only loads and stores differ, and the functions here hide that. Their argument ``lane`` selects
+quads of a block: an integer takes one, as a float; ``None`` takes all eight, as doubles;
+:data:`SIXTEEN` takes all sixteen, as singles. Values at nodes are always read as doubles, and
+:func:`narrow` rounds them to singles:
 
 =====================================  ===================================================
 :func:`turns`, :func:`nth`             the visits that a block takes
@@ -28,13 +28,13 @@ always, and :func:`narrow` makes singles of it:
 :func:`multiply_add`                   a b + c, one instruction where there is one
 =====================================  ===================================================
 
-Lanes know + - * / and the change of sign, with lanes and with floats; a multiplication and an
-addition may become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` and
+Lanes support + - * / and negation, with lanes and with floats; a multiplication and an addition may
+become one fused instruction, nothing is reassociated. LLVM lowers ``<8 x double>`` and
 ``<16 x float>`` to one AVX-512 register, two of AVX2, four of SSE or NEON. Without the compiler
 (NUMBA_DISABLE_JIT=1) the same functions run on NumPy arrays.
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
 
 from __future__ import annotations
@@ -75,17 +75,17 @@ from .lane_instructions import (
 
 
 def _one(lane: Lane) -> TypeGuard[int]:
-    """Whether one place is meant."""
+    """Whether ``lane`` selects one place."""
     return isinstance(lane, int | np.integer)
 
 
 def block_width(lane: Lane) -> int:
-    """Return how many quads a block has that is taken whole; by floats, one by one, eight."""
+    """Return the number of quads in a block; eight if they are taken one by one."""
     return 2 * WIDTH if lane is SIXTEEN else WIDTH
 
 
 def block_dtype(lane: Lane) -> npt.DTypeLike:
-    """Return the kind of number that tables in blocks hold."""
+    """Return the type of numbers in block tables."""
     return np.float32 if lane is SIXTEEN else np.float64
 
 
@@ -101,7 +101,7 @@ def aligned_zeros(shape: tuple[int, ...], dtype: npt.DTypeLike = float) -> Any:
 
 
 def turns(table: Numbers, lane: Lane) -> int:
-    """Return how often a block must be visited: once by lanes, or as often as it has places."""
+    """Return the number of visits per block: one with lanes, else one per place."""
     return int(table.shape[2]) if _one(lane) else 1
 
 
@@ -111,7 +111,7 @@ def _turns(table, lane):
 
 
 def nth(lane: Lane, turn: int) -> Lane:
-    """Return the lane of a visit: all of them, or the one whose turn it is."""
+    """Return the lane of a visit: all lanes, or the one of this turn."""
     return turn if _one(lane) else lane
 
 
@@ -164,7 +164,7 @@ def _corner_node(corner, b, a, lane):
 
 
 def first_node(corner: SmallIds, b: int, a: int, lane: Lane) -> int:
-    """Return the node id at corner ``a`` of block ``b``, of the first place if all are meant."""
+    """Return the node id at corner ``a`` of block ``b``; of the first place if all are selected."""
     return int(corner[b, a, lane if _one(lane) else 0])
 
 
@@ -325,7 +325,7 @@ def _clear_rows(rows, n, lane):
 
 
 def narrow(value: Number, lane: Lane) -> Number:
-    """Return what was read at nodes in the precision of the tables in blocks."""
+    """Return values read at nodes in the precision of the block tables."""
     return value.astype(np.float32) if lane is SIXTEEN else value
 
 
@@ -349,7 +349,7 @@ def _widen(value, lane):
 
 
 def zero(lane: Lane) -> Number:
-    """Return nothing to begin a sum with."""
+    """Return zero, to start a sum."""
     return 0.0 if _one(lane) else np.zeros(block_width(lane), block_dtype(lane))
 
 
@@ -378,8 +378,8 @@ def _total(value):
 def multiply_add(a: Number, b: Number, c: Number) -> Number:
     """Return a b + c, rounded once where the processor can.
 
-    Of a b + c d the compiler fuses either product with the sum, in one kernel this and in another
-    that; this says which, where two kernels must get the same bits.
+    In a b + c d the compiler may fuse either product with the sum, differently in each kernel; this
+    fixes the choice where two kernels must give the same bits.
     """
     return a * b + c
 

@@ -1,14 +1,14 @@
-"""What a kernel asks of the processor besides arithmetic.
+"""Processor features for kernels: stack alignment, subnormals, prefetch.
 
 =============================  ==================================================================
 :func:`align_stack`            the first line of a kernel with more lanes than registers
-:func:`flush_subnormals`,      numbers too small for all their digits become zero in a kernel,
-:func:`set_rounding`           and are as before after it
-:func:`make_prefetch`          a function that asks for a block of a table that is needed soon
+:func:`flush_subnormals`,      subnormal numbers are flushed to zero in a kernel,
+:func:`set_rounding`           and the setting is restored after it
+:func:`make_prefetch`          a function that prefetches a block of a table
 =============================  ==================================================================
 """
 
-# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
 # mypy: disable-error-code="arg-type, call-arg, no-untyped-call, untyped-decorator"
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .lane_instructions import CACHE_LINE, I8, I32, I64, OVERLOAD_OPTIONS, vecto
 
 _ZERO = ir.Constant(I64, 0)
 
-FLUSH = 0x8040  # of x86's MXCSR: results flushed to zero, operands taken as zero
+FLUSH = 0x8040  # bits of x86's MXCSR: flush results to zero, treat operands as zero
 
 
 def _on_x86(builder: Any) -> bool:
@@ -35,7 +35,7 @@ def _on_x86(builder: Any) -> bool:
 
 
 def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
-    """Load or store the setting from or to a number in memory."""
+    """Load the setting from memory or store it there."""
     where = cgutils.alloca_once_value(builder, value)
     address = builder.bitcast(where, I8.as_pointer())
     function = cgutils.get_or_insert_function(
@@ -49,7 +49,7 @@ def _of_mxcsr(builder: Any, name: str, value: Any) -> Any:
 
 @intrinsic
 def mxcsr(typing_context: Any) -> Any:
-    """Return x86's setting of rounding and exceptions; 0 elsewhere."""
+    """Return x86's floating-point setting (MXCSR); 0 elsewhere."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         nothing = I32(0)
@@ -60,7 +60,7 @@ def mxcsr(typing_context: Any) -> Any:
 
 @intrinsic
 def set_mxcsr(typing_context: Any, setting: Any) -> Any:
-    """Give x86 that setting."""
+    """Set x86's floating-point setting."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         if _on_x86(builder):
@@ -72,19 +72,19 @@ def set_mxcsr(typing_context: Any, setting: Any) -> Any:
 
 @intrinsic
 def align_stack_of_function(typing_context: Any) -> Any:
-    """Let the function that has this in its own body begin its stack on a cache line."""
+    """Align the stack of the function whose body contains this to a cache line."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         attributes = builder.function.attributes
         attributes.alignstack = CACHE_LINE
-        attributes.add("nounwind")  # true of all kernels; llvmlite writes no attributes without one
+        attributes.add("nounwind")  # true for all kernels; llvmlite needs one to write attributes
         return context.get_dummy_value()
 
     return types.void(), generate
 
 
 def prefetch_lines(lines: int) -> Any:
-    """Return the instruction that asks for the ``lines`` cache lines of block ``b`` of a table."""
+    """Return an intrinsic that prefetches the ``lines`` cache lines of block ``b`` of a table."""
 
     @intrinsic
     def ask(typing_context: Any, table: Any, b: Any) -> Any:
@@ -108,11 +108,11 @@ def prefetch_lines(lines: int) -> Any:
 
 
 def align_stack() -> None:
-    """Let the kernel that calls this begin its stack on a cache line.
+    """Align the stack of the calling kernel to a cache line.
 
-    More lanes are alive in a quad than there are registers. Without this LLVM puts those set aside
-    anywhere, each across two cache lines, which costs a kernel a tenth of its time, more or less as
-    the caller's stack lies.
+    A quad has more live lanes than there are registers. Without this LLVM spills lanes across two
+    cache lines each, which costs a kernel about a tenth of its time, depending on the caller's
+    stack.
     """
 
 
@@ -122,10 +122,11 @@ def _aligned_stack():
 
 
 def flush_subnormals() -> int:
-    """Let numbers too small for all their digits be zero; return the setting before.
+    """Flush subnormal numbers to zero; return the previous setting.
 
-    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in singles such numbers are subnormal,
-    and arithmetic with them takes a hundred times as long on x86. Elsewhere this does nothing.
+    Ahead of a wave a film moves by 1e-30 mm, then by 1e-40: in single precision such numbers are
+    subnormal, and arithmetic with them takes a hundred times as long on x86. On other processors
+    this does nothing.
     """
     return 0
 
@@ -141,7 +142,7 @@ def _flush_subnormals():
 
 
 def set_rounding(setting: int) -> None:
-    """Take back the setting that :func:`flush_subnormals` returned."""
+    """Restore the setting that :func:`flush_subnormals` returned."""
 
 
 @overload(set_rounding, jit_options=OVERLOAD_OPTIONS)
@@ -150,10 +151,10 @@ def _restore_rounding(setting):
 
 
 def make_prefetch(lines: int) -> Callable[[Floats, int], None]:
-    """Return a function that asks for the ``lines`` cache lines of block ``b`` of a table.
+    """Return a function that prefetches the ``lines`` cache lines of block ``b`` of a table.
 
-    The hardware looks ahead along a few streams only; a quad's tables are more. The block after
-    the last one does no harm.
+    The hardware prefetches only a few streams; a quad has more tables. Asking for the block after
+    the last one is harmless.
     """
     ask = prefetch_lines(lines)
 

@@ -1,10 +1,10 @@
-"""Two or more threads for large films, one for the others.
+"""Several threads for large films, one for small ones.
 
-A step of a small film is shorter than handing its parts out would take, so threads are used only
-above a size; the caller may ask for a number. Results do not depend on it: who divides the work
-divides it the same way for any number of threads. Plain Python threads serve, because kernels
-release the interpreter's lock: Numba's own pools cost up to fifty microseconds a region, and one of
-them slows down by a hundred when other programs want the cores.
+A step of a small film takes less time than distributing its parts, so threads are used only above a
+size; the caller may ask for a number. Results do not depend on it: the work is divided in the same
+way for any number of threads. Plain Python threads suffice, because kernels release the
+interpreter's lock. Numba's own pools cost up to fifty microseconds per region, and one of them
+becomes a hundred times slower when other programs use the cores.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ import numpy as np
 from shellcut.arrays import Floats
 
 NODE_CHUNK = 16_384
-"""Nodes that one part of a loop over nodes takes. Sums over a chunk are added in the order of the
-chunks, whichever thread computed them, so the number belongs to the result."""
+"""Nodes per chunk of a loop over nodes. The sums of the chunks are added in their order, whichever
+thread computed them, so this number affects the last digits of results."""
 
 _PAYS_FROM = 50_000
-"""Quads from which on a second thread pays: a step then takes over a millisecond."""
+"""Number of quads from which a second thread helps: a step then takes over a millisecond."""
 _MOST = 8
 _LARGEST = 256
-"""Threads that may be asked for: more than a film keeps busy, and than any system starts gladly."""
+"""Largest number of threads: more than any film can use."""
 
 _log = logging.getLogger(__name__)
 
 
 def in_order(sums: Floats) -> list[float]:
-    """Return the totals of sums : (n_part, n), the parts added in their order."""
-    # A film of one part is not worth a call of NumPy's reduction, 2 µs amid a step.
+    """Return the totals of sums : (n_part, n), with the parts added in order."""
+    # With one part, skip NumPy's reduction, which takes 2 µs within a step.
     row: list[float] = (sums[0] if len(sums) == 1 else np.add.reduce(sums)).tolist()
     return row
 
@@ -42,21 +42,20 @@ def available_cores() -> int:
     """Return the cores this process may use."""
     try:
         return len(os.sched_getaffinity(0))
-    except AttributeError:  # macOS and Windows do not know affinity
+    except AttributeError:  # macOS and Windows have no affinity
         return os.cpu_count() or 1
 
 
 class Workers:
-    """Run the parts of a loop side by side.
+    """Run the parts of a loop in parallel.
 
     Parameters
     ----------
     n_quad : int
         Size of the film.
     threads : int, optional
-        How many threads, at most 256; by default one for a small film, else the cores there are,
-        at most eight. More than there are cores are taken as told, which is said: they slow a run
-        down.
+        Number of threads, at most 256; by default one for a small film, otherwise all cores, at
+        most eight. More threads than cores are accepted with a warning: they slow a run down.
 
     Raises
     ------
@@ -68,11 +67,11 @@ class Workers:
         if threads is not None and not (isinstance(threads, int) and 1 <= threads <= _LARGEST):
             raise ValueError(
                 f"threads must be a whole number from 1 to {_LARGEST}, or None, got {threads!r}; "
-                f"more than the {available_cores()} cores there are here slow a run down"
+                f"more than the {available_cores()} cores of this machine slow a run down"
             )
         if threads is not None and threads > available_cores():
             _log.warning(
-                "%d threads share %d cores: the run is slower than with as many as there are",
+                "%d threads share %d cores: the run is slower than with one thread per core",
                 threads,
                 available_cores(),
             )

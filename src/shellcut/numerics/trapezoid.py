@@ -1,4 +1,4 @@
-"""Integrals of sampled curves; SciPy's own costs an eighth of a second of import."""
+"""Integrals of sampled curves; importing SciPy's takes an eighth of a second."""
 
 from __future__ import annotations
 

@@ -93,8 +93,8 @@ def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
 
     With a = ½ Δt ω the Cayley rotation (1 + ã)(1 - ã)⁻¹ t is
     ((1 - a·a) t + 2 a × t + 2 (a·t) a) / (1 + a·a): rational, exactly of unit length. It turns
-    about ω itself, so a spin normal to the director stays normal to it. Only where a support
-    makes the director turn about an axis it is not normal to does a·t differ from zero.
+    about ω itself, so a spin normal to the director stays normal to it. a·t differs from zero only
+    if a support makes the director turn about an axis that is not normal to it.
     """
     a = scale(0.5, spin)
     aa, twice = dot(a, a), 2.0 * dot(a, t)
@@ -105,7 +105,7 @@ def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
 @always_inline
 def tangent_basis(t: Floats, n: int, basis: Floats) -> None:
     """Write two unit tangents b_1, b_2 of director n, with b_1 x b_2 = t, into basis : (2, 3)."""
-    axis = 0  # the axis least along the director gives the best conditioned tangent
+    axis = 0  # smallest component of the director: best conditioned tangent
     for c in range(1, 3):
         if abs(t[n, c]) < abs(t[n, axis]):
             axis = c
