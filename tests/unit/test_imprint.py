@@ -188,7 +188,7 @@ def test_the_same_mesh_every_time():
 
 def test_an_end_led_on_to_the_rim_is_noted():
     result = imprint(rectangle(10.0, 4.0, size=0.4), PathCurve.line((3.0, 0.1), (9.2, 0.1)))
-    assert result.notes == ("the end of the path near (10, 0.1, 0) is led on to the rim",)
+    assert result.notes == ("the end of the path near (10, 0.1, 0) is extended to the rim",)
 
 
 def test_films_and_paths_that_do_not_fit_are_refused():

@@ -63,7 +63,7 @@ def test_a_lead_without_room_is_shortened_and_it_is_said():
     assert curve.leads[0] == 3.0
     assert 0.0 < curve.leads[1] < 2.0
     assert len(notes) == 1
-    assert "beyond the end of it at (15.5, 4, 0), where the mesh has no room" in notes[0]
+    assert "beyond the end at (15.5, 4, 0), where the mesh has no room" in notes[0]
     result = imprint(SHEET, led((4.0, 1.0), (15.5, 4.0)))
     assert notes[0] in result.notes
 

@@ -52,5 +52,5 @@ class RefusedModel(ValueError):
         self.findings = tuple(findings)
         lines = [f"{finding}" for finding in self.findings]
         if all(finding.forcible for finding in self.findings):
-            lines.append("to run it all the same: force=True, on the command line --force")
+            lines.append("to run it anyway: force=True, on the command line --force")
         super().__init__("\n".join(lines))

@@ -16,7 +16,6 @@ Conditions for a correct cut, with reasons:
   stretches without cables on which nothing holds the flanks, and the work that opens them is
   dissipated in vibration and damping. Measured ratio of the tool's work to that of the cables in
   steady cutting:
-  cutting:
 
   ================  =====  =========  =========  =========  =========
   opening_u / h     5      2          1          0.5        0.25
@@ -151,7 +150,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
             NOTE,
             "",
             f"{len(never)} of {len(fates)} cutting edges never meet the film: {_chains(never)}",
-            "all is well if they are not meant to; [tool] not_cutting leaves them out",
+            "fine if that is intended; [tool] not_cutting leaves them out",
         )
     out = [fate for fate in fates if fate.passed_out]
     if out:
@@ -171,7 +170,7 @@ def _fates(sweep: Sweep) -> Iterator[Finding]:
             f"{len(left)} of {len(fates)} cutting edges leave the film before the motion ends, the "
             f"first at {_first_exit(left, sweep)}: "
             f"{_chains([fate.chain for fate in left])}",
-            "all is well if they are meant to; a shorter duration saves time",
+            "fine if that is intended; a shorter duration saves time",
         )
 
 
@@ -203,10 +202,10 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     x, y, z = sweep.place[worst] + 0.0
     yield Finding(
         DOUBT,
-        f"a cutting edge must move to where it points, within {np.degrees(ATTACK):.0f}°, or a "
+        f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
         f"{100.0 * share:.0f} % of the way on which it does not; cutting edge "
-        f"{int(sweep.chain[worst])} moves {angle:.0f}° off where it points at "
+        f"{int(sweep.chain[worst])} moves {angle:.0f}° off that direction at "
         f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
         "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
         "leave the edge out ([tool] not_cutting)",
@@ -233,7 +232,7 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         yield Finding(
             DOUBT,
             "there must be film to cut on the way of the cutting edges",
-            "a way that runs along cuts which are in the film already, from end to end",
+            "a way that follows existing cuts from end to end",
             "take a shorter notch, or move the tool",
         )
 

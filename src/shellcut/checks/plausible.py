@@ -55,7 +55,7 @@ def film_size(mesh: Mesh) -> float:
 def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
     h, size = material.thickness, film_size(mesh)
     edge = float(np.median(mesh.edge_lengths()))
-    remedy = 'thickness is in mm, or brings its unit: 74 µm is 0.074 or "74 um"'
+    remedy = 'thickness is in mm unless a unit is given: 74 µm is 0.074 or "74 um"'
     if h >= size:
         yield Finding(
             REFUSE,
@@ -81,7 +81,7 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
     if h < THINNEST:
         yield Finding(
             DOUBT,
-            f"a film should be thicker than {THINNEST:g} mm; the thinnest that are sold have "
+            f"a film should be thicker than {THINNEST:g} mm; the thinnest on the market have "
             "0.0005 mm",
             f"thickness {h:.4g} mm",
             remedy,
@@ -99,7 +99,7 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"a modulus should lie between {SOFTEST:g} MPa, a gel, and {STIFFEST:g} MPa, "
                 "diamond",
                 f"young {young:.4g} MPa",
-                'young is in MPa, or brings its unit: 1.678 GPa is 1678 or "1.678 GPa"',
+                'young is in MPa unless a unit is given: 1.678 GPa is 1678 or "1.678 GPa"',
             )
         if not LIGHTEST <= density <= HEAVIEST:
             yield Finding(
@@ -107,8 +107,8 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"a density should lie between {LIGHTEST:g} t/mm³, a foam, and {HEAVIEST:g} t/mm³, "
                 "osmium",
                 f"density {density:.4g} t/mm³",
-                'density is in t/mm³, or brings its unit: 1 g/cm³ is 1e-9 or "1 g/cm3"; if mass is '
-                "added on purpose, look at the kinetic energy",
+                'density is in t/mm³ unless a unit is given: 1 g/cm³ is 1e-9 or "1 g/cm3"; if mass '
+                "is added on purpose, look at the kinetic energy",
             )
         wave = math.sqrt(young / density)
         if not SLOWEST_WAVE <= wave <= FASTEST_WAVE:
@@ -118,7 +118,7 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"{1e-3 * FASTEST_WAVE:g} m/s, from soft rubber to diamond",
                 f"{1e-3 * wave:.4g} m/s, the root of young {young:.4g} MPa over density "
                 f"{density:.4g} t/mm³",
-                "one of the two has another unit than MPa, t/mm³",
+                "one of the two is not in MPa or t/mm³",
             )
 
 
@@ -129,7 +129,7 @@ def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Find
     came = (
         f"strength {law.strength:.4g} MPa at a modulus of {young:.4g} MPa, a strain of {strain:.3g}"
     )
-    remedy = 'both are in MPa, or bring their units: 18e6 Pa is 18 or "18e6 Pa"'
+    remedy = 'both are in MPa unless a unit is given: 18e6 Pa is 18 or "18e6 Pa"'
     if strain > RUPTURED:
         yield Finding(
             REFUSE,
@@ -169,7 +169,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
         yield Finding(
             DOUBT,
             "a tooth should be longer than an edge of the film: contact sees nodes only, and "
-            "between them the tooth passes unfelt",
+            "between them nothing resists the tooth",
             f"bodies {small[:5]} of the tool, of which body {small[0]} is {extents[small[0]]:.3g} "
             f"mm in size, and edges of {edge:.3g} mm",
             "give the unit of the tool's file, or take a finer film",
@@ -178,7 +178,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
     if whole > 100.0 * film:
         yield Finding(
             DOUBT,
-            "tool and film should be of one scale",
+            "tool and film should be of similar size",
             f"a tool of {whole:.4g} mm and a film of {film:.4g} mm",
             "give the unit of the tool's file, or of the film's",
         )

@@ -69,7 +69,7 @@ def check_steps(
         yield Finding(
             REFUSE,
             f"the cutting edge must move by less than {SEEN_WITHIN:g} edge lengths of the film in "
-            "a step, or it is past the nodes before they have felt it",
+            "a step, or it passes nodes before contact acts on them",
             came,
             remedy,
         )
@@ -77,9 +77,9 @@ def check_steps(
         yield Finding(
             DOUBT,
             f"the cutting edge should move by less than {FOUND_WITHIN:g} edge lengths of the film "
-            f"in the {check_every} steps between two looks for splits, or it misses nodes",
+            f"in the {check_every} steps between two checks for splits, or it misses nodes",
             came,
-            f"{remedy}; or look more often, fracture.check_every",
+            f"{remedy}; or check more often, fracture.check_every",
         )
     elif speed > OF_WAVE * wave:
         yield Finding(

@@ -33,11 +33,11 @@ N_TIME = 400
 """Number of equal time intervals at which the edges are sampled."""
 
 LEAD_OF_OPENING, LEAD_OF_TOOL = 0.75, 5.0
-"""A path is led on by so much of the opening at which a cable breaks, or of the tool's half
-thickness V / A, about the length of its wedge, whichever is more: a crack runs as far ahead as the
-cables or the wedge open it. With the law of the paper, openings to 4 mm, that is 3 mm; the
-crack runs ahead by 1.4 mm in the guillotine. The blade opens it backwards too: 1.5 mm behind the
-start of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
+"""A path is extended by this multiple of the opening at which a cable breaks, or of the tool's half
+thickness V / A (about the length of its wedge), whichever is more: a crack runs as far ahead as the
+cables or the wedge open it. With the paper's law, openings up to 4 mm, that is 3 mm; in the
+guillotine the crack runs ahead by 1.4 mm. The blade opens it backwards too: 1.5 mm behind the start
+of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
 
 FIT = 5e-3
 """Points this close to a line or circle (in edge lengths) lie on it."""
@@ -70,11 +70,11 @@ def blade_path(
     duration : float
         End of the motion that counts [s]; it starts at t = 0.
     law : CohesiveLaw, optional
-        Of the cables, for how far cracks run ahead; by default that of the paper.
+        Law of the cables, which sets how far cracks run ahead; by default the paper's.
     ahead, behind : float, optional
-        How far the path goes on beyond the blade's last place, and behind its first, or behind its
-        body where that presses on the film behind the edge [mm]; these are the ``leads`` of the
-        curves. By default :func:`crack_lead`.
+        Extension of the path beyond the blade's last place, and behind its first, or behind its
+        body where that presses on the film behind the edge [mm]: the ``leads`` of the curves. By
+        default :func:`crack_lead`.
     n_time : int
         Number of time steps sampled.
 

@@ -256,7 +256,7 @@ def _ways(film: FilmPlane, courses: Sequence[Course]) -> tuple[list[Chain | Edge
         for end, at in ((course.rim_start, course.start), (course.rim_end, course.end)):
             beyond = not course.curve.closed and not 0.0 <= at <= course.curve.length
             if end is not None and beyond:
-                notes.append(f"the end of the path near {film.place(end.x)} is led on to the rim")
+                notes.append(f"the end of the path near {film.place(end.x)} is extended to the rim")
     return ways, notes
 
 

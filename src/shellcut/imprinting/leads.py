@@ -112,7 +112,7 @@ def _notes(surroundings: Surroundings, wanted: PathCurve, curve: PathCurve) -> l
         place = curve.point(at)
         if kept < lead and surroundings.inside(place)[0]:
             notes.append(
-                f"the path is led on by {kept:.2g} instead of {lead:.2g} mm {name} of it at "
+                f"the path is extended by {kept:.2g} instead of {lead:.2g} mm {name} at "
                 f"{surroundings.film.place(place[0])}, where the mesh has no room for more: a "
                 "crack that runs farther leaves it"
             )
