@@ -80,7 +80,7 @@ def test_a_tool_of_another_scale(tmp_path):
     large = read_tool(tmp_path / "blade.stl", unit="m")
     ((level, text),) = found(tool=large)
     assert level == "doubt"
-    assert "of one scale, got a tool of 67" in text
+    assert "of similar size, got a tool of 67" in text
 
 
 # --- the steps -----------------------------------------------------------------------------------

@@ -7,10 +7,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Literal, TypeVar
 
-_File = TypeVar("_File", bound="GrowingFile")
+_File = TypeVar("_File", bound="AppendableFile")
 
 
-class GrowingFile:
+class AppendableFile:
     """Common part of a run's writers: create or reopen a file, and close it in any case.
 
     Parameters
@@ -38,7 +38,7 @@ class GrowingFile:
             raise ValueError(f"mode must be 'w' or 'a', got {mode!r}")
         if mode == "w" and until is not None:
             raise ValueError("until needs mode 'a'")
-        self.goes_on = mode == "a" and self.path.exists()
+        self.appending = mode == "a" and self.path.exists()
         """Whether the file of an interrupted run exists."""
 
     def sync(self) -> None:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from .whole_file import aside_of, write_all, written_whole
+from .whole_file import atomic_write, temporary_path, write_all
 
 FILES = "run.files"
 
@@ -56,8 +56,8 @@ class FileList:
             If it cannot be written; the old list then stays.
         """
         self.names = list(dict.fromkeys(names))
-        with written_whole(self._folder / FILES) as aside:
-            aside.write_text("".join(f"{line}\n" for line in (_HEADING, *self.names)), "utf-8")
+        with atomic_write(self._folder / FILES) as temporary:
+            temporary.write_text("".join(f"{line}\n" for line in (_HEADING, *self.names)), "utf-8")
 
     def there(self) -> list[str]:
         """Return the names of the listed files that exist."""
@@ -68,7 +68,7 @@ class FileList:
         for name in names:
             path = self._folder / name
             path.unlink(missing_ok=True)
-            aside_of(path).unlink(missing_ok=True)
+            temporary_path(path).unlink(missing_ok=True)
             if path.parent != self._folder:
                 try:
                     path.parent.rmdir()

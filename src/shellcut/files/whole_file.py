@@ -14,19 +14,19 @@ from pathlib import Path
 from typing import BinaryIO
 
 
-def aside_of(path: Path) -> Path:
+def temporary_path(path: Path) -> Path:
     """Return the temporary path of a file while it is written.
 
     Examples
     --------
-    >>> aside_of(Path("out/energy.png")).name
+    >>> temporary_path(Path("out/energy.png")).name
     'energy.part.png'
     """
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
 @contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """Give a temporary path to write to; after the block that file replaces ``path``.
 
     If the block fails, the temporary file is removed and the old one stays. A link is followed; a
@@ -36,12 +36,12 @@ def written_whole(path: Path) -> Iterator[Path]:
     if path.exists() and not path.is_file():
         yield path
         return
-    aside = aside_of(path)
+    temporary = temporary_path(path)
     try:
-        yield aside
-        os.replace(aside, path)
+        yield temporary
+        os.replace(temporary, path)
     except BaseException:  # including a second Ctrl-C
-        aside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
 
 

@@ -29,7 +29,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from shellcut.files.whole_file import write_all, written_whole
+from shellcut.files.whole_file import atomic_write, write_all
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.pose import Pose
 
@@ -112,7 +112,7 @@ def save_checkpoint(
         inputs = json.dumps(_described_inputs(sim))
         _write(file, {"inputs": inputs, "run": sim.saved(), "extra": dict(extra or {})})
     image.getbuffer()[:_HEADER] = _header(hashlib.sha256(image.getbuffer()[_HEADER:]).hexdigest())
-    with written_whole(path) as aside, aside.open("wb", buffering=0) as target:
+    with atomic_write(path) as temporary, temporary.open("wb", buffering=0) as target:
         write_all(target, image.getbuffer())
         os.fsync(target.fileno())
 

@@ -24,7 +24,7 @@ import numpy as np
 from shellcut.checks import ModelCheck, check_model
 from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
-from shellcut.files.whole_file import written_whole
+from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
@@ -412,8 +412,8 @@ class Recorder:
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.split_log)
-        with written_whole(self.folder / SUMMARY) as aside:
-            aside.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+        with atomic_write(self.folder / SUMMARY) as temporary:
+            temporary.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
         if self._can_draw and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()

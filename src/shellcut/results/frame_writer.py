@@ -31,7 +31,7 @@ class FrameOutput:
     pvd : bool
         Whether to write PVD + VTU too.
     mode, until
-        As in :class:`GrowingFile`, ``until`` in s.
+        As in :class:`AppendableFile`, ``until`` in s.
     announce : callable, optional
         Receives the path of each further file before it is written.
 
@@ -105,7 +105,7 @@ class FrameOutput:
                 self._pvd.close()
 
     def _pvd_writer(self, path: Path) -> PvdWriter:
-        if self._result.goes_on:  # with the frames kept there
+        if self._result.appending:  # with the frames kept there
             until = self._result.last_time
             return PvdWriter(path, mode="a", until=until, announce=self._announce)
         return PvdWriter(path, announce=self._announce)

@@ -16,7 +16,7 @@ from typing import BinaryIO, Literal
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.files.appendable_file import GrowingFile
+from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.whole_file import write_all
 
 _FORBIDDEN = ',"[]\r\n'
@@ -40,7 +40,7 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
     return columns
 
 
-class HistoryWriter(GrowingFile):
+class HistoryWriter(AppendableFile):
     """Write rows of named numbers to a CSV file, e.g. ``time [s],angle [deg],torque [N*mm]``.
 
     Parameters
@@ -50,8 +50,8 @@ class HistoryWriter(GrowingFile):
     columns : sequence of (name, unit)
         Names and units in the order of the columns; ``"-"`` is the unit of a pure number.
     mode, until
-        As in :class:`GrowingFile`; an unfinished last line is dropped, and with ``until`` the rows
-        whose first column exceeds it, in its unit.
+        As in :class:`AppendableFile`; an unfinished last line is dropped, and with ``until`` the
+        rows whose first column exceeds it, in its unit.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class HistoryWriter(GrowingFile):
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self._names = tuple(name for name, _ in self.columns)
         self._check_columns()
-        if self.goes_on:
+        if self.appending:
             kept = self._kept_bytes(until)
             self._file: BinaryIO = self.path.open("r+b", buffering=0)
             self._file.truncate(kept)

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
 
-from shellcut.files.appendable_file import GrowingFile
-from shellcut.files.whole_file import written_whole
+from shellcut.files.appendable_file import AppendableFile
+from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
 from .frame_grid import FrameGrid, grid_of
@@ -23,7 +23,7 @@ from .frame_grid import FrameGrid, grid_of
 _ROOT = {"type": "Collection", "version": "0.1", "byte_order": "LittleEndian"}
 
 
-class PvdWriter(GrowingFile):
+class PvdWriter(AppendableFile):
     """Append frames to a PVD file and the folder beside it.
 
     Parameters
@@ -31,8 +31,8 @@ class PvdWriter(GrowingFile):
     path : str or Path
         The list, ``NAME.pvd``; frames go to ``NAME_frames``.
     mode, until
-        As in :class:`GrowingFile`, ``until`` in s. Frames named in the old list but not in the new
-        one are removed.
+        As in :class:`AppendableFile`, ``until`` in s. Frames named in the old list but not in the
+        new one are removed.
     announce : callable, optional
         Receives the path of each frame before it is written.
 
@@ -54,7 +54,9 @@ class PvdWriter(GrowingFile):
         self._folder = self.path.with_name(f"{self.path.stem}_frames")
         self._announce = announce
         listed = self._listed_times()
-        self._times = [time for time in listed if self.goes_on and (until is None or time <= until)]
+        self._times = [
+            time for time in listed if self.appending and (until is None or time <= until)
+        ]
         self._folder.mkdir(parents=True, exist_ok=True)
         for k in range(len(self._times), len(listed)):
             (self._folder / _file_name(k)).unlink(missing_ok=True)
@@ -80,8 +82,8 @@ class PvdWriter(GrowingFile):
             )
         path = self._folder / _file_name(self.n_frame)
         self._announce(path)
-        with written_whole(path) as aside:
-            _mesh_of(grid_of(frame)).write(aside, file_format="vtu")
+        with atomic_write(path) as temporary:
+            _mesh_of(grid_of(frame)).write(temporary, file_format="vtu")
         self._times.append(frame.time)
         self._write_list()
 
@@ -99,8 +101,8 @@ class PvdWriter(GrowingFile):
             row = {"timestep": repr(float(time)), "part": "0", "file": file}
             ElementTree.SubElement(collection, "DataSet", row)
         ElementTree.indent(root)
-        with written_whole(self.path) as aside:
-            ElementTree.ElementTree(root).write(aside, encoding="utf-8", xml_declaration=True)
+        with atomic_write(self.path) as temporary:
+            ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
 
     def _listed_times(self) -> list[float]:
         """Return the times in the old list; empty if it is to be replaced."""
@@ -113,7 +115,7 @@ class PvdWriter(GrowingFile):
         except FileNotFoundError:
             return []
         except (ElementTree.ParseError, KeyError, ValueError) as error:
-            if not self.goes_on:
+            if not self.appending:
                 return []
             raise ValueError(
                 f"{self.path} was not written by shellcut; move it away or start anew with mode 'w'"

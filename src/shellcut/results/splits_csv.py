@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.files.whole_file import written_whole
+from shellcut.files.whole_file import atomic_write
 
 if TYPE_CHECKING:
     from shellcut.state import SplitRecord
@@ -29,7 +29,7 @@ _COLUMNS: dict[str, tuple[str, type]] = {
 
 def write_splits(path: Path, splits: Iterable[SplitRecord]) -> None:
     """Write one row per split, in order."""
-    with written_whole(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow([f"{name} [{unit}]" for name, (unit, _) in _COLUMNS.items()])
         for s in splits:

@@ -27,7 +27,7 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
-from shellcut.files.appendable_file import GrowingFile
+from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 
@@ -49,7 +49,7 @@ _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
 
-class VtkHdfWriter(GrowingFile):
+class VtkHdfWriter(AppendableFile):
     """Append frames to one VTKHDF file.
 
     Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
@@ -60,7 +60,8 @@ class VtkHdfWriter(GrowingFile):
     path : str or Path
         The file, usually ``*.vtkhdf``.
     mode, until
-        As in :class:`GrowingFile`, ``until`` in s; an unfinished frame of a killed run is dropped.
+        As in :class:`AppendableFile`, ``until`` in s; an unfinished frame of a killed run is
+        dropped.
 
     Raises
     ------
@@ -78,7 +79,7 @@ class VtkHdfWriter(GrowingFile):
         until: float | None = None,
     ) -> None:
         super().__init__(path, mode=mode, until=until)
-        how: Literal["r+", "w"] = "r+" if self.goes_on else "w"
+        how: Literal["r+", "w"] = "r+" if self.appending else "w"
         self._target = HdfTarget(self.path, how)
         try:
             self._file = h5py.File(self._target, how)
@@ -94,7 +95,7 @@ class VtkHdfWriter(GrowingFile):
         self._n_frame = 0
         self._is_sound = False
         try:
-            if self.goes_on:
+            if self.appending:
                 self._open_old()
                 self._drop_after(np.inf if until is None else until)
             else:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from shellcut.files.whole_file import written_whole
+from shellcut.files.whole_file import atomic_write
 
 _INCHES = 13.0
 
@@ -56,8 +56,8 @@ def save(
     if not isinstance(path, str | os.PathLike):
         figure.savefig(path, metadata=said)
         return
-    with written_whole(Path(path)) as aside:
-        figure.savefig(aside, metadata=said if aside.suffix.lower() == ".png" else None)
+    with atomic_write(Path(path)) as temporary:
+        figure.savefig(temporary, metadata=said if temporary.suffix.lower() == ".png" else None)
 
 
 def pretty(unit: str) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.files.whole_file import written_whole
+from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
 from ._figure import inches_of
@@ -87,8 +87,8 @@ def draw_movie(
     drawn = _by_pyvista if with_pyvista else _by_matplotlib
     images = drawn(frames, stress, limits, view, size)
     shown = _followed(images, len(frames), path.name) if progress else images
-    with written_whole(path) as aside:
-        _WRITERS[path.suffix.lower()](aside, shown, fps, size)
+    with atomic_write(path) as temporary:
+        _WRITERS[path.suffix.lower()](temporary, shown, fps, size)
 
 
 def _by_pyvista(
