@@ -263,7 +263,7 @@ def _measured(mesh: str, angle: float, profiled: float) -> Cut:
     profile, not_found = profile_parts(mesh, profiled * angle)
     scale = ns * run.run_seconds / sum(profile.values())
     parts = {part: scale * own for part, own in profile.items()}
-    book = sim.close_ledger()
+    ledger = sim.close_ledger()
     assert sim.motion is not None
     return Cut(
         mesh=mesh,
@@ -276,7 +276,7 @@ def _measured(mesh: str, angle: float, profiled: float) -> Cut:
         cpu_seconds=run.cpu_seconds,
         n_split=len(sim.state.split_log),
         n_broken=sim.cables.n_broken,
-        imbalance=book.relative(book.imbalance),
+        imbalance=ledger.relative(ledger.imbalance),
         memory_growth=run.memory_growth,
         parts=parts | {"closing": ns * run.closing_seconds},
         profile_scale=scale,

@@ -64,13 +64,13 @@ def test_what_joints_missed_and_cables_took(cut):
         sim.state.cable.append_blank()
     sim.state.cable.overshoot[:3] = 0.1, 0.3, 0.0
     sim.cables.n_joint_made, sim.cables.n_broken = 2, 1
-    book = sim.ledger
-    book.cohesive_work, book.cohesive_start_work = 7.0, 1.0
-    book.damping_stiffness, book.contact_work = 1.5, -0.5
+    ledger = sim.ledger
+    ledger.cohesive_work, ledger.cohesive_start_work = 7.0, 1.0
+    ledger.damping_stiffness, ledger.contact_work = 1.5, -0.5
     figures = cut_evidence(sim, sweep)
     assert figures["overshoot_rel"] == pytest.approx(0.2 / 2.0)  # of half of 4 mm
     assert figures["cables_rel"] == pytest.approx(8.0 / 10.0)
-    book.damping_stiffness = np.nan  # of a film that blew up
+    ledger.damping_stiffness = np.nan  # of a film that blew up
     assert "cables_rel" not in cut_evidence(sim, sweep)
 
 

@@ -12,19 +12,19 @@ def numbered():
 
 
 def test_sums_take_each_entry_once():
-    book = numbered()
-    assert book.kinetic == book.kinetic_translation + book.kinetic_rotation
-    assert book.damping == book.damping_stiffness + book.damping_mass
+    ledger = numbered()
+    assert ledger.kinetic == ledger.kinetic_translation + ledger.kinetic_rotation
+    assert ledger.damping == ledger.damping_stiffness + ledger.damping_mass
     # Powers of two: the sum tells which entries are in it.
     names = ("tool_work", "load_work", "support_work", "initial")
-    assert book.put_in == sum(getattr(book, n) for n in names)
+    assert ledger.put_in == sum(getattr(ledger, n) for n in names)
     names = (
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
         *("cohesive_work", "cohesive_start_work", "contact_work"),
         *("damping_stiffness", "damping_mass"),
     )
-    assert book.taken_up == sum(getattr(book, n) for n in names)
-    assert book.imbalance == book.put_in - book.taken_up
+    assert ledger.taken_up == sum(getattr(ledger, n) for n in names)
+    assert ledger.imbalance == ledger.put_in - ledger.taken_up
 
 
 def test_relative_is_to_the_tool_or_else_to_all():

@@ -224,8 +224,8 @@ def test_free_fall_is_g(case):
     g = np.array([2e11, -3e11, -5e11])
     sim = Simulation(mesh, cases.FILM, loads=[Gravity(g)], damping_alpha=0.0)
     sim.step()
-    book = sim.ledger
-    start = book.kinetic - book.load_work
+    ledger = sim.ledger
+    start = ledger.kinetic - ledger.load_work
     for _ in range(49):
         sim.step()
     s = sim.state
@@ -235,4 +235,4 @@ def test_free_fall_is_g(case):
     moved = s.node.x[: mesh.n_node] - mesh.nodes
     np.testing.assert_allclose(moved, np.tile(0.5 * g * s.time**2, (mesh.n_node, 1)), rtol=1e-9)
     # From the second kick on, as the first is a half one.
-    assert book.load_work == pytest.approx(book.kinetic - start, rel=1e-12)
+    assert ledger.load_work == pytest.approx(ledger.kinetic - start, rel=1e-12)

@@ -255,10 +255,10 @@ def pulled_strip(film=FILM, **options):
 def test_the_ledger_closes_with_what_the_law_has_dissipated(film, precision):
     sim = pulled_strip(FILMS[film], precision=precision, damping_beta=0.0)
     sim.run(END)
-    book = sim.close_ledger()
-    assert book.material_dissipated > 0.2 * book.support_work > 0.0
+    ledger = sim.close_ledger()
+    assert ledger.material_dissipated > 0.2 * ledger.support_work > 0.0
     # The step, measured 2e-4; without the new entry it would be what was dissipated.
-    assert abs(book.imbalance) < 1e-3 * book.support_work
+    assert abs(ledger.imbalance) < 1e-3 * ledger.support_work
     # By increments, and by the state alone.
     rule = sim.shell.points.rule
     n_block, _, width = sim.state.history.shape
@@ -267,7 +267,7 @@ def test_the_ledger_closes_with_what_the_law_has_dissipated(film, precision):
     if film == "film":  # flat quads, whose frames hold the volume
         frame = sim.shell.points.flat_frame.reshape(n_block, 4, 4, width)[:, :, 3]
         total = np.einsum("j,bqjl,bql->", rule.weight, lost, frame)
-        assert book.material_dissipated == pytest.approx(total, rel=1e-9 * 1e5 ** (width == 16))
+        assert ledger.material_dissipated == pytest.approx(total, rel=1e-9 * 1e5 ** (width == 16))
 
 
 def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path):

@@ -127,7 +127,7 @@ def test_points_and_the_integrated_section_agree(case, layers):
 
 
 def test_damping_work_from_three_products_is_the_sum_over_strain_steps():
-    # The linear path books the work of damping from products with the resultants and last step's
+    # The linear path computes the work of damping from products with the resultants and last step's
     # forms; the general path forms H a_n and its product. The same numbers over a thousand steps.
     def run(points):
         sim = Simulation(
@@ -169,18 +169,18 @@ def run_sheet(threads, precision):
     for _ in range(12):
         sim.step()
     n = sim.state.node
-    books = sim.close_ledger()
+    ledger = sim.close_ledger()
     rows = (n.x, n.t, n.velocity_half, n.spin_half, n.reaction)
-    return [r[: mesh.n_node].copy() for r in rows], [vars(books)[k] for k in sorted(vars(books))]
+    return [r[: mesh.n_node].copy() for r in rows], [vars(ledger)[k] for k in sorted(vars(ledger))]
 
 
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_results_do_not_depend_on_the_number_of_threads(precision):
-    rows, books = run_sheet(1, precision)
+    rows, entries = run_sheet(1, precision)
     for threads in (2, 3):
-        other_rows, other_books = run_sheet(threads, precision)
+        other_rows, other_entries = run_sheet(threads, precision)
         assert all((a == b).all() for a, b in zip(rows, other_rows, strict=True))
-        assert books == other_books
+        assert entries == other_entries
 
 
 @kernel

@@ -90,13 +90,13 @@ def test_the_case_does_cut(whole):
 
 
 def test_ledger_closes(whole):
-    book = whole.close_ledger()
-    assert book.tool_work > 0
+    ledger = whole.close_ledger()
+    assert ledger.tool_work > 0
     # Discretisation in time: trapezoids of contact and cables at steps of some 1e-7 s on a coarse
     # film cut at 20 m/s; measured 0.09 %. The least of the large entries, contact, is 0.8 %.
-    assert abs(book.relative(book.imbalance)) < 0.003
-    stored_and_lost = book.cohesive_stored + book.cohesive_dissipated
-    assert stored_and_lost == pytest.approx(book.cohesive_work, rel=0.01)
+    assert abs(ledger.relative(ledger.imbalance)) < 0.003
+    stored_and_lost = ledger.cohesive_stored + ledger.cohesive_dissipated
+    assert stored_and_lost == pytest.approx(ledger.cohesive_work, rel=0.01)
 
 
 def test_run_in_parts_is_the_whole_run_bit_by_bit(whole):

@@ -25,12 +25,12 @@ class Shares:
 
 
 def shares(sim: Simulation) -> Shares:
-    book = sim.close_ledger()
+    ledger = sim.close_ledger()
     assert sim.tool is not None
     return Shares(
-        book.relative(book.contact_work),
-        book.relative(book.contact_absorbed),
-        book.relative(book.imbalance),
+        ledger.relative(ledger.contact_work),
+        ledger.relative(ledger.contact_absorbed),
+        ledger.relative(ledger.imbalance),
         sim.contact.deepest / sim.tool.half_thickness(),
     )
 

@@ -121,26 +121,26 @@ def _mean_force(run: dict[str, np.ndarray], entry: str = "work") -> float:
 
 def test_the_work_of_the_tool_is_all_accounted_for() -> None:
     sim, run = _cut(0.95)
-    book = sim.ledger
+    ledger = sim.ledger
     parts = (
-        book.kinetic
-        + book.strain
-        + book.cohesive_work
-        + book.contact_work
-        + book.damping_stiffness
-        + book.damping_mass
+        ledger.kinetic
+        + ledger.strain
+        + ledger.cohesive_work
+        + ledger.contact_work
+        + ledger.damping_stiffness
+        + ledger.damping_mass
     )
-    assert book.support_work == 0.0  # the clamps are at rest
-    assert book.load_work == book.cohesive_start_work == 0.0
+    assert ledger.support_work == 0.0  # the clamps are at rest
+    assert ledger.load_work == ledger.cohesive_start_work == 0.0
     # Discretisation: measured 4e-5 at the end, 1e-3 of the work so far at the worst (after the
     # first tenth of the path, when little work has been done).
-    assert parts == pytest.approx(book.tool_work, rel=2e-4)
+    assert parts == pytest.approx(ledger.tool_work, rel=2e-4)
     later = run["path"] > 1.4
     assert np.abs(run["imbalance"][later] / run["work"][later]).max() < 3e-3
     # Each entry has its sign, and the cables take nearly all.
-    assert min(book.kinetic, book.strain, book.damping_stiffness, book.damping_mass) > 0.0
-    assert 0.93 * book.tool_work < book.cohesive_work < book.tool_work
-    assert abs(book.contact_work) < 1e-3 * book.tool_work
+    assert min(ledger.kinetic, ledger.strain, ledger.damping_stiffness, ledger.damping_mass) > 0.0
+    assert 0.93 * ledger.tool_work < ledger.cohesive_work < ledger.tool_work
+    assert abs(ledger.contact_work) < 1e-3 * ledger.tool_work
 
 
 def test_the_cables_work_is_that_of_their_law() -> None:

@@ -29,9 +29,9 @@ def checks() -> list[Check]:
     rows = []
     while sim.state.time < case.duration:
         sim.step()
-        book = sim.ledger
+        ledger = sim.ledger
         path = sim.motion.coordinate(sim.state.time)
-        rows.append((path, book.tool_work, book.cohesive_work, book.imbalance))
+        rows.append((path, ledger.tool_work, ledger.cohesive_work, ledger.imbalance))
     path, work, cohesive, imbalance = np.array(rows).T
     CURVES["work of the blade over its path, N mm"] = {
         "x": path.tolist(),
