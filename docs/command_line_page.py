@@ -1,6 +1,6 @@
-"""The exit codes and the reference of ``command-line.md``, made from the code itself.
+"""Write the exit codes and the reference of ``command-line.md`` from the code itself.
 
-``python docs/command_line_page.py`` writes them into the page; a test compares the two.
+``python docs/command_line_page.py`` writes them into the page; a test compares page and code.
 """
 
 import argparse
@@ -38,11 +38,13 @@ def _section(name, parser):
 
 
 def _spelling(action):
-    # nargs is 0 for flags; an argument without an option goes by its place.
+    # nargs is 0 for flags; an argument without an option is positional.
     if not action.option_strings:
         name = str(action.metavar or action.dest)
         return f"`[{name}]`" if action.nargs == "?" else f"`{name}`"
-    value = "" if action.nargs == 0 else f" {action.metavar or action.dest.upper()}"
+    names = action.metavar or action.dest.upper()
+    words = [names] if isinstance(names, str) else names
+    value = "" if action.nargs == 0 else " " + " ".join(words)
     return ", ".join(f"`{option}{value}`" for option in action.option_strings)
 
 

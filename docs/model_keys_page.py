@@ -1,6 +1,6 @@
-"""The page of all keys of model files, ``model-keys.md``, made from the keys themselves.
+"""Write ``model-keys.md``, the page of all keys of model files, from the keys themselves.
 
-``python docs/model_keys_page.py`` writes it; a test compares the two.
+``python docs/model_keys_page.py`` writes it; a test compares page and keys.
 """
 
 from itertools import groupby
@@ -11,10 +11,9 @@ from shellcut.model_file.key_index import tables
 PAGE = Path(__file__).parent / "model-keys.md"
 TOP = """# Model keys
 
-Every key of a [model file](howto/model-file.md): what its value may be, its unit, what holds if it
-is not given, and what it means. Numbers may be texts with a unit wherever a unit is given.
-`shellcut keys WORD` looks for keys on the command line, `--set SECTION.KEY=VALUE` sets one for a
-run.
+All keys of a [model file](howto/model-file.md) with values, units, defaults and meanings. Where a
+unit is given, a value may also be a text with a unit. `shellcut keys WORD` searches the keys on
+the command line; `--set SECTION.KEY=VALUE` sets one for a run.
 
 """
 HEAD = "| key | value | unit | default | meaning |\n|---|---|---|---|---|"
@@ -33,7 +32,7 @@ def page():
 
 
 def _section(title):
-    # [[material.layers]] stands with [material]
+    # [[material.layers]] goes with [material]
     return f"[{title.strip('[]').split('.')[0]}]" if "." in title else title or FIRST
 
 
@@ -44,7 +43,7 @@ def _index(sections):
             for entry in table.entries:
                 for name in filter(None, (entry.name, entry.also)):
                     places.setdefault(name, {})[title] = True
-    lines = ["| key | stands in |", "|---|---|"]
+    lines = ["| key | section |", "|---|---|"]
     for name in sorted(places):
         links = [f"[{title.strip('[]')}](#{_anchor(title)})" for title in places[name]]
         lines.append(f"| `{name}` | {', '.join(links)} |")
@@ -60,7 +59,7 @@ def _table(table):
     if table.title:
         kind = f'`kind = "{table.kind}"`, ' if table.kind else ""
         own = f"`{table.title}`, " if "." in table.title else ""
-        told = f" Told by `{table.sign}`." if table.sign else ""
+        told = f" Recognised by `{table.sign}`." if table.sign else ""
         lines += [f"{own}{kind}{table.where}: {table.doc}{told}", ""]
     return "\n".join([*lines, HEAD, *map(_row, table.entries), ""])
 

@@ -418,7 +418,7 @@ def test_keys_are_found_by_words(capsys):
     said = capsys.readouterr().out
     assert re.search(
         r'\[tool\] kind = "teeth"  \(model opening, free: A ring of teeth .*\)\n'
-        r"  wedge_half_angle_deg +number \[deg\] +(= [\d.]+|\(to be given\)) +in the section .*\n",
+        r"  wedge_half_angle_deg +number \[deg\] +(= [\d.]+|\(required\)) +in the section .*\n",
         said,
     )
     assert "whole motion" not in said  # that angle is another section's

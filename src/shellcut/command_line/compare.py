@@ -27,9 +27,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument("out", metavar="OUT", help="folder of the run")
     parser.add_argument("measured", metavar="FILE", help="text table with the measured curve")
     add_columns_to(parser)
-    parser.add_argument("--json", metavar="FILE", type=Path, help="instead of OUT/comparison.json")
     parser.add_argument(
-        "--picture", metavar="FILE", type=Path, help="instead of OUT/comparison.png"
+        "--json", metavar="FILE", type=Path, help="output file instead of OUT/comparison.json"
+    )
+    parser.add_argument(
+        "--picture", metavar="FILE", type=Path, help="output file instead of OUT/comparison.png"
     )
     parser.set_defaults(run=run)
 

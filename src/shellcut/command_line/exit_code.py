@@ -14,7 +14,7 @@ MEANINGS = {
     "the folder. Standard error lists everything wrong at once",
     STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
     "is saved",
-    FAILED: "the run failed on the way: disk full, folder gone, an error in a hook. The output is "
+    FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
     "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`",
     INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
     "happens, but a shell reports 143",

@@ -76,9 +76,9 @@ class Rectangle(Section):
 
     length: float = key(number("mm"), "along x")
     width: float = key(number("mm"), "along y")
-    size: float = key(number("mm"), "edge length of the quads", default=None, unset="n_x, n_y say")
-    n_x: int | None = key(whole, "quads along x", unset="size says")
-    n_y: int | None = key(whole, "quads along y", unset="size says")
+    size: float = key(number("mm"), "edge length of the quads", default=None, unset="from n_x, n_y")
+    n_x: int | None = key(whole, "quads along x", unset="from size")
+    n_y: int | None = key(whole, "quads along y", unset="from size")
     imprint: bool = key(flag, _IMPRINT, default=default_of(free_cut, "imprint"))
     clamp: tuple[str, ...] = key(names, _CLAMP, default=())
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
@@ -113,7 +113,7 @@ class FilmFile(Section):
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("rim",))
     triangles: str = key(choice(*get_args(Triangles)), "what to do with triangles")
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
-    merge: float | None = key(number("mm"), "merge nodes closer than this", unset="none are merged")
+    merge: float | None = key(number("mm"), "merge nodes closer than this", unset="no merging")
     max_fold_deg: float = key(number("deg"), "sharpest fold allowed")
     imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 

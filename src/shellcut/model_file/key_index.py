@@ -128,7 +128,7 @@ def _table(title: str, kind: type[Section], models: tuple[str, ...]) -> Table:
 
 def _entry(kind: type[Section], name: str, key: Key) -> Entry:
     default: Any = kind.__dataclass_fields__[name].default  # type: ignore[attr-defined]
-    without = {True: "to be given", False: key.unset}
+    without = {True: "required", False: key.unset}
     has_default = default is not MISSING and default is not None
     text = written(default) if has_default else without[default is MISSING]
     return Entry(name, key.also, key.kind.wants, key.kind.unit, text, has_default, key.doc)

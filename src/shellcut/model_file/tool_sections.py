@@ -47,7 +47,7 @@ class Teeth(_Shape):
 
     teeth: int = key(whole, "number of teeth", parameter="n_teeth")
     radius: float = key(number("mm"), "of the cutting circle")
-    edge_inclination_deg: float = key(number("deg"), "cutting edge to the film; it rises forward")
+    edge_inclination_deg: float = key(number("deg"), "inclination of the edge; it rises forward")
     wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the film")
     half_thickness: float = key(number("mm"), "half the distance of the parallel flanks")
     length: float = key(number("mm"), "from the tip to the back, along the arc")
@@ -65,7 +65,7 @@ class Teeth(_Shape):
 class Blade(_Shape):
     """A wedge that moves along +x, its edge through the origin."""
 
-    edge_angle_deg: float = key(number("deg"), "edge to the film; below 90 it rises forward")
+    edge_angle_deg: float = key(number("deg"), "inclination of the edge; below 90 it rises forward")
     wedge_half_angle_deg: float = key(number("deg"), "in the section parallel to the film")
     half_thickness: float = key(number("mm"), "half the distance of the parallel flanks")
     length: float = key(number("mm"), "from the edge to the back")
