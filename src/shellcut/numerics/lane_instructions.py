@@ -3,9 +3,9 @@
 Kernels call these through :mod:`shellcut.numerics.lanes`, which explains them.
 
 =================  ==========================================================================
-``DOUBLES``       ``<8 x double>``, a block of eight
-``SINGLES``       ``<16 x float>``, a block of sixteen
-``WIDE``          ``<16 x double>``: what is read at the nodes of sixteen, and sums of singles
+``DOUBLES``        ``<8 x double>``, a block of eight
+``SINGLES``        ``<16 x float>``, a block of sixteen
+``WIDE``           ``<16 x double>``: values at the nodes of sixteen quads, and sums of singles
 ``LaneIdsType``    as many node ids
 =================  ==========================================================================
 """

@@ -11,21 +11,20 @@ quads of a block: an integer takes one, as a float; ``None`` takes all eight, as
 :func:`narrow` rounds them to singles:
 
 =====================================  ===================================================
-:func:`turns`, :func:`nth`             the visits that a block takes
+:func:`turns`, :func:`nth`             number of visits per block, lane of a visit
 :func:`pick`, :func:`put`              one number of a table in blocks, (n_block, n, 8 or 16)
 :func:`corner_node`, :func:`gather`    node ids of a corner, values at these nodes
-:func:`first_node`                     the first of them, for :func:`at` where they follow
-                                       each other
+:func:`first_node`                     the first of them, for :func:`at` with consecutive ids
 :func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
-:func:`at`, :func:`along`              values at consecutive nodes, and
-:func:`put_at`                         how they are written
-:func:`row_columns`,                   the first six columns of consecutive force rows,
-:func:`add_row_columns`,               what is added to the first three,
-:func:`put_row_columns`,               what they become, the others zero,
-:func:`clear_rows`                     and how the rows are cleared
-:func:`narrow`, :func:`widen`          from doubles to what is meant, and back
-:func:`zero`, :func:`total`            nothing, and the sum over the lanes in their order
-:func:`multiply_add`                   a b + c, one instruction where there is one
+:func:`at`, :func:`along`              read values at consecutive nodes
+:func:`put_at`                         write them
+:func:`row_columns`                    read the first six columns of consecutive force rows
+:func:`add_row_columns`                add to the first three
+:func:`put_row_columns`                set the first three, the others to zero
+:func:`clear_rows`                     set the rows to zero
+:func:`narrow`, :func:`widen`          from doubles to the block's precision, and back
+:func:`zero`, :func:`total`            zero, and the sum over the lanes in order
+:func:`multiply_add`                   a b + c, one instruction if available
 =====================================  ===================================================
 
 Lanes support + - * / and negation, with lanes and with floats; a multiplication and an addition may
