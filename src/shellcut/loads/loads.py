@@ -155,10 +155,10 @@ class LoadSet:
                     pressed[quads] = True
                     self._following.append((pressed, float(one.value), one.factor))
                 else:
-                    rule = _Pressed(mesh, quads, float(one.value))
+                    rule = _DeadPressure(mesh, quads, float(one.value))
                     self._dead.append(_DeadLoad(one.factor, rule))
             else:
-                self._dead.append(_DeadLoad(one.factor, _Drawn(*_edge_rows(mesh, one))))
+                self._dead.append(_DeadLoad(one.factor, _CornerForces(*_edge_rows(mesh, one))))
 
     def begin_forces(self, state: State) -> float:
         """Set the nodal forces to the loads at t_n; return their work since t_{n-1} [N·mm]."""
@@ -254,7 +254,7 @@ class _Weight:
         return np.asarray(state.node.mass[nodes, None] * self._g)
 
 
-class _Pressed:
+class _DeadPressure:
     """Dead pressure on some quads: area and direction of the reference."""
 
     def __init__(self, mesh: Mesh, quads: Ints, value: float) -> None:
@@ -287,7 +287,7 @@ class _Pressed:
         return np.asarray(rows[state.quads[quads] == nodes[:, None]])
 
 
-class _Drawn:
+class _CornerForces:
     """Forces given by rows : (n, 4, 3) at the corners of some quads."""
 
     def __init__(self, quads: Ints, rows: Floats) -> None:
@@ -312,7 +312,7 @@ class _DeadLoad:
     Each half of a split node takes the share of its own quads, recomputed for these two only.
     """
 
-    def __init__(self, factor: Factor, rule: _Weight | _Pressed | _Drawn) -> None:
+    def __init__(self, factor: Factor, rule: _Weight | _DeadPressure | _CornerForces) -> None:
         self.factor, self.rule = factor, rule
         self.force: Floats = np.zeros((0, 3))
         """Force at a factor of one [N], shape (n_node, 3)."""

@@ -52,7 +52,7 @@ _FAR = 30_000
 
 
 @always_inline
-def _ask_for_block(b: int, flat: bool, tables: LinearTables, step: QuadStep) -> None:
+def _prefetch_block(b: int, flat: bool, tables: LinearTables, step: QuadStep) -> None:
     """Prefetch the data of block ``b`` while the block before it is computed."""
     if flat:
         _prefetch_flat(tables.flat, b)
@@ -115,7 +115,7 @@ def _make_linear_kernel(flat: bool) -> Any:
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 if far:
-                    _ask_for_block(b + 1, flat, quads.tables, step)
+                    _prefetch_block(b + 1, flat, quads.tables, step)
                 for turn in range(turns(quads.corner, lane)):
                     q0, q1, q2 = _linear_block(b, nth(lane, turn), flat, quads, step, rows, work)
                     p0, p1, p2 = p0 + widen(q0, lane), p1 + widen(q1, lane), p2 + widen(q2, lane)
