@@ -8,12 +8,15 @@ to an array across a split (:class:`KnownTopology`).
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from .arrays import Bools, Floats, Ints, SmallIds, SmallInts
+from .numerics.jit import inline_or_plain
 from .numerics.lanes import aligned_zeros
+
+_Numbers = TypeVar("_Numbers", float, Floats)
 
 
 def columns(rows: int, count: int) -> Floats:
@@ -22,6 +25,13 @@ def columns(rows: int, count: int) -> Floats:
     Eight consecutive nodes of a column are one vector (:mod:`shellcut.numerics.lanes`).
     """
     return np.asarray(aligned_zeros((count, rows)).T)
+
+
+@inline_or_plain
+def local_edge_length(contact_area: _Numbers) -> _Numbers:
+    """Return the edge length of the quads at nodes of this contact area [mm]."""
+    length: _Numbers = np.sqrt(4.0 * contact_area)
+    return length
 
 
 RESERVE = 256
@@ -340,6 +350,15 @@ class KnownTopology:
     def new_splits(self, state: State) -> list[SplitRecord]:
         """Return the splits since it was taken last; a revision counts the splits before it."""
         return state.split_log[max(self.revision, 0) :]
+
+    def changed_quads(self, state: State) -> Ints:
+        """Return the quads that may have got other nodes since it was taken last, ascending."""
+        if self.revision > state.revision or (self._state is not None and self._state is not state):
+            return np.arange(len(state.quads))
+        # A split gives quads to its twin only; a later one may have passed them on to another twin.
+        node, twins = state.node, np.array([s.twin for s in self.new_splits(state)], np.int64)
+        at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
+        return np.unique(node.quads[twins][at])
 
     def restore(self, revision: int, state: State | None = None) -> None:
         """Take over ``revision`` from a checkpoint.

@@ -49,7 +49,7 @@ def pulled(mesh, strain, loads=(), tool=None, **fracture):
 def due(criterion, state, tips=None, pose=None):
     far_off = Pose(np.eye(3), np.full(3, 1e3))
     tips = crack_tips(state) if tips is None else tips
-    return criterion.due(state, tips, pose or far_off, 0.0)
+    return criterion.due(state, tips, pose or far_off)
 
 
 @pytest.mark.parametrize("skewed", [False, True])
@@ -111,7 +111,7 @@ def test_common_acceleration_pulls_nothing_apart():
     # two sides' forces and masses differ. Without the masses it would be half their difference.
     mesh = cases.skewed_flat(6, 4, seed=5, amount=0.2)
     shell, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), [Pressure(0.1)], candidates="all")
-    table, _ = criterion._weighed(state, [16, 17, 24], 0.0)
+    table, _ = criterion._weighed(state, [16, 17, 24])
     for way, force in zip(table.ways, table.force, strict=True):
         minus = np.array(way.minus)
         one = np.zeros((minus.size, 3))
@@ -139,7 +139,7 @@ def test_turn_is_measured_from_the_arriving_crack():
     mesh = sheet().cut(ROW)
     for limit, count in ((57.0, 1), (91.0, 3)):
         _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), turn_limit_deg=limit)
-        table, _ = criterion._weighed(state, [17], 0.0)
+        table, _ = criterion._weighed(state, [17])
         ways = [table.ways[k] for k in table.admissible(0, criterion._cos_limit)]
         assert len(ways) == count
         assert (18,) in [way.ahead for way in ways]
@@ -162,7 +162,7 @@ def test_strongest_first_and_no_two_share_a_quad(criterion_name):
     used = [e for s in found for e in (*s.minus, *s.plus)]
     assert len(used) == len(set(used))
     if criterion_name == "force":
-        everything = criterion._by_force(state, list(range(mesh.n_node)), [], 0.0)
+        everything = criterion._by_force(state, list(range(mesh.n_node)), [])
         assert found[0].measure == max(s.measure for s in everything)
         # Any node that was left out shares a quad with a stronger one.
         for split in everything:

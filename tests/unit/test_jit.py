@@ -19,7 +19,12 @@ def compiled_functions():
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef):
                 for decorator in node.decorator_list:
-                    if getattr(decorator, "id", "") in ("kernel", "inline", "always_inline"):
+                    if getattr(decorator, "id", "") in (
+                        "kernel",
+                        "inline",
+                        "inline_or_plain",
+                        "always_inline",
+                    ):
                         yield node.name, decorator.id, node
 
 

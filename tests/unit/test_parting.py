@@ -6,14 +6,9 @@ import pytest
 from naive import cases
 from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.candidate_splits import (
-    PartingTable,
-    cable_shares,
-    owns_flank,
-    partings_of,
-    weigh_partings,
-)
+from shellcut.fracture.candidate_splits import PartingTable, partings_of, weigh_partings
 from shellcut.fracture.criterion import Split
+from shellcut.fracture.flanks import cable_shares, owns_flank
 from shellcut.fracture.split_node import split_node
 from shellcut.loads.loads import EdgeTraction, LoadSet, Pressure
 from shellcut.mesh.structured import rectangle
@@ -56,14 +51,14 @@ def test_force_is_that_of_the_two_sides(loaded):
     shell, state = cases.set_up(mesh, damping_beta=2e-6)
     cases.forces_of(shell, state)
     cases.deform(state)
-    dt = 1e-5
+    state.dt = 1e-5
     loads = LoadSet(
         mesh, [Pressure(0.2), EdgeTraction("bottom", (0.1, 0.2, 0.3))] if loaded else []
     )
     nodes = [1, 8, 14, 15]
     ways = [partings_of(state, n, shell.mass, NONE) for n in nodes]
     table = PartingTable(shell, loads, STRENGTH, ways, weigh_partings)
-    largest = table.weigh(state, dt)
+    largest = table.weigh(state)
     assert table.start == [0, 1, 7, 13, 19]
     assert table.owner == [0, *[1] * 6, *[2] * 6, *[3] * 6]
     assert largest == table.measure.max()
@@ -71,7 +66,7 @@ def test_force_is_that_of_the_two_sides(loaded):
         sides = []
         for quads in (way.minus, way.plus):
             e, at = np.array(quads), np.full(len(quads), way.node)
-            force = shell.corner_forces(state, e, at, dt)
+            force = shell.corner_forces(state, e, at)
             loads.add_corner_forces(state, e, at, force)
             sides.append(force.sum(axis=0))
         m1, m2 = way.mass
@@ -96,7 +91,7 @@ def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     shell, state = cases.set_up(sheet().cut(ROW))
     ways = partings_of(state, 17, shell.mass, NONE)
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
-    table.weigh(state, 0.0)
+    table.weigh(state)
     ahead = [way.ahead[0] for way in table.ways]
     straight = [ahead.index(18)]
     assert table.admissible(0, np.cos(np.radians(57.0))) == straight
@@ -118,7 +113,7 @@ def test_to_go_on_across_a_fold_is_no_turn():
     x[behind] = np.stack([3.0 + 0.0 * x[:, 0], x[:, 1], 3.0 - x[:, 0]], axis=1)[behind]
     ways = partings_of(state, 17, shell.mass, NONE)
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
-    table.weigh(state, 0.0)
+    table.weigh(state)
     (straight,) = table.admissible(0, np.cos(np.radians(57.0)))
     assert table.ways[straight].ahead == (18,)
 
@@ -131,7 +126,7 @@ def test_free_edges_have_nothing_to_hold_them():
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     for stretch, measure in ((1.01, np.inf), (0.99, -np.inf)):
         state.node.x[: sheet().n_node, 0] = stretch * sheet().nodes[:, 0]
-        assert table.weigh(state, 0.0) == measure
+        assert table.weigh(state) == measure
 
 
 def split_sheet():
@@ -139,7 +134,7 @@ def split_sheet():
     shell, state = cases.set_up(sheet())
     ways = partings_of(state, 17, shell.mass, NONE)
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
-    table.weigh(state, 0.0)
+    table.weigh(state)
     k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
     split_node(state, split_of(ways[k], table, k), shell, CohesiveLaw(), equilibrium_start=False)
     state.cable.half_edge[0] = [0.5, 0.2]
@@ -163,7 +158,7 @@ def test_cables_pull_on_their_side_until_they_break():
     ways = partings_of(state, 17, shell.mass, NONE)
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
-    table.weigh(state, 0.0)
+    table.weigh(state)
     shares = {side: share for side, _, _, share in way.cables}
     assert sum(shares.values()) == pytest.approx(1.0)
     pull = [shares[side] * state.cable.force[0, 0] for side in range(2)]
@@ -172,5 +167,5 @@ def test_cables_pull_on_their_side_until_they_break():
         table.force[0], (m1 * pull[1] - m2 * pull[0]) / (m1 + m2), rtol=1e-14
     )
     state.cable.status[0] = 2  # broken: nothing left
-    table.weigh(state, 0.0)
+    table.weigh(state)
     assert not table.force.any()

@@ -232,11 +232,11 @@ def test_corner_forces_add_up_to_the_nodal_force():
     shell, state = cases.set_up(mesh, damping_beta=2e-6)
     cases.forces_of(shell, state)
     cases.deform(state)
-    dt = state.dt = 1e-5
+    state.dt = 1e-5
     node = 5
     around = state.node.quads[node, : state.node.n_quad_at[node]]
     assert around.size == 4
-    parts = shell.corner_forces(state, around, np.full(4, node), dt)
+    parts = shell.corner_forces(state, around, np.full(4, node))
     whole = parts.sum(axis=0)
     _, by_x, _ = cases.forces_of(shell, state)
     scale = np.abs(parts).max()

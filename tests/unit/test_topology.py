@@ -7,8 +7,9 @@ from naive import cases
 from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Split
+from shellcut.fracture.flanks import cable_ends
 from shellcut.fracture.quad_fans import arriving, fans_of
-from shellcut.fracture.split_node import cable_ends, split_node
+from shellcut.fracture.split_node import split_node
 from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
@@ -258,3 +259,32 @@ def test_many_splits_outgrow_the_reserve():
     assert state.n_cable == 390
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
     check_cables(mesh, state)
+
+
+READERS = {
+    "add_forces": cases.forces_of,
+    "corner_forces": lambda shell, state: shell.corner_forces(
+        state, np.zeros(1, int), state.quads[0, :1]
+    ),
+    "tangents": lambda shell, state: shell.tangents(state, np.zeros(1, int)),
+    "tangent_product": lambda shell, state: shell.tangent_product(
+        state, *np.zeros((2, state.n_node, 3))
+    ),
+    "evaluate_frequencies": lambda shell, state: shell.evaluate_frequencies(
+        state, np.zeros(1, int)
+    ),
+}
+
+
+@pytest.mark.parametrize("read", READERS.values(), ids=READERS)
+def test_the_shell_follows_splits_and_other_states_by_itself(read):
+    mesh, shell, state = prepared()
+    at_rest = cases.set_up(mesh)[1]
+    read(shell, state)
+    for entry in SEQUENCE:
+        split_node(state, wanted_split(mesh, state, entry), shell, LAW, equilibrium_start=False)
+    for one in (state, at_rest, state):
+        read(shell, one)
+        np.testing.assert_array_equal(
+            shell.blocks.corner.transpose(0, 2, 1), one.quads[shell.blocks.quad]
+        )

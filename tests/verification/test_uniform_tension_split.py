@@ -62,7 +62,7 @@ def _split_middle_row(sim: Simulation, mesh: Mesh) -> list[float]:
     s, measures = sim.state, []
     assert sim.criterion is not None
     assert sim.law is not None
-    while due := sim.criterion.due(s, row, sim.pose, sim._dt):
+    while due := sim.criterion.due(s, row, sim.pose):
         for split in due:
             split_node(
                 s,

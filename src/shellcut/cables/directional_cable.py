@@ -48,7 +48,7 @@ from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
-from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
+from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State, local_edge_length
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
@@ -228,7 +228,7 @@ def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTa
     """
     edges, cables, onset = tables.edges, tables.cables, tables.law[7]
     segments, m = edges.segments, load(cables.m, c)
-    size = np.sqrt(4.0 * tables.nodes.contact_area[cables.ends[c, 0]])
+    size = local_edge_length(tables.nodes.contact_area[cables.ends[c, 0]])
     reach, deepest = _BESIDE_REACH * size, CUT_DEPTH * size
     minus = to_body(x_minus, pose)
     plus = to_body(x_plus, pose)

@@ -39,7 +39,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
-from shellcut.state import QuadsAtNodes, State
+from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
@@ -235,7 +235,7 @@ def _side_of_quads(
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
     x = nodes.x
     here = to_body(load(x, n), pose)
-    size = np.sqrt(4.0 * nodes.contact_area[n])
+    size = local_edge_length(nodes.contact_area[n])
     k_best = -1
     shallowest = np.inf
     for k in range(segments.shape[0]):
@@ -367,7 +367,7 @@ def _add_contact_forces(
         if offset[n] > 0.0:
             loaded = max(g - offset[n], 0.0)
             absorbed += stiffness * smoothed_integral(loaded, g_m)
-            edge_length = np.sqrt(4.0 * nodes.contact_area[n])
+            edge_length = local_edge_length(nodes.contact_area[n])
             offset[n] *= np.exp(-dt / (law.absorb_slowness * edge_length))
             # A node that has left may enter again: contact then acts at once.
             offset[n] = min(offset[n], max(g, 0.0))

@@ -25,7 +25,7 @@ from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import dot, load
-from shellcut.state import QuadsAtNodes, State
+from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
@@ -198,7 +198,7 @@ def _cut_nodes(
         for b in range(low.shape[0]):
             if not in_box(p, low, high, b):
                 continue
-            size = np.sqrt(4.0 * contact_area[n])
+            size = local_edge_length(contact_area[n])
             at_an_edge = nodes.halved[n] or (n < rim.shape[0] and rim[n]) or _holds(tips, n)
             reach = (_PASSED_REACH if at_an_edge else _PIERCED_REACH) * size
             deepest = CUT_DEPTH * size if at_an_edge else reach

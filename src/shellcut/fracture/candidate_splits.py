@@ -24,6 +24,7 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
+from .flanks import cable_shares
 from .quad_fans import arriving, fans_of, origin_edge
 
 # Cosines of two turns that count as the same.
@@ -155,37 +156,6 @@ def _cosine_of_turn(
     return float(arrive @ leave / np.sqrt((arrive @ arrive) * (leave @ leave)))
 
 
-def owns_flank(state: State, node: int, quads: tuple[int, ...], far_origin: int) -> bool:
-    """Whether one of the quads at a node has the edge to a far end of the given origin."""
-    for e in quads:
-        ring = state.quads[e].tolist()
-        a = ring.index(node)
-        if far_origin in (
-            int(state.node.origin[ring[(a + 1) % 4]]),
-            int(state.node.origin[ring[a - 1]]),
-        ):
-            return True
-    return False
-
-
-def cable_shares(state: State, node: int, quads: tuple[int, ...]) -> list[tuple[int, int, float]]:
-    """Return what of the cables on a node goes with some of its quads: (cable, end, share).
-
-    Each half-edge of a cable belongs to the quads that own its flank.
-    """
-    c = state.cable
-    which, side = np.nonzero(c.ends[: c.count] == node)
-    shares = []
-    for k, end in zip(which.tolist(), side.tolist(), strict=True):
-        mine = sum(
-            float(c.half_edge[k, i])
-            for i in range(2)
-            if c.half_edge[k, i] > 0 and owns_flank(state, node, quads, int(c.half_edge_far[k, i]))
-        )
-        shares.append((k, end, mine / float(c.half_edge[k].sum())))
-    return shares
-
-
 class _Ways(NamedTuple):
     """Partings as the kernel takes them: what lasts as long as the topology."""
 
@@ -293,8 +263,8 @@ class PartingTable:
             chord=self.chord,
         )
 
-    def weigh(self, state: State, dt: float) -> float:
-        """Write what the partings hold, for a step of length dt that has led to the positions.
+    def weigh(self, state: State) -> float:
+        """Write what the partings hold at the positions to which the last step has led.
 
         Returns
         -------
@@ -302,7 +272,7 @@ class PartingTable:
             The largest measure of all.
         """
         n, c = state.node, state.cable
-        corner_force = self._shell.corner_forces(state, self._quads, self._at, dt)
+        corner_force = self._shell.corner_forces(state, self._quads, self._at)
         self._loads.add_corner_forces(state, self._quads, self._at, corner_force)
         return self._weigh(n.x, n.t, self._fixed, corner_force, c.status, c.force, self._held)
 

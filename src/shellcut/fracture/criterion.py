@@ -185,19 +185,17 @@ class SplitCriterion:
         self.n_borrowed = 0
         """Nodes that took a neighbour's polynomial in the recovery, summed over all checks."""
 
-    def due(self, state: State, tips: Iterable[int], pose: Pose, dt: float) -> list[Split]:
+    def due(self, state: State, tips: Iterable[int], pose: Pose) -> list[Split]:
         """Return the splits that are due, strongest first, no two of them sharing a quad.
 
         Parameters
         ----------
         state : State
-            Positions at t_{n+1}, strains and cable forces of t_n.
+            Positions at t_{n+1} and the length of the step there, strains and cable forces of t_n.
         tips : iterable of int
             Present crack tips.
         pose : Pose
             Of the tool at t_{n+1}.
-        dt : float
-            Length of the step that led here [s].
         """
         self._forget(state)
         supported = state.node.supported
@@ -206,7 +204,7 @@ class SplitCriterion:
         cut: dict[int, Floats] = {}
         if self._blade is not None:
             cut = self._blade.cut_nodes(state, tips, self._rim, pose)
-            found += self._along_blade(state, cut, dt)
+            found += self._along_blade(state, cut)
         if self.fracture.candidates == "tips":
             nodes = tips
         else:
@@ -214,7 +212,7 @@ class SplitCriterion:
         if cut:
             nodes = [n for n in nodes if n not in cut]
         by_measure = self._by_force if self.fracture.criterion == "force" else self._by_stress
-        return _strongest_apart(found + by_measure(state, nodes, tips, dt))
+        return _strongest_apart(found + by_measure(state, nodes, tips))
 
     def saved(self) -> dict[str, Any]:
         """Return its count and the blade's list; the partings follow from the state."""
@@ -244,7 +242,7 @@ class SplitCriterion:
         self._table = None
         self._known.take(state)
 
-    def _weighed(self, state: State, nodes: list[int], dt: float) -> tuple[PartingTable, float]:
+    def _weighed(self, state: State, nodes: list[int]) -> tuple[PartingTable, float]:
         """Return the partings of some nodes, weighed, and the largest measure of them."""
         if self._table is None or self._nodes != nodes:
             mass, free = self._shell.mass, self._free_edges
@@ -256,12 +254,12 @@ class SplitCriterion:
                 self._shell, self._loads, self._strength, partings, self._weigh
             )
             self._nodes = nodes
-        return self._table, self._table.weigh(state, dt)
+        return self._table, self._table.weigh(state)
 
-    def _along_blade(self, state: State, cut: dict[int, Floats], dt: float) -> list[Split]:
+    def _along_blade(self, state: State, cut: dict[int, Floats]) -> list[Split]:
         if not cut:
             return []
-        table, _ = self._weighed(state, list(cut), dt)
+        table, _ = self._weighed(state, list(cut))
         found = []
         for i, trace in enumerate(cut.values()):
             # The crack through the node shall follow the trace, either way along it.
@@ -272,8 +270,8 @@ class SplitCriterion:
                 found.append(self._split(table, best, blade=True))
         return found
 
-    def _by_force(self, state: State, nodes: list[int], _tips: list[int], dt: float) -> list[Split]:
-        table, largest = self._weighed(state, nodes, dt)
+    def _by_force(self, state: State, nodes: list[int], _tips: list[int]) -> list[Split]:
+        table, largest = self._weighed(state, nodes)
         if largest < 1.0:
             return []
         # A uniform stress gives F_c = ½ h |chord| sigma·m whatever edges lead along the chord from
@@ -289,7 +287,7 @@ class SplitCriterion:
                     found.append(self._split(table, best))
         return found
 
-    def _by_stress(self, state: State, nodes: list[int], tips: list[int], dt: float) -> list[Split]:
+    def _by_stress(self, state: State, nodes: list[int], tips: list[int]) -> list[Split]:
         if not nodes:
             return []
         stress = recover(
@@ -303,7 +301,7 @@ class SplitCriterion:
         over = np.flatnonzero(stress.principal >= self._strength).tolist()
         if not over:
             return []
-        table, _ = self._weighed(state, [nodes[i] for i in over], dt)
+        table, _ = self._weighed(state, [nodes[i] for i in over])
         found = []
         for row, i in enumerate(over):
             ways = table.admissible(row, self._cos_limit)

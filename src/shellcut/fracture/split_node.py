@@ -15,8 +15,8 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOT_MET, SplitRecord, State
 
-from .candidate_splits import owns_flank
 from .criterion import Split
+from .flanks import cable_ends, half_edges, owned_half_edges
 
 
 def split_node(
@@ -35,7 +35,6 @@ def split_node(
     for e in split.plus:
         corner = int(np.flatnonzero(state.quads[e] == node)[0])
         state.quads[e, corner] = twin
-    shell.blocks.rewire(state.quads, np.array(split.plus))
     for half, quads in ((node, split.minus), (twin, split.plus)):
         n.n_quad_at[half] = len(quads)
         n.quads[half, : len(quads)] = sorted(quads)
@@ -49,7 +48,7 @@ def split_node(
         n.contact_side[half] = 0
         n.halved[half] = True
     for cable, end in loose:
-        _reattach(state, cable, end, node, twin, split, shell.material.thickness)
+        _reattach(state, cable, end, twin, split.plus, shell.material.thickness)
     if split.half_edges:
         _join(state, split, twin, shell.material.thickness, law, equilibrium_start)
     length = sum(half for _, half in split.half_edges)
@@ -71,13 +70,6 @@ def split_node(
         )
     )
     return twin
-
-
-def cable_ends(state: State, node: int) -> list[tuple[int, int]]:
-    """Return (cable, end) of the cables that hold a node, broken ones included."""
-    c = state.cable
-    which, end = np.nonzero(c.ends[: c.count] == node)
-    return list(zip(which.tolist(), end.tolist(), strict=True))
 
 
 def _join(
@@ -106,17 +98,12 @@ def _join(
 
 
 def _reattach(
-    state: State, cable: int, end: int, node: int, twin: int, split: Split, thickness: float
+    state: State, cable: int, end: int, twin: int, plus: tuple[int, ...], thickness: float
 ) -> None:
+    """Give the twin, which has the quads ``plus``, what it owns of a cable that held the node."""
     c = state.cable
-    to_twin = [
-        bool(c.half_edge[cable, i] > 0)
-        and owns_flank(state, twin, split.plus, int(c.half_edge_far[cable, i]))
-        for i in range(2)
-    ]
-    present = [bool(c.half_edge[cable, i] > 0) for i in range(2)]
-    moving = [i for i in range(2) if present[i] and to_twin[i]]
-    staying = [i for i in range(2) if present[i] and not to_twin[i]]
+    moving = owned_half_edges(state, cable, twin, plus)
+    staying = [i for i in half_edges(state, cable) if i not in moving]
     if not moving:
         return
     if not staying:

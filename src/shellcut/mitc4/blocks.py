@@ -44,7 +44,7 @@ class QuadBlocks:
     slot : ndarray of int32, shape (n_quad,)
         Place of each quad, width block + lane.
     corner : ndarray of int32, shape (n_block, 4, width)
-        Node ids; :meth:`rewire` keeps them up to date.
+        Node ids, a copy of ``State.quads``; the shell keeps it up to date by :meth:`rewire`.
     chain : ndarray of bool, shape (n_block,)
         Whether the node ids at every corner are consecutive; also kept up to date.
     flat_start, full_start : ndarray of int, shape (n_strip + 1,)

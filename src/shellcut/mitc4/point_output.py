@@ -33,7 +33,7 @@ from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads
 from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
 from .point_forces import point_resultants
-from .quad_strains import LinearTables, PointQuads, PointTables, Quads, strain_of
+from .quad_strains import PointQuads, PointTables, strain_of
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, strain_at, turn_strain
 
 
@@ -44,10 +44,9 @@ class PointOutput:
         self,
         material: ShellMaterial,
         blocks: QuadBlocks,
-        tables: LinearTables,
         points: PointTables,
     ) -> None:
-        self._blocks, self._tables, self._points = blocks, tables, points
+        self._blocks, self._points = blocks, points
         place, weight = points.rule.place, points.rule.weight
         off = np.abs(place)
         middle = off <= off.min() + 1e-9 * material.thickness
@@ -70,13 +69,15 @@ class PointOutput:
             )
             self._history_share[name] = has * weight / (has @ weight), column
 
-    def cauchy(self, state: State, which: Ints, place: str) -> Floats:
+    def cauchy(self, state: State, quads: PointQuads, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
 
         Parameters
         ----------
         state : State
-            Present positions, history of t_n.
+            History of t_n.
+        quads : PointQuads
+            All quads of this state.
         which : ndarray of int, shape (n,)
             The quads asked for.
         place : {"mid", "top", "bottom", "nominal"}
@@ -84,12 +85,12 @@ class PointOutput:
         """
         check_place(place)
         which = check_quads(which, len(state.quads))
-        return self._stress(state, which, [place])[0][:, 0]
+        return self._stress(state, quads, which, [place])[0][:, 0]
 
-    def faces(self, state: State) -> FaceStresses:
+    def faces(self, state: State, quads: PointQuads) -> FaceStresses:
         """Return the stresses of membrane, top and bottom, and the thickness of all quads."""
         n = len(state.quads)
-        sigma, thickness = self._stress(state, np.arange(n), ["membrane", "top", "bottom"])
+        sigma, thickness = self._stress(state, quads, np.arange(n), ["membrane", "top", "bottom"])
         axes = _lamina(state.node.x, state.quads)
         plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
         s11, s22, s12 = plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]
@@ -115,26 +116,24 @@ class PointOutput:
             means[name] = rows[self._blocks.slot]
         return means
 
-    def resultants(self, x: Floats, t: Floats, which: Ints, history: Floats) -> Floats:
+    def resultants(self, quads: PointQuads, which: Ints, history: Floats) -> Floats:
         """Return the resultants r of some quads from the law, shape (n, 16)."""
         resultants = np.empty((which.size, N_STRAIN))
         _resultants(
             slot=self._blocks.slot[which],
-            quads=self._quads(x, t),
+            quads=quads,
             history=history,
             resultants=resultants,
         )
         return resultants
 
-    def _quads(self, x: Floats, t: Floats) -> PointQuads:
-        blocks = self._blocks
-        return PointQuads(Quads(x, t, blocks.corner, blocks.chain, self._tables), self._points)
-
-    def _stress(self, state: State, which: Ints, places: list[str]) -> tuple[Floats, Floats]:
+    def _stress(
+        self, state: State, quads: PointQuads, which: Ints, places: list[str]
+    ) -> tuple[Floats, Floats]:
         sigma, thickness = np.zeros((len(which), len(places), 3, 3)), np.zeros(len(which))
         _stresses(
             slot=self._blocks.slot[which],
-            quads=self._quads(state.node.x, state.node.t),
+            quads=quads,
             history=state.history,
             share=np.stack([self._share[place] for place in places]),
             nominal=places == ["nominal"],

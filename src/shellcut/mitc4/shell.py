@@ -118,16 +118,14 @@ class MITC4Shell:
             for kernel, start in zip(kernels, starts, strict=True)
             if start[0] < start[-1]
         ]
-        self._lasting: Quads | PointQuads | None = None
+        self._present: PointQuads | None = None
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
         self._known = KnownTopology()
         self._centre_stress = CentreStress(mesh, material) if material.is_linear else None
         self._point_output = (
-            None
-            if material.is_linear
-            else PointOutput(material, self.blocks, self.tables, self.points)
+            None if material.is_linear else PointOutput(material, self.blocks, self.points)
         )
         self._history = self._history_at_rest()
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
@@ -189,16 +187,13 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        threads, damped = self._workers.count, self.damping_beta > 0.0
-        rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
+        threads, damping = self._workers.count, self._damping(state)
+        damped, rho = damping.damped, damping.rho
         sums = np.zeros((self.blocks.n_strip, 3))
         rows = state.node.force_rows
-        damping = QuadStep(damped, rho, state.strain, state.strain_before)
-        points = self.has_points
+        present, points = self._quads_of(state), self.has_points
         step = PointStep(damping, state.history, state.dt) if points else damping
-        if not self._known.is_of(state):
-            self._collect(state)
-        quads = self._lasting
+        quads = present if points else present.quads
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(min(2, len(sums))):
@@ -216,40 +211,47 @@ class MITC4Shell:
             return Work(p0, 0.5 * rho * p1, p2)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
 
-    def _collect(self, state: State) -> None:
-        """Build the arguments of the kernels, valid until the next split."""
-        quads = self._quads(state.node.x, state.node.t)
-        self._lasting = PointQuads(quads, self.points) if self.has_points else quads
-        self._known.take(state)
+    def _damping(self, state: State) -> QuadStep:
+        """Return the strains and the damping of the step that has led to t_n."""
+        rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
+        return QuadStep(self.damping_beta > 0.0, rho, state.strain, state.strain_before)
 
-    def _quads(self, x: Floats, t: Floats) -> Quads:
-        return Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
+    def _quads_of(self, state: State) -> PointQuads:
+        """Return the quads of a state as kernels take them.
 
-    def corner_forces(self, state: State, quads: Ints, nodes: Ints, dt: float) -> Floats:
+        ``State.quads`` says which nodes a quad has; the blocks follow it here, after every split.
+        """
+        if self._present is None or not self._known.is_of(state):
+            self.blocks.rewire(state.quads, self._known.changed_quads(state))
+            self._present = self._at(state.node.x, state.node.t)
+            self._known.take(state)
+        return self._present
+
+    def _at(self, x: Floats, t: Floats) -> PointQuads:
+        """Return the quads as they stand in the blocks, their nodes at any place."""
+        quads = Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
+        return PointQuads(quads, self.points)
+
+    def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].
 
         Parameters
         ----------
         state : State
-            Positions at t_{n+1}, strains of t_n.
+            Positions at t_{n+1}, strains of t_n, length of the step between.
         quads, nodes : ndarray of int, shape (n,)
             Quad, and one of its nodes.
-        dt : float
-            Length of the step between the two [s].
 
         Returns
         -------
         ndarray, shape (n, 3)
         """
         force = np.empty((quads.size, 3))
-        node = state.node
-        rho = self.damping_beta / dt if dt > 0 else 0.0
-        step = QuadStep(self.damping_beta > 0.0, rho, state.strain, state.strain_before)
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            PointQuads(self._quads(node.x, node.t), self.points),
-            PointStep(step, state.history, dt),
+            self._quads_of(state),
+            PointStep(self._damping(state), state.history, state.dt),
             force,
         )
         return force
@@ -281,7 +283,7 @@ class MITC4Shell:
             Components in space.
         """
         if self._point_output is not None:
-            return self._point_output.cauchy(state, quads, place)
+            return self._point_output.cauchy(state, self._quads_of(state), quads, place)
         assert self._centre_stress is not None
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
@@ -322,7 +324,7 @@ class MITC4Shell:
     def face_stresses(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
         if self._point_output is not None:
-            return self._point_output.faces(state)
+            return self._point_output.faces(state, self._quads_of(state))
         assert self._centre_stress is not None
         return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
 
@@ -348,8 +350,7 @@ class MITC4Shell:
         bent : ndarray, shape (n, 16), optional
             Part of the strains that is subtracted for the stresses in the stiffness.
         """
-        node = state.node
-        return self._tangents(node.x, node.t, quads, bent)
+        return self._tangents_at(self._quads_of(state), quads, bent)
 
     def tangent_product(
         self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
@@ -361,10 +362,10 @@ class MITC4Shell:
         [N·mm] of that shape.
         """
         rows = np.zeros((state.n_node, 6))
-        node, slot = state.node, self.blocks.slot
+        slot = self.blocks.slot
         add_tangent_products(
             slot=slot,
-            quads=self._quads(node.x, node.t),
+            quads=self._quads_of(state).quads,
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
             dx=np.asfortranarray(displacement),
             dt=np.asfortranarray(turn),
@@ -372,15 +373,23 @@ class MITC4Shell:
         )
         return rows[:, :3], rows[:, 3:]
 
-    def _tangents(self, x: Floats, t: Floats, quads: Ints, bent: Floats | None = None) -> Floats:
+    def evaluate_frequencies(self, state: State, quads: Ints) -> None:
+        """Evaluate the frequencies of some quads anew, at the present positions and directors."""
+        self._quads_of(state)
+        self.frequencies.evaluate(state.node.x, state.node.t, state.quads, quads)
+
+    def _tangents(self, x: Floats, t: Floats, quads: Ints) -> Floats:
+        return self._tangents_at(self._at(x, t), quads)
+
+    def _tangents_at(self, present: PointQuads, quads: Ints, bent: Floats | None = None) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
         make = quad_tangents
         if self._point_output is not None:
             make = stressed_tangents
-            bent = self._point_output.resultants(x, t, quads, self._history)
+            bent = self._point_output.resultants(present, quads, self._history)
         make(
             slot=self.blocks.slot[quads],
-            quads=self._quads(x, t),
+            quads=present.quads,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
             tangent=tangent,
         )

@@ -28,6 +28,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numba as nb
 from numba.core import event
+from numba.extending import register_jitable
 
 from .kernel_tables import check_tables
 
@@ -107,6 +108,15 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
     """
     compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
     return compiled
+
+
+def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile scalar arithmetic as :func:`inline` does; from Python it is the plain function.
+
+    For one formula that kernels need for a number and NumPy for a whole array.
+    """
+    shared: Callable[P, R] = register_jitable(**_OPTIONS)(function)
+    return shared
 
 
 def always_inline(function: Callable[P, R]) -> Callable[P, R]:

@@ -31,7 +31,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.fracture.quad_fans import arriving, fans_of
 from shellcut.simulation.simulation import Simulation
-from shellcut.state import JOINTED, NOT_MET
+from shellcut.state import JOINTED, NOT_MET, local_edge_length
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
@@ -181,7 +181,7 @@ class CutFront:
             b = np.copysign(1.0, curvature) * b
             way = radius * np.mod(np.arctan2(a, radius - b), 2.0 * np.pi)
             beside = np.abs(np.hypot(a, radius - b) - radius)
-        size = np.sqrt(4.0 * n.contact_area[others])
+        size = local_edge_length(n.contact_area[others])
         through = np.abs(gap @ np.cross(first, second))  # the far side of a tube is no obstacle
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))

@@ -124,11 +124,11 @@ class _Swing:
         return result.kinetic_translation + result.kinetic_rotation
 
     def _look(self, step: int) -> None:
-        n, quads, frequencies = self._state.node, self._state.quads, self._shell.frequencies
+        n, quads = self._state.node, self._state.quads
         if step % _EVALUATE_EVERY == 0:
-            frequencies.evaluate(n.x, n.t, quads, self._everything)
+            self._shell.evaluate_frequencies(self._state, self._everything)
         elif step % _LOOK_EVERY == 0:
-            frequencies.follow(n.x, n.t, quads)
+            self._shell.frequencies.follow(n.x, n.t, quads)
         else:
             return
         self._next = _SAFETY * self._time_step.bound(self._state)

@@ -408,8 +408,6 @@ class Simulation:
         """Take over :meth:`saved` of another simulation of the same inputs, in place of t_0."""
         s = self.state
         s.restore(saved["state"])
-        split = np.flatnonzero((s.quads != self.mesh.quads).any(axis=1))
-        self.shell.blocks.rewire(s.quads, split)
         self.ledger = Ledger(**saved["ledger"])
         self.shell.frequencies.restore(saved["frequencies"])
         self.time_step.restore(saved["time_step"])
@@ -442,7 +440,7 @@ class Simulation:
         assert self.criterion is not None
         assert self.law is not None
         start = self.fracture.equilibrium_start
-        for split in self.criterion.due(s, self.tips, self.pose, s.dt):
+        for split in self.criterion.due(s, self.tips, self.pose):
             touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
             twin = split_node(s, split, self.shell, self.law, equilibrium_start=start)
             tips = {n for n in self.tips if n not in touched}

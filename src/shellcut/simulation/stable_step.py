@@ -209,7 +209,7 @@ class StableStep:
 
     def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
         """Return the safe step of some quads [s], those that limit it being evaluated."""
-        n, frequencies = state.node, self._shell.frequencies
+        frequencies = self._shell.frequencies
         known = self._known[quads]
         steps = self._steps(frequencies.squared[quads], omega_c2)
         while True:
@@ -218,7 +218,7 @@ class StableStep:
             if open_.size == 0:
                 return float(steps.min(initial=np.inf))
             worst = open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]
-            frequencies.evaluate(n.x, n.t, state.quads, quads[worst])
+            self._shell.evaluate_frequencies(state, quads[worst])
             steps[worst] = self._steps(frequencies.squared[quads[worst]], omega_c2[worst])
             known[worst] = self._known[quads[worst]] = True
 
