@@ -206,7 +206,7 @@ def test_a_loaded_simulation_is_the_saved_one(whole, tmp_path):
 def test_what_the_criterion_keeps_is_what_it_would_find_again():
     # Splits beside a crack divide its cables, and with them the partings on the other flank.
     sim = cutting(**RUNS["all"])
-    criterion, divided = sim.criterion, 0
+    criterion, divided = sim.cracks.criterion, 0
     while sim.state.time < END:
         sim.step()
         if sim.state.step % 5 == 0:

@@ -111,7 +111,7 @@ def test_run_in_parts_is_the_whole_run_bit_by_bit(whole):
 def test_hooks_do_not_change_a_bit(whole):
     def read(sim):
         sim.close_ledger()
-        return sim.time_step.bound(sim.state), sim.criterion.n_borrowed
+        return sim.time_step.bound(sim.state), sim.cracks.criterion.n_borrowed
 
     sampler = Sampler(1e-6, read)
     sim = cutting()
@@ -146,7 +146,7 @@ def test_without_a_law_nothing_splits():
     sim = cutting(law=None)
     sim.run(2e-5)
     assert sim.state.revision == 0
-    assert sim.criterion is None
+    assert sim.cracks is None
 
 
 def test_last_step_is_not_shortened():

@@ -75,7 +75,8 @@ def _check_path(sim: Simulation, notched: bool) -> None:
     # from it. On a strip of 16 mm it stays within 2.5 there too.
     edge = PATH - 0.05
     assert edge - SIZE < reached[-1] < edge + 3.5 * SIZE
-    assert len(sim.tips) == 1
+    assert sim.cracks is not None
+    assert len(sim.cracks.tips) == 1
 
 
 @pytest.mark.parametrize("notched", [True, False], ids=["notch", "free edge"])

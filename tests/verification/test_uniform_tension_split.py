@@ -60,9 +60,9 @@ def _split_middle_row(sim: Simulation, mesh: Mesh) -> list[float]:
     """Split all nodes at half the length as the criterion says; return its measures."""
     row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9).tolist()
     s, measures = sim.state, []
-    assert sim.criterion is not None
+    assert sim.cracks is not None
     assert sim.law is not None
-    while due := sim.criterion.due(s, row, sim.pose):
+    while due := sim.cracks.criterion.due(s, row, sim.pose):
         for split in due:
             split_node(
                 s,

@@ -124,7 +124,7 @@ class CutFront:
         rows = np.zeros((self._n_chain, 4))
         rows[:, 0] = np.bincount(chain, length, self._n_chain)
         rows[:, 1] = np.bincount(chain[holds], length[holds], self._n_chain)
-        tips = np.array(sim.tips, np.int64)
+        tips = np.array(sim.cracks.tips if sim.cracks else [], np.int64)
         obstacles = self._obstacles(sim, tips)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]

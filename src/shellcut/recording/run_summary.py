@@ -66,7 +66,7 @@ def run_summary(
         "n_cable_jointed": sim.cables.n_joint_made,
         "n_cable_broken": sim.cables.n_broken,
         "crack_length_mm": s.crack_length,
-        "n_recovery_borrowed": sim.criterion.n_borrowed if sim.criterion else 0,
+        "n_recovery_borrowed": sim.cracks.criterion.n_borrowed if sim.cracks else 0,
         "deepest_penetration_mm": sim.contact.deepest if sim.contact else 0.0,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness if sim.contact else 0.0,
         "unfelt_penetration_mm": unfelt,

@@ -10,12 +10,17 @@ seen is stopped. A run that misses a few per cent goes on, and the verdict judge
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
 
 from .ledger import Ledger
-
-if TYPE_CHECKING:
-    from .simulation import Simulation
+from .stable_step import StableStep
 
 CHECK_EVERY = 50
 """Steps between two looks at the ledger."""
@@ -90,73 +95,104 @@ class BalanceGuard:
         self._largest, self._at_start = saved["largest"], saved["at_start"]
 
 
-def most_strain_energy(stretching: float, area: float) -> float:
-    """Return the strain energy [N·mm] at which a film has blown up.
+class StabilityGuard:
+    """Gives up a solution that has blown up or lost its energy balance, and says why.
 
     Parameters
     ----------
-    stretching : float
-        Membrane stiffness, the sum of E h over the layers [N/mm].
-    area : float
-        Of the film [mm²].
+    mesh : Mesh
+        Reference mid-surface.
+    shell : MITC4Shell
+        Knows the material and the strained quads.
+    law : CohesiveLaw, optional
+        Of the cables.
+    time_step : StableStep
+        Knows the safe step.
     """
-    return _EXPLODED * stretching * area
 
+    def __init__(
+        self, mesh: Mesh, shell: MITC4Shell, law: CohesiveLaw | None, time_step: StableStep
+    ) -> None:
+        self._shell, self._law, self._time_step = shell, law, time_step
+        material, areas = shell.material, mesh.quad_areas()
+        stretching = material.stretching_stiffness
+        tearing = law.fracture_energy * material.thickness if law else 0.0
+        self.most_strain = _EXPLODED * stretching * float(areas.sum())
+        """Strain energy at which the film has blown up [N·mm]."""
+        self._balance = BalanceGuard(stretching, float(np.median(areas)), tearing)
 
-def blown_up(sim: Simulation) -> UnstableStep:
-    """Return the error of a film that has blown up."""
-    s = sim.state
-    if s.dt == 0.0:
+    def check_strain(self, state: State, book: Ledger) -> None:
+        """Raise UnstableStep if the film has blown up."""
+        if not book.strain <= self.most_strain:
+            raise self._blown_up(state)
+
+    def check_balance(self, state: State, book: Ledger) -> None:
+        """Raise BalanceLost if the ledger misses too much; it is looked at every CHECK_EVERY."""
+        if state.step == 1:
+            self._balance.begin(book)
+        elif state.step % CHECK_EVERY == 0 and self._balance.lost(book):
+            raise self._balance_lost(state, book)
+
+    def saved(self) -> dict[str, Any]:
+        """Return what the guard of the balance keeps."""
+        return self._balance.saved()
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._balance.restore(saved)
+
+    def _blown_up(self, s: State) -> UnstableStep:
+        worst = self._worst_quad(s)
+        if s.dt == 0.0:
+            return UnstableStep(
+                f"the film is strained beyond all measure before the first step: {worst} is not "
+                "finite or explodes; no step has been taken, it is the positions it starts from: "
+                "check what moved its nodes"
+            )
         return UnstableStep(
-            f"the film is strained beyond all measure before the first step: {_worst_quad(sim)} is "
-            "not finite or explodes; no step has been taken, it is the positions it starts from: "
-            "check what moved its nodes"
+            f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
+            f"{worst} is no longer finite or explodes; the safe step was "
+            f"{self._time_step.bound(s):.4g} s: lower Stepping.safety, or leave Stepping.fixed "
+            "unset"
         )
-    return UnstableStep(
-        f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
-        f"{_worst_quad(sim)} is no longer finite or explodes; the safe step was "
-        f"{sim.time_step.bound(s):.4g} s: lower Stepping.safety, or leave Stepping.fixed unset"
-    )
 
+    def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
+        entries = ", ".join(
+            f"{name} {energy:.4g}" for name, energy in book.entries().items() if energy
+        )
+        return BalanceLost(
+            f"the energy balance is lost at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
+            f"{self._balance.missing(book):.4g} N·mm are missing, more than "
+            f"{100 * LOST_SHARE:.0f} % of the largest energy so far (now {entries} N·mm); "
+            f"{self._worst_quad(s)} is strained most. {' '.join(self._likely_causes(s))}"
+        )
 
-def balance_lost(sim: Simulation, missing: float) -> BalanceLost:
-    """Return the error of a run whose ledger misses so much [N·mm]."""
-    s, book = sim.state, sim.ledger
-    entries = ", ".join(f"{name} {energy:.4g}" for name, energy in book.entries().items() if energy)
-    return BalanceLost(
-        f"the energy balance is lost at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
-        f"{missing:.4g} N·mm are missing, more than {100 * LOST_SHARE:.0f} % of the largest "
-        f"energy so far (now {entries} N·mm); {_worst_quad(sim)} is strained most. "
-        f"{' '.join(_likely_causes(sim))}"
-    )
+    def _worst_quad(self, s: State) -> str:
+        quad = self._shell.most_strained_quad(s)
+        centre = s.node.X[s.quads[quad]].mean(axis=0)
+        return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
 
-
-def _worst_quad(sim: Simulation) -> str:
-    s = sim.state
-    quad = sim.shell.most_strained_quad(s)
-    centre = s.node.X[s.quads[quad]].mean(axis=0)
-    return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
-
-
-def _likely_causes(sim: Simulation) -> list[str]:
-    """Return what to look at, what is plainly wrong first."""
-    causes = []
-    young = max(layer.material.stretching_modulus for layer in sim.material.layers)
-    if sim.law is not None and sim.law.strength > young:
+    def _likely_causes(self, s: State) -> list[str]:
+        """Return what to look at, what is plainly wrong first."""
+        causes = []
+        layers, law = self._shell.material.layers, self._law
+        young = max(layer.material.stretching_modulus for layer in layers)
+        if law is not None and law.strength > young:
+            causes.append(
+                f"The strength of the cables, {law.strength:.4g} MPa, is above Young's modulus of "
+                f"the film, {young:.4g} MPa: is it in Pa?"
+            )
+        stepping = self._time_step.stepping
+        safe = self._time_step.bound(s)
+        if stepping.fixed is not None and stepping.fixed > safe:
+            causes.append(
+                f"Stepping.fixed = {stepping.fixed:.4g} s is above the safe step, {safe:.4g} s: "
+                "leave it unset."
+            )
         causes.append(
-            f"The strength of the cables, {sim.law.strength:.4g} MPa, is above Young's modulus of "
-            f"the film, {young:.4g} MPa: is it in Pa?"
+            "Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, put the "
+            "blade's path into the mesh (imprint), or lower Stepping.safety, now "
+            f"{stepping.safety:.3g}. A state changed by hand between two steps has no balance "
+            "either."
         )
-    stepping = sim.time_step.stepping
-    safe = sim.time_step.bound(sim.state)
-    if stepping.fixed is not None and stepping.fixed > safe:
-        causes.append(
-            f"Stepping.fixed = {stepping.fixed:.4g} s is above the safe step, {safe:.4g} s: "
-            "leave it unset."
-        )
-    causes.append(
-        "Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, put the "
-        "blade's path into the mesh (imprint), or lower Stepping.safety, now "
-        f"{stepping.safety:.3g}. A state changed by hand between two steps has no balance either."
-    )
-    return causes
+        return causes

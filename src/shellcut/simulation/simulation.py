@@ -15,9 +15,8 @@ from shellcut.central_difference import CentralDifference
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
-from shellcut.fracture.criterion import Fracture, SplitCriterion
-from shellcut.fracture.quad_fans import boundary_edges, crack_tips, is_tip, open_edges
-from shellcut.fracture.split_node import split_node
+from shellcut.fracture.cracks import Cracks
+from shellcut.fracture.criterion import Fracture
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -31,7 +30,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
-from .instability import CHECK_EVERY, BalanceGuard, balance_lost, blown_up, most_strain_energy
+from .instability import StabilityGuard
 from .ledger import Ledger
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
@@ -148,19 +147,13 @@ class Simulation:
         self.shell = MITC4Shell(
             mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
         )
-        stretching = material.stretching_stiffness
-        areas = mesh.quad_areas()
-        self._most_strain = most_strain_energy(stretching, float(areas.sum()))
-        tearing = law.fracture_energy * material.thickness if law else 0.0
-        typical = float(np.median(areas))
-        self._balance = BalanceGuard(stretching, typical, tearing)
         self.supports = SupportSet(mesh, supports)
         self.loads = LoadSet(mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
         self.contact = None
         if tool is not None:
-            edge_length = float(np.sqrt(typical))
+            edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
             self.contact = PenaltyContact(tool, contact or Contact(), material, edge_length)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
         touching: list[ToolTerm] = [self.contact] if self.contact is not None else []
@@ -183,21 +176,11 @@ class Simulation:
                 raise ValueError(f"velocity must be finite, is not at nodes {bad}")
             self.state.node.velocity_half[: mesh.n_node] = velocity
         self.fracture = fracture or Fracture()
-        self.criterion = None
-        self.tips: list[int] = []
+        self.cracks = None
         if law is not None:
-            precut = frozenset(open_edges(self.state))
-            self.criterion = SplitCriterion(
-                self.fracture,
-                law.strength,
-                self.shell,
-                self.loads,
-                tool,
-                precut,
-                np.unique(boundary_edges(self.state)),
-            )
-            self.tips = crack_tips(self.state)
+            self.cracks = Cracks(self.state, self.fracture, law, self.shell, self.loads, tool)
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
+        self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
@@ -238,15 +221,12 @@ class Simulation:
         s.time += self._dt
         s.dt = self._dt
         self._place_tool()
-        if self.criterion is not None and s.step % self.fracture.check_every == 0:
-            self._split_due_nodes()  # 3 topology
+        if self.cracks is not None:
+            self.cracks.split_due(s, self.pose)  # 3 topology
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
-        if s.step == 1:
-            self._balance.begin(self.ledger)
-        elif s.step % CHECK_EVERY == 0 and self._balance.lost(self.ledger):
-            raise balance_lost(self, self._balance.missing(self.ledger))
+        self._guard.check_balance(s, self.ledger)
         self._dt = dt_next
         self._between_steps = True
 
@@ -257,8 +237,7 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
-        if not book.strain <= self._most_strain:
-            raise blown_up(self)
+        self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
@@ -337,7 +316,7 @@ class Simulation:
                 self.time_step,
                 tolerance=tolerance,
                 most_steps=most_steps,
-                most_strain=self._most_strain,
+                most_strain=self._guard.most_strain,
                 before=before,
             )
         finally:  # also where rest was not reached: a run may begin from there
@@ -387,15 +366,14 @@ class Simulation:
             "ledger": asdict(self.ledger),
             "frequencies": self.shell.frequencies.saved(),
             "time_step": self.time_step.saved(),
-            "tips": np.array(self.tips, np.int64),
             "pose": self.pose._asdict(),
             "tool_terms": self.tool_terms.saved(),
             "mass_damping": self._mass_damping,
             "dt": self._dt,
-            "balance": self._balance.saved(),
+            "balance": self._guard.saved(),
         }
-        if self.criterion is not None:
-            saved["criterion"] = self.criterion.saved()
+        if self.cracks is not None:
+            saved["cracks"] = self.cracks.saved()
         return saved
 
     def __reduce_ex__(self, protocol: object) -> NoReturn:
@@ -411,13 +389,12 @@ class Simulation:
         self.ledger = Ledger(**saved["ledger"])
         self.shell.frequencies.restore(saved["frequencies"])
         self.time_step.restore(saved["time_step"])
-        self.tips = saved["tips"].tolist()
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
-        self._balance.restore(saved["balance"])
+        self._guard.restore(saved["balance"])
         self.pose = Pose(**saved["pose"]).copied()
         self.tool_terms.restore(s, self.pose, saved["tool_terms"])
-        if self.criterion is not None:
-            self.criterion.restore(s, saved["criterion"])
+        if self.cracks is not None:
+            self.cracks.restore(s, saved["cracks"])
 
     def _serve(self, hooks: Sequence[Hook]) -> bool:
         going = True
@@ -434,15 +411,3 @@ class Simulation:
     def _place_tool(self) -> None:
         if self.motion is not None:
             self.pose = Pose.of(*self.motion.pose(self.state.time))
-
-    def _split_due_nodes(self) -> None:
-        s = self.state
-        assert self.criterion is not None
-        assert self.law is not None
-        start = self.fracture.equilibrium_start
-        for split in self.criterion.due(s, self.tips, self.pose):
-            touched = np.unique(s.quads[[*split.minus, *split.plus]]).tolist()
-            twin = split_node(s, split, self.shell, self.law, equilibrium_start=start)
-            tips = {n for n in self.tips if n not in touched}
-            tips |= {n for n in (*touched, twin) if is_tip(s, n)}
-            self.tips = sorted(tips)
