@@ -8,7 +8,7 @@ import pytest
 
 import shellcut
 from shellcut.numerics import jit as _jit
-from shellcut.numerics.jit import bound, bound_once, kernel
+from shellcut.numerics.jit import always_inline, bound, bound_once, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -70,3 +70,20 @@ def test_bound_once_binds_once(monkeypatch):
     call = bound_once(_scaled_sum)
     assert [call(np.arange(3.0), 2.0) for _ in range(3)] == [6.0] * 3
     assert len(count) == 1
+
+
+@always_inline
+def _tripled(number):
+    return 3.0 * number
+
+
+@kernel
+def _tripled_sum(numbers):
+    return _tripled(numbers.sum())
+
+
+def test_python_is_told_that_a_function_is_only_for_kernels():
+    for _ in range(2):  # before it is compiled, and after
+        with pytest.raises(TypeError, match="_tripled is inlined into kernels, Python cannot call"):
+            _tripled(2.0)
+        assert _tripled_sum(np.array([2.0])) == 6.0

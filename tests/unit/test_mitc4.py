@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from from_python import from_python
 from naive import cases
 from naive import shell as naive
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
@@ -21,6 +22,8 @@ from shellcut.numerics.jit import kernel
 
 EPS = np.finfo(float).eps
 
+_modes, _products, _nodal_forces = map(from_python, (modes, products, nodal_forces))
+
 
 def a_quad(seed=0):
     """Corners of a skewed, warped quad and directors that are neither equal nor normal to it."""
@@ -31,13 +34,13 @@ def a_quad(seed=0):
 
 
 def modes_of(v):
-    return modes(*(tuple(corner) for corner in v.tolist()))
+    return _modes(*(tuple(corner) for corner in v.tolist()))
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_products_are_those_of_the_modes(seed):
     x, t = a_quad(seed)
-    m = products(modes_of(x), modes_of(t))
+    m = _products(modes_of(x), modes_of(t))
     # Round-off: sums of some ten products of numbers of size four.
     np.testing.assert_allclose(m, naive.products(x, t), rtol=0, atol=256 * EPS)
 
@@ -54,7 +57,7 @@ def test_products_hold_the_strains_at_every_point(xi, eta):
 def test_nodal_forces_are_the_derivative_of_each_product(k):
     x, t = a_quad(7)
     r = tuple(float(k == i) for i in range(N_STRAIN))
-    forces = -np.array(nodal_forces(modes_of(x), modes_of(t), r))
+    forces = -np.array(_nodal_forces(modes_of(x), modes_of(t), r))
     tiny = 1e-30  # a complex step has no cancellation: exact to round-off
     for first, which in ((0, 0), (3, 1)):
         for a in range(4):
@@ -108,7 +111,9 @@ def test_flat_and_full_stiffness_agree_on_a_flat_quad():
     table = np.repeat(numbers[:, :, None], 8, axis=2)
     s = np.random.default_rng(2).uniform(-1, 1, N_STRAIN)
     s[6:12] /= cases.FILM.thickness  # so that bending weighs as much as stretching
-    r = np.array(flat_resultants(table, flat_moduli(cases.FILM), 0, 0, tuple(s.tolist())))
+    r = np.array(
+        from_python(flat_resultants)(table, flat_moduli(cases.FILM), 0, 0, tuple(s.tolist()))
+    )
     H = np.zeros((16, 16))
     H[np.triu_indices(16)] = full_stiffness(X, T, cases.FILM)[0]
     H += np.triu(H, 1).T

@@ -19,7 +19,6 @@ from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
-from .jit import always_inline
 from .lane_arithmetic import broadcast
 from .lane_instructions import LanesType
 
@@ -79,7 +78,11 @@ def _square_root(a):
     return lambda a: np.sqrt(a)
 
 
-@always_inline
 def larger(a: Number, b: Number) -> Number:
     """Return the larger of two numbers; the first if they are equal or ``b`` is nan."""
     return where_above(b, a, b, a)
+
+
+@overload(larger, jit_options=_OPTIONS)
+def _larger(a, b):
+    return lambda a, b: where_above(b, a, b, a)
