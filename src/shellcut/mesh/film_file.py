@@ -18,7 +18,7 @@ import scipy
 from shellcut.arrays import Floats, Ints
 from shellcut.formats.abaqus import read_abaqus
 from shellcut.formats.errors import FileError, named
-from shellcut.formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, FileMesh
+from shellcut.formats.file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import unit_in_mm
 from shellcut.formats.lsdyna import read_lsdyna
@@ -145,6 +145,49 @@ def read_film(
     return mesh
 
 
+class _Cells:
+    # The cells of a file by kind; numbers count all cells in the order of the file.
+
+    def __init__(self, file: FileMesh, leave_out: Collection[str]):
+        self.nodes: dict[str, list[Ints]] = {LINE: [], TRIANGLE: [], QUAD: []}
+        self.numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
+        self.triangle_labels: list[str] = []
+        self.number_of_line = np.full(file.n_cell, -1, dtype=np.int64)
+        self.point_of = np.full(file.n_cell, -1, dtype=np.int64)
+        self.left_out: list[tuple[str, int]] = []
+        self.problems: list[str] = []
+        first = n_line = 0
+        for block in file.blocks:
+            number = first + np.arange(len(block.nodes))
+            first += len(block.nodes)
+            if block.kind == QUAD:
+                self._add_quads(block, number)
+            elif block.kind == TRIANGLE:
+                self.nodes[TRIANGLE].append(block.nodes)
+                self.numbers[TRIANGLE].append(number)
+                self.triangle_labels += [str(label) for label in block.labels]
+            elif block.kind == LINE:
+                self.nodes[LINE].append(block.nodes)
+                self.number_of_line[number] = n_line + np.arange(len(number))
+                n_line += len(number)
+            elif block.kind == POINT:
+                self.point_of[number] = block.nodes[:, 0]
+            elif block.kind in leave_out:
+                self.left_out.append((block.kind, len(number)))
+            else:
+                self.problems.append(
+                    f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
+                )
+
+    def _add_quads(self, block: CellBlock, number: Ints) -> None:
+        # some are triangles, with one node twice
+        for kind, rows, corners in _parted(block.nodes):
+            self.nodes[kind].append(corners)
+            self.numbers[kind].append(number[rows])
+            if kind == TRIANGLE:
+                self.triangle_labels += [str(block.labels[i]) for i in rows.tolist()]
+
+
 class _Film:
     # The mesh on its way from the file's form to that of the package; each step logs its changes.
 
@@ -163,60 +206,35 @@ class _Film:
 
     def _sort_cells(self, file: FileMesh, leave_out: Collection[str]) -> None:
         # sheet cells get their own numbers, quads first; groups are split by kind
-        cells: dict[str, list[Ints]] = {POINT: [], LINE: [], TRIANGLE: [], QUAD: []}
-        labels: dict[str, list[str]] = {QUAD: [], TRIANGLE: []}
-        numbers: dict[str, list[Ints]] = {QUAD: [], TRIANGLE: []}
-        number_of_line = np.full(file.n_cell, -1, dtype=np.int64)
-        point_of = np.full(file.n_cell, -1, dtype=np.int64)
-        problems: list[str] = []
-        first = n_line = 0
-        for block in file.blocks:
-            number = first + np.arange(len(block.nodes))
-            first += len(block.nodes)
-            if block.kind == QUAD:
-                for kind, rows, corners in _parted(block.nodes):
-                    cells[kind].append(corners)
-                    numbers[kind].append(number[rows])
-                    labels[kind] += [str(block.labels[i]) for i in rows.tolist()]
-            elif block.kind == TRIANGLE:
-                cells[TRIANGLE].append(block.nodes)
-                numbers[TRIANGLE].append(number)
-                labels[TRIANGLE] += [str(label) for label in block.labels]
-            elif block.kind == LINE:
-                cells[LINE].append(block.nodes)
-                number_of_line[number] = n_line + np.arange(len(number))
-                n_line += len(number)
-            elif block.kind == POINT:
-                point_of[number] = block.nodes[:, 0]
-            elif block.kind in leave_out:
-                self.say(f"{len(number)} cells of kind {block.kind!r} are left out, as chosen")
-            else:
-                problems.append(
-                    f"{len(number)} cells of kind {block.kind!r} (ids {named(block.labels)})"
-                )
-        if problems:
+        cells = _Cells(file, leave_out)
+        for kind, number in cells.left_out:
+            self.say(f"{number} cells of kind {kind!r} are left out, as chosen")
+        if cells.problems:
             raise FileError(
                 self.path,
-                f"a film is made of 4-node quads, got {'; '.join(problems)}; mesh with linear "
-                "shells only, or name those to drop in leave_out=[...]",
+                f"a film is made of 4-node quads, got {'; '.join(cells.problems)}; mesh with "
+                "linear shells only, or name those to drop in leave_out=[...]",
             )
-        self.quads = np.concatenate([*cells[QUAD], np.empty((0, 4), np.int64)])
-        self.triangles = np.concatenate([*cells[TRIANGLE], np.empty((0, 3), np.int64)])
+        self.quads = np.concatenate([*cells.nodes[QUAD], np.empty((0, 4), np.int64)])
+        self.triangles = np.concatenate([*cells.nodes[TRIANGLE], np.empty((0, 3), np.int64)])
         if not len(self.quads) and not len(self.triangles):
             raise FileError(self.path, "there must be quads or triangles, got none")
-        self.triangle_labels = labels[TRIANGLE]
-        sheet = np.concatenate([*numbers[QUAD], *numbers[TRIANGLE]])
+        self.triangle_labels = cells.triangle_labels
+        self._sort_groups(file, cells)
+
+    def _sort_groups(self, file: FileMesh, cells: _Cells) -> None:
+        sheet = np.concatenate([*cells.numbers[QUAD], *cells.numbers[TRIANGLE]])
         number_of_sheet = np.full(file.n_cell, -1, dtype=np.int64)
         number_of_sheet[sheet] = np.arange(len(sheet))
-        lines = np.concatenate([*cells[LINE], np.empty((0, 2), np.int64)])
+        lines = np.concatenate([*cells.nodes[LINE], np.empty((0, 2), np.int64)])
         named_lines = np.zeros(len(lines), dtype=np.bool_)
         for name, members in file.cell_groups.items():
             quads = number_of_sheet[members]
             if (quads >= 0).any():
                 self.quad_sets[name] = np.sort(quads[quads >= 0])
-            rows = number_of_line[members]
+            rows = cells.number_of_line[members]
             rows = rows[rows >= 0]
-            points = point_of[members]
+            points = cells.point_of[members]
             points = points[points >= 0]
             if len(rows) or len(points):
                 named_lines[rows] = True

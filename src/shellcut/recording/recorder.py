@@ -144,9 +144,26 @@ class Recorder:
             raise FileNotFoundError(
                 f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
             )
+        self._open_files(chosen, also)
+        self._status_due = Trigger(until / _N_STATUS)
+        self._status_step = -1  # step of the last status line
+        self._progress = self._make_progress(chosen.log) if chosen.progress else None
+        self._wires = ToolWires(sim.tool)
+        self._checkpoint_every = (
+            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
+        )
+        self._checkpoint_failed = False
+        self._started = self._looked = time.perf_counter()
+        self._saved = self._started if chosen.resume else -np.inf
+        self._record_failed = self._closed = False
+
+    def _open_files(self, chosen: RunOptions, also: Sequence[str]) -> None:
+        """Begin the files of the run, or resume them where its checkpoint is."""
         columns = [(column, unit) for column, unit, _ in self._row()]
         curve = self.resistance.columns[0][0]
-        self._files = RunFiles(folder, name, curve, columns=columns, pvd=chosen.pvd, also=also)
+        self._files = RunFiles(
+            self.folder, self.name, curve, columns=columns, pvd=chosen.pvd, also=also
+        )
         with ExitStack() as on_error:
             on_error.callback(self._files.release)
             if chosen.resume:
@@ -161,17 +178,6 @@ class Recorder:
                     n_snapshot=chosen.n_snapshot, n_frame=chosen.n_frame, replace=chosen.replace
                 )
             on_error.pop_all()
-        self._status_due = Trigger(until / _N_STATUS)
-        self._status_step = -1  # step of the last status line
-        self._progress = self._make_progress(chosen.log) if chosen.progress else None
-        self._wires = ToolWires(sim.tool)
-        self._checkpoint_every = (
-            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
-        )
-        self._checkpoint_failed = False
-        self._started = self._looked = time.perf_counter()
-        self._saved = self._started if chosen.resume else -np.inf
-        self._record_failed = self._closed = False
 
     def due(self, sim: Simulation) -> bool:
         """Whether a row, a frame or a picture may be due, or the progress display."""

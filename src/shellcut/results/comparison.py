@@ -28,7 +28,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -246,11 +246,7 @@ def compare(
     results = run if isinstance(run, Results) else read(run)
     if not results.history:
         raise ValueError(f"{results.folder} must contain the run's history.csv, but does not")
-    x = results.coordinate_name if x is None else x
-    y = results.resistance_name if y is None else y
-    wrong = [f"no {k!r} in the history" for k in (x, y) if k not in results.history]
-    if wrong:
-        raise ValueError(f"{'; '.join(wrong)}: there are {', '.join(results.history)}")
+    x, y = _columns_in_history(results, x, y)
     if window is not None and not (np.isfinite(window) and window > 0.0):
         raise ValueError(f"window must be a width above 0 {results.units[x]}, got {window!r}")
     if not isinstance(measured, MeasuredCurve):
@@ -261,17 +257,27 @@ def compare(
     x_unit, y_unit = results.units[x], results.units[y]
     m = _in_units(measured, (x, x_unit), (y, y_unit))
     s = _increasing(x, results.history[x], results.history[y])
-    a, b = max(m.x[0], s.x[0]), min(m.x[-1], s.x[-1])
-    if not a < b:
-        raise ValueError(
-            f"the curves must share a range of {x}, measured is {m.x[0]:.4g} to {m.x[-1]:.4g} "
-            f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
-            "check the units and the zero point"
-        )
+    a, b = _common_range(m, s, x, x_unit)
     if window is not None and window > b - a:
         raise ValueError(
             f"window must be less than the common range, {b - a:.4g} {x_unit}, got {window:g}"
         )
+    found = _compared(results, m, s, x, y, (a, b), window)
+    return replace(found, notes=(*measured.notes, *found.notes))
+
+
+def _compared(
+    results: Results,
+    m: BrokenLine,
+    s: BrokenLine,
+    x: str,
+    y: str,
+    between: tuple[float, float],
+    window: float | None,
+) -> Comparison:
+    """Return the comparison of a measured and a simulated curve on a range of x."""
+    a, b = between
+    x_unit, y_unit = results.units[x], results.units[y]
     # the curves on [a, b]: each at its own points, the smoothed one at the points of both
     points, corners = m.points_within(a, b), s.points_within(a, b)
     there, ours = m.at(points), s.mean_at(points, window or 0.0)
@@ -313,12 +319,30 @@ def compare(
         mean_measured=mean_m,
         mean_simulated=mean_s,
         mean_error=_over(mean_s - mean_m, mean_m),
-        notes=(
-            *measured.notes,
-            *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0),
-            *why_not,
-        ),
+        notes=(*_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0), *why_not),
     )
+
+
+def _columns_in_history(results: Results, x: str | None, y: str | None) -> tuple[str, str]:
+    """Return the columns of the run to compare, by default its coordinate and its resistance."""
+    x = results.coordinate_name if x is None else x
+    y = results.resistance_name if y is None else y
+    wrong = [f"no {k!r} in the history" for k in (x, y) if k not in results.history]
+    if wrong:
+        raise ValueError(f"{'; '.join(wrong)}: there are {', '.join(results.history)}")
+    return x, y
+
+
+def _common_range(m: BrokenLine, s: BrokenLine, x: str, x_unit: str) -> tuple[float, float]:
+    """Return the range of x that the measured and the simulated curve both cover."""
+    a, b = max(m.x[0], s.x[0]), min(m.x[-1], s.x[-1])
+    if not a < b:
+        raise ValueError(
+            f"the curves must share a range of {x}, measured is {m.x[0]:.4g} to {m.x[-1]:.4g} "
+            f"{x_unit}, simulated {s.x[0]:.4g} to {s.x[-1]:.4g} {x_unit}: "
+            "check the units and the zero point"
+        )
+    return a, b
 
 
 def _steady_range(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any, NoReturn
 
@@ -25,6 +25,7 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell, Precision
 from shellcut.numerics.threads import Workers
+from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -109,20 +110,12 @@ class Simulation:
         threads: int | None = None,
     ) -> None:
         problems = [
-            f"{name} must be a number that is not negative, got {value!r}"
-            for name, value in (("damping_alpha", damping_alpha), ("damping_beta", damping_beta))
-            if not value >= 0
+            *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
+            *_without_partner(tool, motion, law, contact, fracture),
         ]
-        if (tool is None) != (motion is None):
-            problems.append("tool and motion go together: give both or none")
-        if law is None and fracture is not None:
-            problems.append("fracture needs a law for the cables: give law=CohesiveLaw() too")
-        if tool is None and contact is not None:
-            problems.append("contact needs a tool to be in contact with: give tool and motion too")
         if problems:
             raise ValueError("; ".join(problems))
-
-        self.law = law
+        contact, fracture = contact or Contact(), fracture or Fracture()
         self.inputs = {
             "mesh": mesh,
             "material": material,
@@ -131,8 +124,8 @@ class Simulation:
             "tool": tool,
             "motion": motion,
             "law": law,
-            "contact": contact or Contact(),
-            "fracture": fracture or Fracture(),
+            "contact": contact,
+            "fracture": fracture,
             "directional": directional,
             "damping_alpha": damping_alpha,
             "damping_beta": damping_beta,
@@ -141,8 +134,10 @@ class Simulation:
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
-        mesh = put_directors_into_planes(mesh, supports)
-        self.mesh, self.material, self.tool, self.motion = mesh, material, tool, motion
+        self.mesh = mesh = put_directors_into_planes(mesh, supports)
+        self.material, self.tool, self.motion = material, tool, motion
+        self.law, self.fracture = law, fracture
+
         workers = Workers(mesh.n_quad, threads)
         self.shell = MITC4Shell(
             mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
@@ -154,34 +149,19 @@ class Simulation:
         self.contact = None
         if tool is not None:
             edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
-            self.contact = PenaltyContact(tool, contact or Contact(), material, edge_length)
+            self.contact = PenaltyContact(tool, contact, material, edge_length)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
         touching: list[ToolTerm] = [self.contact] if self.contact is not None else []
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
-
-        self.state = initial_state(mesh)
-        self.shell.initialise(self.state)
-        self.supports.initialise(self.state)
-        if velocity is not None:
-            velocity = np.asarray(velocity, float)
-            if velocity.shape != (mesh.n_node, 3):
-                raise ValueError(
-                    f"velocity must have shape ({mesh.n_node}, 3), a row a node, got "
-                    f"{velocity.shape}"
-                )
-            if not np.isfinite(velocity).all():
-                bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
-                raise ValueError(f"velocity must be finite, is not at nodes {bad}")
-            self.state.node.velocity_half[: mesh.n_node] = velocity
-        self.fracture = fracture or Fracture()
-        self.cracks = None
-        if law is not None:
-            self.cracks = Cracks(self.state, self.fracture, law, self.shell, self.loads, tool)
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
         self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
+        self.state = self._state_at_start(velocity)
+        self.cracks = None
+        if law is not None:
+            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool)
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
@@ -190,9 +170,26 @@ class Simulation:
         self._between_steps = True
         self._place_tool()
         if self.contact is not None:
-            grid = self.contact.grid
-            check_tool_outside(mesh, self.contact.tool, grid, self.pose)
+            check_tool_outside(mesh, self.contact.tool, self.contact.grid, self.pose)
         self._start()
+
+    def _state_at_start(self, velocity: Floats | None) -> State:
+        """Return the film at rest in its supports, or with the given velocity [mm/s]."""
+        mesh, state = self.mesh, initial_state(self.mesh)
+        self.shell.initialise(state)
+        self.supports.initialise(state)
+        if velocity is None:
+            return state
+        velocity = np.asarray(velocity, float)
+        if velocity.shape != (mesh.n_node, 3):
+            raise ValueError(
+                f"velocity must have shape ({mesh.n_node}, 3), a row a node, got {velocity.shape}"
+            )
+        if not np.isfinite(velocity).all():
+            bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
+            raise ValueError(f"velocity must be finite, is not at nodes {bad}")
+        state.node.velocity_half[: mesh.n_node] = velocity
+        return state
 
     @property
     def dt(self) -> float:
@@ -411,3 +408,25 @@ class Simulation:
     def _place_tool(self) -> None:
         if self.motion is not None:
             self.pose = Pose.of(*self.motion.pose(self.state.time))
+
+
+def _negative(**numbers: float) -> Iterator[str]:
+    for name, value in numbers.items():
+        if not value >= 0:
+            yield f"{name} must be a number that is not negative, got {value!r}"
+
+
+def _without_partner(
+    tool: Tool | None,
+    motion: Motion | None,
+    law: CohesiveLaw | None,
+    contact: Contact | None,
+    fracture: Fracture | None,
+) -> Iterator[str]:
+    """Yield what is given without what it needs."""
+    if (tool is None) != (motion is None):
+        yield "tool and motion go together: give both or none"
+    if law is None and fracture is not None:
+        yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
+    if tool is None and contact is not None:
+        yield "contact needs a tool to be in contact with: give tool and motion too"

@@ -139,39 +139,14 @@ class ClosestTriangleGrid:
             size = float(cell_size)
         else:
             raise ValueError(f"cell_size must be positive, got {cell_size} mm")
-
-        box_lower, box_upper = tool.bounding_box()
-        extent = box_upper - box_lower + 2.0 * reach
-        shape = _cells(extent, size)
-        while shape[0] * shape[1] * shape[2] > max_cells:
-            size *= 1.05
-            shape = _cells(extent, size)
-        lower = (
-            float(box_lower[0]) - reach,
-            float(box_lower[1]) - reach,
-            float(box_lower[2]) - reach,
-        )
+        cells = _cells_around(tool, float(reach), size, max_cells)
         surface = TriangleSurface(
             corners=tool.vertices[tool.triangles],
             flank=tool.flank,
             pseudo_normals=_pseudo_normals(tool),
         )
-        # one cell with all triangles is the parent of the coarsest level
-        lists = CellLists(
-            start=np.array([0, tool.n_triangle], dtype=np.int64),
-            triangle=np.arange(tool.n_triangle, dtype=np.int64),
-            distance=np.zeros(tool.n_triangle),
-        )
-        parents = (1, 1, 1)
-        shift = 62  # i >> 62 is 0: all coarsest cells share the one parent
-        for level in range(max(0, ceil(log2(max(shape) / COARSEST_CELLS))), -1, -1):
-            width = 2**level
-            some = (-(-shape[0] // width), -(-shape[1] // width), -(-shape[2] // width))
-            cells = GridCells(lower=lower, size=size * width, shape=some)
-            lists = CellLists(*_refine(cells, lists, parents, shift, reach, surface))
-            parents, shift = some, 1
-        _sort_cells(lists.start, lists.triangle, lists.distance)
-        return cls(TriangleGrid(GridCells(lower, size, shape), lists, surface), float(reach))
+        lists = _fill(cells, surface, float(reach))
+        return cls(TriangleGrid(cells, lists, surface), float(reach))
 
     def query(self, points: npt.ArrayLike, side: int = 0) -> tuple[Bools, Bools, Ints, Floats]:
         """Return :func:`signed_distance` of many points in the body frame.
@@ -337,6 +312,39 @@ def _sort_cells(cell_start: Ints, cell_triangles: Ints, cell_distance: Floats) -
                 cell_triangles[n + gap] = t
                 cell_distance[n + gap] = d
             gap //= 3
+
+
+def _cells_around(tool: Tool, reach: float, size: float, most: int) -> GridCells:
+    """Return cells of this size [mm] around a tool and its reach, enlarged until few enough."""
+    low, high = tool.bounding_box()
+    extent = high - low + 2.0 * reach
+    shape = _cells(extent, size)
+    while shape[0] * shape[1] * shape[2] > most:
+        size *= 1.05
+        shape = _cells(extent, size)
+    lower = float(low[0]) - reach, float(low[1]) - reach, float(low[2]) - reach
+    return GridCells(lower=lower, size=size, shape=shape)
+
+
+def _fill(finest: GridCells, surface: TriangleSurface, reach: float) -> CellLists:
+    """Return the lists of the finest cells, found level by level from coarse ones."""
+    shape, n_triangle = finest.shape, len(surface.corners)
+    # one cell with all triangles is the parent of the coarsest level
+    lists = CellLists(
+        start=np.array([0, n_triangle], dtype=np.int64),
+        triangle=np.arange(n_triangle, dtype=np.int64),
+        distance=np.zeros(n_triangle),
+    )
+    parents = (1, 1, 1)
+    shift = 62  # i >> 62 is 0: all coarsest cells share the one parent
+    for level in range(max(0, ceil(log2(max(shape) / COARSEST_CELLS))), -1, -1):
+        width = 2**level
+        some = (-(-shape[0] // width), -(-shape[1] // width), -(-shape[2] // width))
+        cells = GridCells(lower=finest.lower, size=finest.size * width, shape=some)
+        lists = CellLists(*_refine(cells, lists, parents, shift, reach, surface))
+        parents, shift = some, 1
+    _sort_cells(lists.start, lists.triangle, lists.distance)
+    return lists
 
 
 def _cells(extent: Floats, size: float) -> Cells3:

@@ -21,14 +21,19 @@ A tooth in its straight coordinates, s forward along the motion and z up::
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from math import atan, ceil, cos, degrees, isfinite, pi, radians, sin, sqrt, tan
+from typing import TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Floats
 
 from .tool import Tool, ToolError
+
+Triangle: TypeAlias = tuple[int, int, int]
 
 EDGE_DEVIATION = 1.0 / 350.0
 """Largest distance of a chord of the cutting edge from its cylinder, over the half thickness of the
@@ -132,72 +137,23 @@ def tooth_ring(
     _check_positive(
         parameters, ("radius", "half_thickness", "length", "height"), ("tip_clearance", "phase_deg")
     )
-    problems = _angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg")
-    if n_teeth < 1:
-        problems.append(f"n_teeth must be at least 1, got {n_teeth}")
-    if not 0.0 <= relief_deg < 90.0:
-        problems.append(f"relief_deg must be in [0, 90), got {relief_deg}")
-    elif length * tan(radians(relief_deg)) >= height:
-        problems.append(
-            f"the relief rises by length * tan(relief_deg) = "
-            f"{length * tan(radians(relief_deg)):.4g} mm, above height = {height:g} mm: "
-            "shorten the tooth or lower relief_deg"
-        )
-    if half_thickness >= radius:
-        problems.append(f"half_thickness = {half_thickness:g} must be below radius = {radius:g}")
+    problems = [
+        *_angle_problems(edge_inclination_deg, wedge_half_angle_deg, "edge_inclination_deg"),
+        *_ring_problems(n_teeth, radius, half_thickness, length, relief_deg, height),
+    ]
     if problems:
         raise ToolError(problems, what="tooth ring")
-
-    eta = radians(edge_inclination_deg)
-    forward = height / tan(eta)
-    span = (forward + length) / radius
-    if span * n_teeth >= 2.0 * pi:
-        raise ToolError(
-            [
-                f"{n_teeth} teeth overlap: each takes {degrees(span):.1f} of "
-                f"{360.0 / n_teeth:.1f} degrees; use fewer or shorter teeth, a steeper edge or a "
-                "larger radius"
-            ],
-            what="tooth ring",
-        )
-    farthest = EDGE_DEVIATION * half_thickness
-    aimed_at = DEFAULT_DEVIATION * half_thickness
-    least = max(1, ceil(forward / sqrt(8.0 * radius * farthest)))
-    wanted = min(sqrt(8.0 * radius * aimed_at), radius * radians(0.5 * FLANK_MARGIN))
-    if n_arc is None:
-        longest = LONGEST_TRIANGLE * half_thickness
-        n_arc = max(ceil(forward / wanted), ceil(height / sin(eta) / longest))
-    elif n_arc < least:
-        raise ToolError(
-            [
-                f"n_arc = {n_arc} leaves the cutting edge {farthest:.4g} mm or more beside the "
-                f"cylinder: use at least {least}"
-            ],
-            what="tooth ring",
-        )
-    parameters["n_arc"] = float(n_arc)
-    # two sides, each with strips between d-lines of at most n_arc pieces
-    n_triangle = 4.0 * n_teeth * n_arc * ((length + forward) / wanted + 3.0)
-    if not n_triangle <= MOST_TRIANGLES:
-        raise ToolError(
-            [
-                f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} "
-                f"triangles, {MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, "
-                "enlarge the radius"
-            ],
-            what="tooth ring",
-        )
-
-    straight, triangles, edges = _tooth(
-        eta=eta,
+    tooth = _Tooth(
+        eta=radians(edge_inclination_deg),
         slope=tan(radians(wedge_half_angle_deg)),
         half_thickness=half_thickness,
         length=length,
         relief=radians(relief_deg),
         height=height,
-        n_edge=n_arc,
-        spacing=wanted,
     )
+    n_arc, spacing = _arc_pieces(tooth, n_teeth, radius, n_arc)
+    parameters["n_arc"] = float(n_arc)
+    straight, triangles, edges = tooth.mesh(n_arc, spacing)
     n = straight.shape[0]
     vertices = np.empty((n_teeth, n, 3))
     for k in range(n_teeth):
@@ -214,6 +170,75 @@ def tooth_ring(
         name="tooth ring",
         parameters=parameters,
     )
+
+
+def _ring_problems(
+    n_teeth: int,
+    radius: float,
+    half_thickness: float,
+    length: float,
+    relief_deg: float,
+    height: float,
+) -> Iterator[str]:
+    if n_teeth < 1:
+        yield f"n_teeth must be at least 1, got {n_teeth}"
+    if not 0.0 <= relief_deg < 90.0:
+        yield f"relief_deg must be in [0, 90), got {relief_deg}"
+    elif length * tan(radians(relief_deg)) >= height:
+        yield (
+            f"the relief rises by length * tan(relief_deg) = "
+            f"{length * tan(radians(relief_deg)):.4g} mm, above height = {height:g} mm: "
+            "shorten the tooth or lower relief_deg"
+        )
+    if half_thickness >= radius:
+        yield f"half_thickness = {half_thickness:g} must be below radius = {radius:g}"
+
+
+def _arc_pieces(tooth: _Tooth, n_teeth: int, radius: float, n_arc: int | None) -> tuple[int, float]:
+    """Return the segments of each cutting edge, and the distance of the d-lines [mm].
+
+    Raises
+    ------
+    ToolError
+        If teeth overlap, or the segments are too few or too many.
+    """
+    span = (tooth.forward + tooth.length) / radius
+    if span * n_teeth >= 2.0 * pi:
+        raise ToolError(
+            [
+                f"{n_teeth} teeth overlap: each takes {degrees(span):.1f} of "
+                f"{360.0 / n_teeth:.1f} degrees; use fewer or shorter teeth, a steeper edge or a "
+                "larger radius"
+            ],
+            what="tooth ring",
+        )
+    farthest = EDGE_DEVIATION * tooth.half_thickness
+    aimed_at = DEFAULT_DEVIATION * tooth.half_thickness
+    least = max(1, ceil(tooth.forward / sqrt(8.0 * radius * farthest)))
+    spacing = min(sqrt(8.0 * radius * aimed_at), radius * radians(0.5 * FLANK_MARGIN))
+    if n_arc is None:
+        longest = LONGEST_TRIANGLE * tooth.half_thickness
+        n_arc = max(ceil(tooth.forward / spacing), ceil(tooth.height / sin(tooth.eta) / longest))
+    elif n_arc < least:
+        raise ToolError(
+            [
+                f"n_arc = {n_arc} leaves the cutting edge {farthest:.4g} mm or more beside the "
+                f"cylinder: use at least {least}"
+            ],
+            what="tooth ring",
+        )
+    # two sides, each with strips between d-lines of at most n_arc pieces
+    n_triangle = 4.0 * n_teeth * n_arc * ((tooth.length + tooth.forward) / spacing + 3.0)
+    if not n_triangle <= MOST_TRIANGLES:
+        raise ToolError(
+            [
+                f"{n_teeth} teeth with n_arc = {n_arc:g} would have about {n_triangle:.2g} "
+                f"triangles, {MOST_TRIANGLES:,} at most: lower n_arc, the height or the length, "
+                "enlarge the radius"
+            ],
+            what="tooth ring",
+        )
+    return n_arc, spacing
 
 
 def straight_blade(
@@ -294,56 +319,82 @@ def straight_blade(
     )
 
 
-def _tooth(
-    *,
-    eta: float,
-    slope: float,
-    half_thickness: float,
-    length: float,
-    relief: float,
-    height: float,
-    n_edge: int,
-    spacing: float,
-) -> tuple[Floats, list[tuple[int, int, int]], list[tuple[int, int]]]:
-    # Vertices (s, n, z) with the tip at the origin, triangles with outward normals, cutting edge.
-    cot = cos(eta) / sin(eta)
-    d_corner = length * (1.0 + tan(relief) * cot)  # of K
-    d_back = length + height * cot  # of B
-    d_shoulder = half_thickness / slope
-    stations = [0.0]
-    for d in sorted({d_corner, d_back, *((d_shoulder,) if d_shoulder < d_back else ())}):
-        # K and B share their d-line when the edge is vertical
-        if d - stations[-1] > 1e-9 * d_back:
-            count = ceil((d - stations[-1]) / spacing)
-            stations += np.linspace(stations[-1], d, count + 1)[1:].tolist()
+@dataclass(frozen=True)
+class _Tooth:
+    # In straight coordinates (s, n, z) with the tip at the origin, see the module.
+    eta: float  # inclination of the cutting edge [rad]
+    slope: float  # of the half width over d
+    half_thickness: float  # [mm]
+    length: float  # [mm]
+    relief: float  # [rad]
+    height: float  # [mm]
 
-    points: list[tuple[float, float, float]] = []
-    plus_lines: list[list[int]] = []
-    minus_lines: list[list[int]] = []
-    for d in stations:
-        if d <= d_corner * (1.0 + 1e-12):
-            low = d * tan(relief) / (1.0 + cot * tan(relief))
+    @property
+    def forward(self) -> float:
+        # from the tip to the top of the edge, along s [mm]
+        return self.height / tan(self.eta)
+
+    @property
+    def cot(self) -> float:
+        return cos(self.eta) / sin(self.eta)
+
+    @property
+    def d_corner(self) -> float:  # of K
+        return self.length * (1.0 + tan(self.relief) * self.cot)
+
+    def mesh(
+        self, n_edge: int, spacing: float
+    ) -> tuple[Floats, list[Triangle], list[tuple[int, int]]]:
+        # Vertices (s, n, z), triangles with outward normals, cutting edge.
+        points: list[tuple[float, float, float]] = []
+        plus_lines: list[list[int]] = []
+        minus_lines: list[list[int]] = []
+        for d in self._stations(spacing):
+            levels = self._levels(d, n_edge)
+            half_width = min(self.slope * d, self.half_thickness)
+            plus_lines.append(list(range(len(points), len(points) + len(levels))))
+            points += [(z * self.cot - d, half_width, z) for z in levels]
+            if d == 0.0:
+                minus_lines.append(plus_lines[-1])
+                continue
+            minus_lines.append(list(range(len(points), len(points) + len(levels))))
+            points += [(z * self.cot - d, -half_width, z) for z in levels]
+
+        triangles: list[Triangle] = []
+        for plus, minus in zip(pairwise(plus_lines), pairwise(minus_lines), strict=True):
+            triangles += _strip(points, *plus)
+            triangles += [(a, c, b) for a, b, c in _strip(points, *minus)]
+        triangles += _walls(plus_lines, minus_lines)
+        return np.array(points), triangles, list(pairwise(plus_lines[0]))
+
+    def _stations(self, spacing: float) -> list[float]:
+        # d of the d-lines, corners among them
+        d_back = self.length + self.height * self.cot  # of B
+        d_shoulder = self.half_thickness / self.slope
+        stations = [0.0]
+        for d in sorted({self.d_corner, d_back, *((d_shoulder,) if d_shoulder < d_back else ())}):
+            # K and B share their d-line when the edge is vertical
+            if d - stations[-1] > 1e-9 * d_back:
+                count = ceil((d - stations[-1]) / spacing)
+                stations += np.linspace(stations[-1], d, count + 1)[1:].tolist()
+        return stations
+
+    def _levels(self, d: float, n_edge: int) -> list[float]:
+        # z of the vertices on a d-line, from low to high
+        height = self.height
+        if d <= self.d_corner * (1.0 + 1e-12):
+            low = d * tan(self.relief) / (1.0 + self.cot * tan(self.relief))
         else:
-            low = min((d - length) / cot, height)
+            low = min((d - self.length) / self.cot, height)
         count = max(1, round((height - low) * n_edge / height))
         if height - low < 1e-9 * height:
             count = 0
-        levels = [height - (height - low) * (1.0 - i / count) for i in range(count)] + [height]
-        half_width = min(slope * d, half_thickness)
-        plus_lines.append(list(range(len(points), len(points) + len(levels))))
-        points += [(z * cot - d, half_width, z) for z in levels]
-        if d == 0.0:
-            minus_lines.append(plus_lines[-1])
-            continue
-        minus_lines.append(list(range(len(points), len(points) + len(levels))))
-        points += [(z * cot - d, -half_width, z) for z in levels]
+        return [height - (height - low) * (1.0 - i / count) for i in range(count)] + [height]
 
-    triangles: list[tuple[int, int, int]] = []
-    for i in range(len(stations) - 1):
-        triangles += _strip(points, plus_lines[i], plus_lines[i + 1])
-        triangles += [(a, c, b) for a, b, c in _strip(points, minus_lines[i], minus_lines[i + 1])]
-    # walls between the two sides: below and behind (lower ends of the d-lines, then up the last
-    # one), and on top (their upper ends)
+
+def _walls(plus_lines: list[list[int]], minus_lines: list[list[int]]) -> list[Triangle]:
+    # Between the two sides: below and behind (lower ends of the d-lines, then up the last one), and
+    # on top (their upper ends).
     lower = [(p[0], m[0]) for p, m in zip(plus_lines, minus_lines, strict=True)] + list(
         zip(plus_lines[-1][1:], minus_lines[-1][1:], strict=True)
     )
@@ -353,14 +404,12 @@ def _tooth(
         walls += [(p, p_next, m_next), (p, m_next, m)]
     for (p, m), (p_next, m_next) in pairwise(upper):
         walls += [(p_next, p, m), (p_next, m, m_next)]
-    triangles += [(a, b, c) for a, b, c in walls if a != b and b != c and c != a]
-    edge = plus_lines[0]
-    return np.array(points), triangles, list(pairwise(edge))
+    return [(a, b, c) for a, b, c in walls if a != b and b != c and c != a]
 
 
 def _strip(
     points: list[tuple[float, float, float]], right: list[int], left: list[int]
-) -> list[tuple[int, int, int]]:
+) -> list[Triangle]:
     # Join two neighbouring d-lines, both from low to high, by the shorter diagonal; the triangles
     # are counter-clockwise with s to the right and z up, which is outward on the plus side.
     def squared(i: int, j: int) -> float:

@@ -76,12 +76,7 @@ def draw_crack_map(
     n_name = bool(ways) + bool(before.any()) + len(splits or {})
     columns = int(np.clip(width / _NAME, 1, 3))
     foot = _FOOT + _LINE * -(-n_name // columns)
-    across = width - _LEFT - _RIGHT
-    extent = np.ptp(flat, axis=0)
-    tall = float(np.clip(across * extent[1] / extent[0], 0.3 * across, 1.2 * across))
-    height = tall + foot + _HEAD
-    figure = new_figure((width, height), dpi)
-    axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
+    figure, axes, beside = _figure_of(flat, width, foot, dpi)
     _draw_film(axes, last, flat)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
@@ -90,18 +85,7 @@ def draw_crack_map(
         _add_lines(axes, segments[before][..., [i, j]], colors=_BEFORE_COLOR, label="open before")
     scale = _add_opened(axes, segments[~before][..., [i, j]], opened[~before], frames)
     for k, (kind, places) in enumerate((splits or {}).items()):
-        at = np.asarray(places, dtype=float).reshape(-1, 3)
-        axes.plot(
-            at[:, i],
-            at[:, j],
-            _MARKERS[k % len(_MARKERS)],
-            ms=4.5,
-            mfc=("white", "#f4a259")[k % 2],
-            mec="black",
-            mew=0.8,
-            zorder=4,
-            label=f"split by {kind} ({len(at)})",
-        )
+        _add_splits(axes, np.asarray(places, dtype=float).reshape(-1, 3)[:, [i, j]], kind, k)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(f"{'xyz'[i]} [mm]")
@@ -109,12 +93,7 @@ def draw_crack_map(
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
     axes.set_title(f"crack of {length:.4g} mm in {len(segments)} edges" if title is None else title)
     if scale is not None:
-        bar = figure.colorbar(
-            scale,
-            cax=figure.add_axes(
-                ((width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height)
-            ),
-        )
+        bar = figure.colorbar(scale, cax=figure.add_axes(beside))
         bar.set_label(f"opened at {last.coordinate_name} [{pretty(last.coordinate_unit)}]")
     handles, labels = axes.get_legend_handles_labels()
     if handles:
@@ -127,6 +106,38 @@ def draw_crack_map(
             frameon=False,
         )
     save(figure, path)
+
+
+def _figure_of(
+    flat: Floats, width: float, foot: float, dpi: float
+) -> tuple[Any, Any, tuple[float, float, float, float]]:
+    """Return a figure as tall as the film needs, its axes, and where a colour bar goes.
+
+    flat : (n_node, 2), the film's nodes in the plane [mm].  width, foot : [inch].
+    """
+    across = width - _LEFT - _RIGHT
+    extent = np.ptp(flat, axis=0)
+    tall = float(np.clip(across * extent[1] / extent[0], 0.3 * across, 1.2 * across))
+    height = tall + foot + _HEAD
+    figure = new_figure((width, height), dpi)
+    axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
+    beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
+    return figure, axes, beside
+
+
+def _add_splits(axes: Any, at: Floats, kind: str, k: int) -> None:
+    """Mark the places of the k-th kind of splits, at : (n, 2) [mm]."""
+    axes.plot(
+        at[:, 0],
+        at[:, 1],
+        _MARKERS[k % len(_MARKERS)],
+        ms=4.5,
+        mfc=("white", "#f4a259")[k % 2],
+        mec="black",
+        mew=0.8,
+        zorder=4,
+        label=f"split by {kind} ({len(at)})",
+    )
 
 
 def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:

@@ -91,12 +91,7 @@ def draw_torque(
     figure = new_figure(size, dpi)
     axes = figure.add_axes((0.09, 0.22, 0.88, 0.70))
     if teeth is not None:
-        each = _column("teeth", teeth, x)
-        if each.ndim != 2:
-            raise ValueError(f"teeth must have shape (n, n_tooth), got {each.shape}")
-        for k in range(each.shape[1]):
-            label = f"each of {each.shape[1]} teeth" if k == 0 else None
-            axes.plot(x, each[:, k], color=_TOOTH_COLOR, lw=0.9, label=label)
+        _add_teeth(axes, x, _column("teeth", teeth, x))
     if second is not None:
         second_x = np.asarray(second[0], dtype=float)
         second_total = _column("second", second[1], second_x)
@@ -118,10 +113,28 @@ def draw_torque(
         axes.plot((low, high), (mean, mean), color="black", lw=1.6, label=text)
     dress(axes, f"{name} [{pretty(unit)}]")
     axes.set_xlabel(f"{coordinate_name} [{pretty(coordinate_unit)}]")
+    _add_legend_below(axes, first="total")
+    if title is not None:
+        axes.set_title(title, y=1.0)  # without y, Matplotlib searches for room: a fifth of the time
+    save(figure, path)
+
+
+def _add_teeth(axes: Any, x: Any, each: Any) -> None:
+    if each.ndim != 2:
+        raise ValueError(f"teeth must have shape (n, n_tooth), got {each.shape}")
+    for k in range(each.shape[1]):
+        label = f"each of {each.shape[1]} teeth" if k == 0 else None
+        axes.plot(x, each[:, k], color=_TOOTH_COLOR, lw=0.9, label=label)
+
+
+def _add_legend_below(axes: Any, *, first: str) -> None:
+    """Name the curves below the axes, because a curve may fill all corners.
+
+    The one named first is drawn over all others.
+    """
     handles, labels = axes.get_legend_handles_labels()
-    first = labels.index("total")  # drawn over all others, named before them
-    order = [first, *(k for k in range(len(labels)) if k != first)]
-    # Below the axes, because a curve may fill all corners.
+    top = labels.index(first)
+    order = [top, *(k for k in range(len(labels)) if k != top)]
     axes.legend(
         [handles[k] for k in order],
         [labels[k] for k in order],
@@ -130,9 +143,6 @@ def draw_torque(
         bbox_to_anchor=(0.5, -0.13),
         ncols=3,
     )
-    if title is not None:
-        axes.set_title(title, y=1.0)  # without y, Matplotlib searches for room: a fifth of the time
-    save(figure, path)
 
 
 def draw_energy(
