@@ -655,7 +655,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     # Deepest at the first frame: the summary of both parts shall know.
     monkeypatch.setattr(
         shellcut.recording.recorder,
-        "unfelt_penetration",
+        "missed_penetration",
         lambda _, state, *__: (1, 1.0 / (1 + state.step)),
     )
     Case("cut", cutting(), 8e-6).run(whole, **records)

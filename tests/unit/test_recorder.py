@@ -269,7 +269,7 @@ def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, m
         looked.append(state.step)
         return 1, 1e-3 * state.step
 
-    monkeypatch.setattr(shellcut.recording.recorder, "unfelt_penetration", depth)
+    monkeypatch.setattr(shellcut.recording.recorder, "missed_penetration", depth)
     histories = []
     for n_frame in (1, 7, 400):
         looked.clear()
