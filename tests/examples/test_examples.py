@@ -1,7 +1,8 @@
-"""Every example is run as a user would, and one figure of it is checked."""
+"""Every example is run as a script, and one figure of it is checked."""
 
 import json
 import re
+import runpy
 import subprocess
 import sys
 from math import radians, sin
@@ -14,18 +15,29 @@ from shellcut.models.opening import steady_work_per_radian
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
-def run_example(name, out, *options):
-    command = [sys.executable, str(EXAMPLES / name), "--out", str(out), *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+@pytest.fixture
+def run_example(monkeypatch, capsys):
+    """Run an example as a script and return what it printed.
+
+    In this process, where the kernels and Matplotlib are loaded once for all of them; the laminate
+    runs in a process of its own.
+    """
+    import matplotlib.pyplot as plt
+
+    def run(name, out, *options):
+        monkeypatch.setattr(sys, "argv", [name, "--out", str(out), *options])
+        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+        return capsys.readouterr().out
+
+    yield run
+    plt.close("all")
 
 
 def figures(path):
     return json.loads(path.read_text())
 
 
-def test_opening_test(tmp_path):
+def test_opening_test(run_example, tmp_path):
     # To a third of the way: the torque has reached its plateau and the pictures are there.
     quick = "--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"
     run_example("opening_test.py", tmp_path, *quick)
@@ -37,7 +49,7 @@ def test_opening_test(tmp_path):
     assert len([name for name in left if name.startswith("snapshot_")]) >= 6
 
 
-def test_guillotine(tmp_path):
+def test_guillotine(run_example, tmp_path):
     run_example("guillotine.py", tmp_path, "--size", "0.8", "--length", "14")
     summary = figures(tmp_path / "summary.json")
     # The plateau of so short a cut: within 10 % of G h.
@@ -45,7 +57,7 @@ def test_guillotine(tmp_path):
     assert (tmp_path / "force.png").stat().st_size > 10_000
 
 
-def test_own_tooth(tmp_path):
+def test_own_tooth(run_example, tmp_path):
     told = run_example("own_tooth.py", tmp_path)
     means = dict(re.findall(r"(four|six) teeth: (\d+) N\*mm", told))
     # Theory 1.668, measured 1.627: over the steady windows of the quick mesh, that of the six teeth
@@ -55,14 +67,14 @@ def test_own_tooth(tmp_path):
     assert (tmp_path / "torque.png").stat().st_size > 10_000
 
 
-def test_cut_quality(tmp_path):
+def test_cut_quality(run_example, tmp_path):
     told = run_example("cut_quality.py", tmp_path)
     # 72 chords of 5° on the circle of 9.4 mm, all cut.
     assert f"crack {72 * 2 * 9.4 * sin(radians(2.5)):.1f} mm, 0 bridges left" in told
     assert (tmp_path / "quality.png").stat().st_size > 10_000
 
 
-def test_compare_with_measured(tmp_path):
+def test_compare_with_measured(run_example, tmp_path):
     told = run_example("compare_with_measured.py", tmp_path)
     assert re.search(r"peak torque +147\.1 N\*mm", told)  # 14.71 N*cm of the table
     found = figures(tmp_path / "comparison.json")["figures"]
@@ -72,7 +84,7 @@ def test_compare_with_measured(tmp_path):
     assert (tmp_path / "comparison.png").stat().st_size > 10_000
 
 
-def test_reading_hook(tmp_path):
+def test_reading_hook(run_example, tmp_path):
     told = run_example("reading_hook.py", tmp_path)
     steady, place, theory = map(float, re.findall(r"[\d.]+(?= N| mm)", told))
     assert place == pytest.approx(7.0, abs=0.02)  # where the hook ends the run
@@ -82,8 +94,10 @@ def test_reading_hook(tmp_path):
 
 
 def test_laminate(tmp_path):
-    told = run_example("laminate.py", tmp_path)
-    pairs = re.findall(r"(-?[\d.]+) (?:mm|MPa), composite beam (-?[\d.]+)", told)
+    command = [sys.executable, str(EXAMPLES / "laminate.py"), "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stderr
+    pairs = re.findall(r"(-?[\d.]+) (?:mm|MPa), composite beam (-?[\d.]+)", done.stdout)
     (tip, beam), *stresses = [tuple(map(float, pair)) for pair in pairs]
     # The clamp keeps the strip from curving across, which beams know nothing of: 1.1 %.
     assert tip == pytest.approx(beam, rel=0.02)
@@ -93,7 +107,7 @@ def test_laminate(tmp_path):
     assert (tmp_path / "stress.png").stat().st_size > 10_000
 
 
-def test_vibration_modes(tmp_path):
+def test_vibration_modes(run_example, tmp_path):
     told = run_example("vibration_modes.py", tmp_path)
     pairs = re.findall(r"([\d.]+) Hz, thin plate ([\d.]+) Hz", told)
     assert len(pairs) == 4
@@ -102,7 +116,7 @@ def test_vibration_modes(tmp_path):
     assert (tmp_path / "modes.png").stat().st_size > 10_000
 
 
-def test_stretched_cut(tmp_path):
+def test_stretched_cut(run_example, tmp_path):
     told = run_example("stretched_cut.py", tmp_path)
     work = dict(re.findall(r"(loose|stretched): work of the tool ([\d.]+)", told))
     # Where the cut lets the strip go slack it gives its energy, E/(1-nu²) e² / 2 times thickness,
@@ -112,7 +126,7 @@ def test_stretched_cut(tmp_path):
     assert (tmp_path / "work.png").stat().st_size > 10_000
 
 
-def test_tool_of_triangles(tmp_path):
+def test_tool_of_triangles(run_example, tmp_path):
     told = run_example("tool_of_triangles.py", tmp_path)
     assert "12 segments, 4.04" in told  # 2 R asin(H / 2R), as chords
     crack = float(re.search(r"crack ([\d.]+) mm", told)[1])
