@@ -300,6 +300,38 @@ def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
     return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
 
 
+@always_inline
+def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
+    """Add a force [N] at the joint p to the wrench of a tooth."""
+    origin = pose.translation
+    arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
+    moment = cross(arm, force)
+    for k in range(3):
+        wrench[body, k] += force[k]
+        wrench[body, 3 + k] += moment[k]
+
+
+@always_inline
+def _length(
+    c: int, jointed: bool, minus: Vec3, plus: Vec3, pose: Pose, tables: CableTables
+) -> tuple[float, Vec3, Vec3]:
+    """Return the length measure of cable c, its joint and how far that has moved [mm].
+
+    Writes the directions of its ends and its joint in space.
+    """
+    cables, law = tables.cables, tables.law
+    p = (0.0, 0.0, 0.0)
+    p_moved = (0.0, 0.0, 0.0)
+    if jointed:
+        p = to_space(load(cables.joint_body, c), pose)
+        p_moved = sub(p, load(cables.joint, c))
+        store(cables.joint, c, p)
+        ell = _bent_length(c, p, minus, plus, law[8], cables)
+    else:
+        ell = _straight_length(c, minus, plus, law[7], cables)
+    return ell, p, p_moved
+
+
 @kernel
 def _add_cable_forces(
     pose: Pose, dt: float, time: float, tables: CableTables, wrench: Floats, couple: Floats
@@ -312,7 +344,7 @@ def _add_cable_forces(
     pose, tables = borrowed(pose), borrowed(tables)
     law, nodes, cables = tables.law, tables.nodes, tables.cables
     status, opening_max = cables.status, cables.opening_max
-    onset, short_branch, start_opening = law[7], law[8], law[9]
+    start_opening = law[9]
     work = 0.0
     start_work = 0.0
     n_made = 0
@@ -327,15 +359,7 @@ def _add_cable_forces(
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED
-        p = (0.0, 0.0, 0.0)
-        p_moved = (0.0, 0.0, 0.0)
-        if jointed:
-            p = to_space(load(cables.joint_body, c), pose)
-            p_moved = sub(p, load(cables.joint, c))
-            store(cables.joint, c, p)
-            ell = _bent_length(c, p, minus, plus, short_branch, cables)
-        else:
-            ell = _straight_length(c, minus, plus, onset, cables)
+        ell, p, p_moved = _length(c, jointed, minus, plus, pose, tables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
@@ -369,15 +393,10 @@ def _add_cable_forces(
 
         # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
         if jointed:
-            body = tables.edges.body[cables.edge[c]]
             on_tool = scale(-1.0, add(f_minus, f_plus))
-            origin = pose.translation
-            arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
-            moment = cross(arm, on_tool)
+            _pull_tool(p, on_tool, tables.edges.body[cables.edge[c]], pose, wrench)
             rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
             for k in range(3):
-                wrench[body, k] += on_tool[k]
-                wrench[body, 3 + k] += moment[k]
                 couple[k] += rest[k]
             rest = cross(sub(minus, plus), extra)
         else:

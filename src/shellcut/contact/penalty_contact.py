@@ -291,6 +291,74 @@ def _look_up(
 
 
 @always_inline
+def _released(n: int, dt: float, work: float, nodes: ContactNodes) -> float:
+    """Take a node out of contact; return ``work`` with that of its last force added [N·mm]."""
+    old = load(nodes.contact_force, n)
+    if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
+        work += 0.5 * dt * dot(old, load(nodes.velocity_half, n))
+        store(nodes.contact_force, n, (0.0, 0.0, 0.0))
+    nodes.contact_side[n] = 0
+    nodes.contact_depth[n] = nodes.contact_offset[n] = nodes.contact_work[n] = 0.0
+    return work
+
+
+@always_inline
+def _take_side(
+    n: int, p: Vec3, triangle: int, q: Vec3, pose: Pose, tables: ContactTables
+) -> tuple[int, Vec3]:
+    """Choose the side of a node that has come in; return its closest triangle and point there."""
+    tool = tables.tool
+    flank = tool.grid.surface.flank
+    lies = _side_of_quads(n, pose, tool.segments, tables.nodes, tables.around)
+    if lies == 0:
+        lies = flank[triangle]
+    tables.nodes.contact_side[n] = lies
+    if lies * flank[triangle] < 0:
+        _, _, triangle, q, _, _ = signed_distance(p, lies, tool.grid)
+    return triangle, q
+
+
+@always_inline
+def _impact(
+    n: int, p: Vec3, g: float, outward: Vec3, dt: float, pose_before: Pose, tables: ContactTables
+) -> tuple[bool, float]:
+    """Write the depth g of node n; return whether it has hit the surface, and its way in [mm]."""
+    nodes, noticed = tables.nodes, tables.law.noticed
+    way = 0.0
+    change = g - nodes.contact_depth[n]
+    impact = abs(change) > noticed
+    if impact:
+        moved = load(nodes.velocity_half, n)
+        was = to_body(combine(1.0, load(nodes.x, n), -dt, moved), pose_before)
+        way = dot(sub(was, p), outward)
+        if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
+            nodes.contact_offset[n] += change
+            impact = False
+    nodes.contact_depth[n] = g
+    return impact, way
+
+
+@always_inline
+def _loaded_depth(
+    n: int, g: float, stiffness: float, dt: float, absorbed: float, tables: ContactTables
+) -> tuple[float, float]:
+    """Absorb part of a jump; return the depth that presses [mm] and the absorbed energy [N·mm]."""
+    nodes, law = tables.nodes, tables.law
+    offset, g_m = nodes.contact_offset, law.smoothing_depth
+    loaded = max(g, 0.0)
+    if offset[n] > 0.0:
+        loaded = max(g - offset[n], 0.0)
+        absorbed += stiffness * smoothed_integral(loaded, g_m)
+        edge_length = local_edge_length(nodes.contact_area[n])
+        offset[n] *= np.exp(-dt / (law.absorb_slowness * edge_length))
+        # A node that has come out may come in again: that is felt at once.
+        offset[n] = min(offset[n], max(g, 0.0))
+        loaded = max(g, 0.0) - offset[n]
+        absorbed -= stiffness * smoothed_integral(loaded, g_m)
+    return loaded, absorbed
+
+
+@always_inline
 def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: ContactNodes, wrench: Floats) -> None:
     """Add the contact force f [N] to a node and minus it to its tooth."""
     store(nodes.contact_force, n, f)
@@ -317,8 +385,7 @@ def _add_contact_forces(
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
     surface, g_m = tool.grid.surface, law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
-    x = nodes.x
-    side, depth, offset = nodes.contact_side, nodes.contact_depth, nodes.contact_offset
+    x, side = nodes.x, nodes.contact_side
     work = 0.0
     stored = 0.0
     absorbed = 0.0
@@ -328,51 +395,24 @@ def _add_contact_forces(
         n = ids[i]
         p = to_body(load(x, n), pose)
         known = norm(sub(p, load(place, i))) < lasts[i]
-        if known and not within[i]:  # has not reached the surface since
+        if known and not within[i]:  # has not come to the surface since
             continue
         triangle, q = _look_up(i, p, known, side[n], tool, near)
+        if not within[i]:
+            work = _released(n, dt, work, nodes)
+            continue
         old = load(nodes.contact_force, n)
         moved = load(nodes.velocity_half, n)
-        if not within[i]:
-            if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
-                work += 0.5 * dt * dot(old, moved)
-                store(nodes.contact_force, n, (0.0, 0.0, 0.0))
-            side[n] = 0
-            depth[n] = offset[n] = nodes.contact_work[n] = 0.0
-            continue
         if side[n] == 0:
-            lies = _side_of_quads(n, pose, tool.segments, nodes, tables.around)
-            if lies == 0:
-                lies = surface.flank[triangle]
-            side[n] = lies
-            if lies * surface.flank[triangle] < 0:
-                _, _, triangle, q, _, _ = signed_distance(p, lies, tool.grid)
+            triangle, q = _take_side(n, p, triangle, q, pose, tables)
         normals = surface.pseudo_normals
         outward = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
         g = dot(sub(q, p), outward)
-        way = 0.0
-        change = g - depth[n]
-        impact = abs(change) > law.noticed
-        if impact:
-            was = to_body(combine(1.0, load(x, n), -dt, moved), pose_before)
-            way = dot(sub(was, p), outward)
-            if change > law.noticed + norm(sub(p, was)):  # more than node and tool have moved
-                offset[n] += change
-                impact = False
-        depth[n] = g
+        impact, way = _impact(n, p, g, outward, dt, pose_before, tables)
         n_inside += 1
         deepest = max(deepest, g)
         stiffness = node_stiffness(nodes.contact_area[n], law)
-        loaded = max(g, 0.0)
-        if offset[n] > 0.0:
-            loaded = max(g - offset[n], 0.0)
-            absorbed += stiffness * smoothed_integral(loaded, g_m)
-            edge_length = local_edge_length(nodes.contact_area[n])
-            offset[n] *= np.exp(-dt / (law.absorb_slowness * edge_length))
-            # A node that has left may enter again: contact then acts at once.
-            offset[n] = min(offset[n], max(g, 0.0))
-            loaded = max(g, 0.0) - offset[n]
-            absorbed -= stiffness * smoothed_integral(loaded, g_m)
+        loaded, absorbed = _loaded_depth(n, g, stiffness, dt, absorbed, tables)
         magnitude = stiffness * smoothed(loaded, g_m)
         energy = stiffness * smoothed_integral(loaded, g_m)
         direction = turn(outward, pose)
