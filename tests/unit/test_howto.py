@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shellcut
+import shellcut.recording.recorder
 from run_folder import write_run
 from shellcut import guillotine, opening_test
 from shellcut.tool.shapes import tooth_ring
@@ -23,6 +24,12 @@ def _without_doubts(caplog):
     yield
     doubts = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
     assert [text for text in doubts if text.startswith("distrust")] == []
+
+
+@pytest.fixture
+def _no_pictures(monkeypatch):
+    """Runs draw no snapshots, which test_examples.py asks for."""
+    monkeypatch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
 
 
 def blocks(page, language):
@@ -62,6 +69,7 @@ def test_trust(capsys):
     assert "stays=True" in said
 
 
+@pytest.mark.usefixtures("_no_pictures")
 def test_first_cut(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (code,) = blocks("../first-cut.md", "python")
@@ -126,7 +134,7 @@ def test_pictures(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
-    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    case.run("out", n_row=50, n_frame=2, n_snapshot=0, progress=False)
     Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")
     (code,) = blocks("pictures.md", "python")
     exec(compile(code, "pictures.md", "exec"), {})
@@ -135,6 +143,7 @@ def test_pictures(tmp_path, monkeypatch):
     assert "<h2>Measured curve</h2>" in Path("out/report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("_no_pictures")
 def test_resume(tmp_path, monkeypatch):
     # As it stands, on a smaller model.
     def small(name):
