@@ -283,7 +283,8 @@ def _separations(
 def _grown(rows: Numbers, n: int, size: int) -> Numbers:
     """Return a longer copy of the first n numbers."""
     more = np.empty(size, rows.dtype)
-    more[:n] = rows[:n]
+    for m in range(n):  # a slice would have its error messages compiled, for seconds
+        more[m] = rows[m]
     return more
 
 

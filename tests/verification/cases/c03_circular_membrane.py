@@ -43,7 +43,7 @@ def parameters(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
     film = Statics(mesh, MATERIAL, supports=[Support.pinned("rim")])
     film.state.node.x[: mesh.n_node, :2] *= STRETCH  # in equilibrium: the stress is uniform
     stress = YOUNG / (1.0 - POISSON) * 0.5 * (STRETCH**2 - 1.0)
-    modes = film.modes(60)
+    modes = film.modes(40)
     r = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1]) / RADIUS
     to_k = 2.0 * np.pi * RADIUS / np.sqrt(stress / DENSITY)
     ours = {
