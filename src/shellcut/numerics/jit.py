@@ -39,7 +39,12 @@ R = TypeVar("R")
 # one, because finding the types takes longer than most kernels.
 _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+# Nobody calls these functions from C: without Numba's wrapper for that they compile faster.
+_OPTIONS: dict[str, Any] = {
+    "error_model": "numpy",
+    "fastmath": {"contract"},
+    "no_cfunc_wrapper": True,
+}
 _INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, **_OPTIONS}
 
 
