@@ -108,6 +108,8 @@ class QuadsAtNodes(NamedTuple):
 
     quads: Annotated[Ints, "(n_quad, 4)"]
     """Node ids of every quad."""
+    centre: Annotated[Floats, "(n_quad, 4)"]
+    """Weights of these at the centre of the film that it holds."""
     at: Annotated[Ints, "(n_node, max_valence)"]
     """Quads at the node, ascending, the first ``n_at`` in use."""
     n_at: Annotated[Ints, "(n_node,)"]
@@ -137,12 +139,16 @@ class NodeTable(_Table):
     """Scaled rotary inertia [t·mm²], shape (n,)."""
     push: Floats
     """1 / mass and 1 / inertia, zero at supported nodes, which move separately, shape (n, 2)."""
+    contact_mass: Floats
+    """Mass that a contact force moves: its own, or what it feels of a copy [t], shape (n,)."""
     contact_area: Floats
     """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
     origin: Ints
     """Reference node this one was split from, itself if never split, shape (n,)."""
     halved: Bools
     """Whether the node is one half of a split or pre-cut node, shape (n,)."""
+    real: Bools
+    """Whether the film reaches the node: not that of a copy beyond a crack, shape (n,)."""
     quads: SmallIds
     """Quads at the node, ascending, the first ``n_quad_at`` in use, shape (n, MAX_VALENCE)."""
     n_quad_at: SmallIds
@@ -178,10 +184,59 @@ class NodeTable(_Table):
         """Total force conjugate to the director [N·mm], shape (n, 3); its moment is t x this."""
         return self.force_rows[:, 3:6]
 
+    def take_quads(self, node: int, quads: list[int]) -> None:
+        """Set the quads at a node, ascending; copies of cut quads may be more than any mesh has."""
+        more = len(quads) - self.quads.shape[1]
+        if more > 0:
+            self.quads = np.pad(self.quads, ((0, 0), (0, max(more, self.quads.shape[1]))))
+        self.quads[node, : len(quads)] = quads
+        self.n_quad_at[node] = len(quads)
+
     def weigh(self, node: int, mass: float, inertia: float) -> None:
         """Set the mass [t] and rotary inertia [t·mm²] of a node."""
         self.mass[node], self.inertia[node] = mass, inertia
+        self.contact_mass[node] = mass
         self.push[node] = (0.0, 0.0) if self.supported[node] else (1.0 / mass, 1.0 / inertia)
+
+
+@dataclass
+class QuadTable(_Table):
+    """Quads: those of the mesh, and after them the copies that cracks across them have made."""
+
+    nodes: SmallIds
+    """Node ids, shape (n, 4)."""
+    parent: Ints
+    """Quad of the mesh, itself for the first ones, shape (n,)."""
+    share: Floats
+    """Part of the parent that it holds, 1 of a whole quad, shape (n,)."""
+    mass_share: Floats
+    """Part of the parent's mass that it has, shape (n,); see :mod:`shellcut.fracture.cut_state`."""
+    centre: Floats
+    """Weights of its nodes at the centre of the film that it holds, shape (n, 4)."""
+
+
+@dataclass
+class FlankTable(_Table):
+    """Points on the flanks of cracks that cross quads: nodes that are tied to a copy.
+
+    Such a point has a row among the nodes, so that cables and contact take it as any node; but it
+    has no mass. Its position and velocity are those of the copy there, and the copy's nodes take
+    its force (:mod:`shellcut.fracture.flank_points`).
+    """
+
+    node: Ints
+    """Row among the nodes, shape (n,)."""
+    row: Ints
+    """Copy that it is tied to, shape (n,)."""
+    place: Floats
+    """xi, eta in the quad, shape (n, 2)."""
+    inward: Floats
+    """A place a little further along its flank, which tells to which part of a copy it goes when
+    that is cut again, shape (n, 2)."""
+    nodes: Ints
+    """Nodes of the copy, shape (n, 4)."""
+    weight: Floats
+    """Their shape functions there, shape (n, 4)."""
 
 
 @dataclass
@@ -250,6 +305,8 @@ class SplitRecord:
     """Value of the criterion; a split is due at 1."""
     force_jump: float
     """Magnitude of the difference between the node's load and the new cable's force [N]."""
+    rows: tuple[int, int] = (-1, -1)
+    """Quads or copies to the right and left of a cut; node and twin are -1 then."""
 
 
 @dataclass
@@ -258,8 +315,8 @@ class State:
 
     node: NodeTable
     cable: CableTable
-    quads: SmallIds
-    """Node ids of every quad, rewired at a split, shape (n_quad, 4)."""
+    quad: QuadTable
+    flank: FlankTable
     strain: Floats
     """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, width)."""
     strain_before: Floats
@@ -286,13 +343,28 @@ class State:
         return self.node.count
 
     @property
+    def n_quad(self) -> int:
+        """Number of quads and copies."""
+        return self.quad.count
+
+    @property
+    def quads(self) -> SmallIds:
+        """Node ids of every quad and copy, rewired at a split, shape (n_quad, 4)."""
+        return self.quad.nodes[: self.quad.count]
+
+    @property
     def n_cable(self) -> int:
         """Number of cables ever made."""
         return self.cable.count
 
     def quads_at_nodes(self) -> QuadsAtNodes:
         """Return which quads are at which node now."""
-        return QuadsAtNodes(quads=self.quads, at=self.node.quads, n_at=self.node.n_quad_at)
+        return QuadsAtNodes(
+            quads=self.quads,
+            centre=self.quad.centre[: self.n_quad],
+            at=self.node.quads,
+            n_at=self.node.n_quad_at,
+        )
 
     def saved(self) -> dict[str, Any]:
         """Return the state as arrays and numbers by name, in nested dictionaries."""
@@ -301,6 +373,8 @@ class State:
         return saved | {
             "node": self.node.saved(),
             "cable": self.cable.saved(),
+            "quad": self.quad.saved(),
+            "flank": self.flank.saved(),
             "strain_forms": np.array(self.strain_forms),
             "split_log": {
                 f.name: np.array([split[f.name] for split in splits]) for f in fields(SplitRecord)
@@ -309,16 +383,18 @@ class State:
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Load :meth:`saved` of a state of the same mesh; the arrays keep their addresses."""
-        for name in ("quads", "strain", "strain_before", "history"):
+        for name in ("strain", "strain_before", "history"):
             getattr(self, name)[:] = saved[name]
         for name in ("time", "dt", "step", "revision", "crack_length"):
             setattr(self, name, saved[name])
         self.node.restore(saved["node"])
         self.cable.restore(saved["cable"])
+        self.quad.restore(saved["quad"])
+        self.flank.restore(saved["flank"])
         a, b = saved["strain_forms"].tolist()
         self.strain_forms = a, b
         splits = {name: column.tolist() for name, column in saved["split_log"].items()}
-        for name in ("place", "reference"):
+        for name in ("place", "reference", "rows"):
             splits[name] = [tuple(place) for place in splits[name]]
         self.split_log = [
             SplitRecord(**dict(zip(splits, row, strict=True)))
@@ -356,7 +432,11 @@ class KnownTopology:
         if self.revision > state.revision or (self._state is not None and self._state is not state):
             return np.arange(len(state.quads))
         # A split gives quads to its twin only; a later one may have passed them on to another twin.
-        node, twins = state.node, np.array([s.twin for s in self.new_splits(state)], np.int64)
+        # A cut changes the nodes of the copies on both its sides, and of those they share them with.
+        node, new = state.node, self.new_splits(state)
+        cut = np.array([row for s in new for row in s.rows if row >= 0], np.int64)
+        twins = np.array([s.twin for s in new if s.twin >= 0], np.int64)
+        twins = np.union1d(twins, state.quads[cut])
         at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
         return np.unique(node.quads[twins][at])
 

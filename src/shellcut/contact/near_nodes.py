@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import load
@@ -63,6 +63,7 @@ class NearNodes:
             n_node=n.count,
             x=n.x,
             pose=pose,
+            real=n.real,
             low=self._low,
             high=self._high,
             found=found,
@@ -145,15 +146,18 @@ def _inside(
     n_node: int,
     x: Floats,
     pose: Pose,
+    real: Bools,
     low: Floats,
     high: Floats,
     found: Ints,
 ) -> int:
-    """Write the nodes inside any box to found : (n_node,), return their number."""
+    """Write the real nodes inside any box to found : (n_node,), return their number."""
     pose, count = borrowed(pose), 0
     for n in range(n_node):
         p = to_body(load(x, n), pose)
         hit = False
+        if not real[n]:
+            continue
         for b in range(low.shape[0]):
             hit |= in_box(p, low, high, b)
         found[count] = n

@@ -247,10 +247,11 @@ def _side_of_quads(
     if k_best < 0:
         return 0
     cx = cy = cz = 0.0
-    weight = 0.25 / around.n_at[n]
+    share = 1.0 / around.n_at[n]
     for i in range(around.n_at[n]):
+        row = around.at[n, i]
         for a in range(4):
-            other = around.quads[around.at[n, i], a]
+            other, weight = around.quads[row, a], share * around.centre[row, a]
             cx += weight * x[other, 0]
             cy += weight * x[other, 1]
             cz += weight * x[other, 2]
@@ -420,7 +421,7 @@ def _add_contact_forces(
             before = dot(old, direction)
             pushed = -dot(load(nodes.force, n), direction)
             spent = nodes.contact_work[n]
-            most = largest_rebound(spent, before, way, pushed, nodes.mass[n], dt)
+            most = largest_rebound(spent, before, way, pushed, nodes.contact_mass[n], dt)
             magnitude = min(magnitude, most)
             nodes.contact_work[n] += 0.5 * (before + magnitude) * way
         else:

@@ -158,7 +158,8 @@ def _parted(n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, least: float)
     for i in range(around.n_at[n]):
         centre = -here
         for a in range(4):
-            centre += 0.25 * dot(load(x, around.quads[around.at[n, i], a]), normal)
+            row = around.at[n, i]
+            centre += around.centre[row, a] * dot(load(x, around.quads[row, a]), normal)
         to_minus, to_plus = min(to_minus, centre), max(to_plus, centre)
     return to_minus < -least and to_plus > least
 

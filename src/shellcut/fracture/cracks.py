@@ -14,6 +14,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .criterion import Fracture, SplitCriterion
+from .free_cracks import FreeCracks
 from .quad_fans import boundary_edges, crack_tips, is_tip, open_edges
 from .split_node import split_node
 
@@ -55,6 +56,10 @@ class Cracks:
             rim=np.unique(boundary_edges(state)),
         )
         """Finds the nodes that must split."""
+        self.free: FreeCracks | None = None
+        """Cracks through the quads, instead of along their edges."""
+        if fracture is not None and fracture.path == "free":
+            self.free = FreeCracks(state, shell, loads, law, fracture, tool)
         self.tips = crack_tips(state)
         """Nodes at which a crack or notch ends, ascending."""
 
@@ -69,6 +74,9 @@ class Cracks:
             Of the tool at t_{n+1}.
         """
         if state.step % self._fracture.check_every:
+            return
+        if self.free is not None:
+            self.free.run(state, pose)
             return
         start = self._fracture.equilibrium_start
         for split in self.criterion.due(state, self.tips, pose):

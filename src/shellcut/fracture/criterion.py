@@ -48,6 +48,7 @@ from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 Measure: TypeAlias = Literal["force", "stress"]
 StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
 Candidates: TypeAlias = Literal["tips", "all"]
+Path: TypeAlias = Literal["edges", "free"]
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,7 @@ class Fracture:
     turn_limit_deg: float = 57.0
     check_every: int = 10
     equilibrium_start: bool = False
+    path: Path = "edges"
 
     def __post_init__(self) -> None:
         problems = []

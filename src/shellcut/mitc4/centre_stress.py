@@ -72,7 +72,8 @@ class CentreStress:
     """Stresses at the quads' centres, from reference geometry and layers."""
 
     def __init__(self, mesh: Mesh, material: ShellMaterial) -> None:
-        self._mesh = mesh
+        self.reference = Surface.of(mesh)
+        """Of every quad and copy."""
         layers = material.layers
         bottom = np.cumsum([0.0, *(layer.thickness for layer in layers)])
         mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
@@ -114,7 +115,7 @@ class CentreStress:
         sigma = np.empty((len(which), 3, 3))
         _cauchy(
             which=which,
-            reference=Surface.of(self._mesh),
+            reference=self.reference,
             present=Surface(x, t, quads),
             height=self._height[place],
             law=self._law[place][None],
@@ -144,14 +145,15 @@ class CentreStress:
         if place not in places:
             raise ValueError(f"place must be one of {list(places)}, got {place!r}")
         which = check_quads(which, len(quads))
-        corners = self._mesh.quads[which]
+        nodes, directors, quad = self.reference
+        corners = quad[which]
 
         def tangents(x: Floats, t: Floats, corners: Ints) -> Floats:
             lifted = x[corners] + self._height[place] * t[corners]
             return np.asarray(np.einsum("da,nac->ndc", _AT_CENTRE, lifted))
 
-        G = tangents(self._mesh.nodes, self._mesh.directors, corners)
-        T = self._mesh.directors[corners].mean(axis=1)
+        G = tangents(nodes, directors, corners)
+        T = directors[corners].mean(axis=1)
         up = frame_components(G[:, 0], G[:, 1], T)[0][:, :2, :2]
         g, dg = tangents(x, t, quads[which]), tangents(dx, dt, quads[which])
         f, df, F = (np.einsum("nia,nac->nic", up, base) for base in (g, dg, G))
@@ -187,7 +189,7 @@ class CentreStress:
         n = len(quads)
         stresses = FaceStresses(np.empty((n, 3, 3)), np.empty((n, 3, 2)), np.empty(n))
         _faces(
-            reference=Surface.of(self._mesh),
+            reference=self.reference,
             present=Surface(x, t, quads),
             height=self._height["top"],
             laws=self._laws,

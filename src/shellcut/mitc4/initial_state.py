@@ -9,7 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.mesh.mesh import MAX_VALENCE, Mesh
 from shellcut.numerics.lanes import aligned_zeros
-from shellcut.state import RESERVE, CableTable, NodeTable, State, columns
+from shellcut.state import RESERVE, CableTable, FlankTable, NodeTable, QuadTable, State, columns
 
 
 def initial_state(mesh: Mesh) -> State:
@@ -38,9 +38,11 @@ def initial_state(mesh: Mesh) -> State:
         mass=rows(),
         inertia=rows(),
         push=columns(cap, 2),
+        contact_mass=rows(),
         contact_area=rows(),
         origin=origin,
         halved=halved,
+        real=np.ones(cap, np.bool_),
         quads=quads_at,
         n_quad_at=n_quad_at,
         supported=np.zeros(cap, np.bool_),
@@ -66,7 +68,23 @@ def initial_state(mesh: Mesh) -> State:
     return State(
         node=node,
         cable=cable,
-        quads=mesh.quads.astype(np.int32),
+        flank=FlankTable(
+            count=0,
+            node=np.zeros(RESERVE, np.int64),
+            row=np.zeros(RESERVE, np.int64),
+            place=np.zeros((RESERVE, 2)),
+            inward=np.zeros((RESERVE, 2)),
+            nodes=np.zeros((RESERVE, 4), np.int64),
+            weight=np.zeros((RESERVE, 4)),
+        ),
+        quad=QuadTable(
+            count=mesh.n_quad,
+            nodes=mesh.quads.astype(np.int32),
+            parent=np.arange(mesh.n_quad),
+            share=np.ones(mesh.n_quad),
+            mass_share=np.ones(mesh.n_quad),
+            centre=np.full((mesh.n_quad, 4), 0.25),
+        ),
         strain=np.zeros((0, 0, 0)),
         strain_before=np.zeros((0, 0, 0)),
         history=np.zeros((0, 0, 0)),

@@ -46,7 +46,7 @@ class PointOutput:
         blocks: QuadBlocks,
         points: PointTables,
     ) -> None:
-        self._blocks, self._points = blocks, points
+        self.take(blocks, points)
         place, weight = points.rule.place, points.rule.weight
         off = np.abs(place)
         middle = off <= off.min() + 1e-9 * material.thickness
@@ -68,6 +68,10 @@ class PointOutput:
                 [law.history.index(name) if name in law.history else 0 for law in laws]
             )
             self._history_share[name] = has * weight / (has @ weight), column
+
+    def take(self, blocks: QuadBlocks, points: PointTables) -> None:
+        """Take over the tables of the shell, after a cut has made them anew."""
+        self._blocks, self._points = blocks, points
 
     def cauchy(self, state: State, quads: PointQuads, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
@@ -17,6 +18,7 @@ from shellcut.state import KnownTopology, State
 
 from .blocks import build_blocks
 from .centre_stress import CentreStress, FaceStresses
+from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
 from .element import N_STRAIN
 from .forces import add_flat_quads, add_full_quads
 from .frequency import QuadFrequencies
@@ -34,6 +36,7 @@ from .quad_strains import (
     QuadStep,
 )
 from .section import flat_quads, lumped_mass
+from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
 
@@ -104,6 +107,8 @@ class MITC4Shell:
             X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
             flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
+        self._mesh = mesh
+        self._reference = Surface.of(mesh)
         self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
         self.tables, self.points = build_tables(mesh, material, self.blocks, self._whole)
         self.has_points = bool(self.points.rule.place.size)
@@ -119,6 +124,10 @@ class MITC4Shell:
             if start[0] < start[-1]
         ]
         self._present: PointQuads | None = None
+        # Copies of cut quads stand after the blocks of the mesh.
+        self._n_whole = self.blocks.quad.shape[0]
+        self._n_copy = 0
+        self._add_copies = bound_once(add_full_point_quads if self.has_points else add_full_quads)
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
@@ -130,6 +139,11 @@ class MITC4Shell:
         self._history = self._history_at_rest()
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
+
+    @property
+    def mesh_quads(self) -> Ints:
+        """Nodes of the mesh at the corners of every quad and copy, shape (n, 4)."""
+        return self._reference.quads
 
     @property
     def added_inertia_factor(self) -> float:
@@ -177,6 +191,7 @@ class MITC4Shell:
             node.inertia[:n] += np.bincount(ids, self.mass[:, a] * self._gyration(slice(None)), n)
             node.contact_area[:n] += np.bincount(ids, self.area, n)
         node.contact_area[:n] *= 0.25 / np.maximum(node.n_quad_at[:n], 1)
+        node.contact_mass[:n] = node.mass[:n]
         node.push[:n, 0], node.push[:n, 1] = 1.0 / node.mass[:n], 1.0 / node.inertia[:n]
 
     def _history_at_rest(self) -> Numbers:
@@ -189,7 +204,7 @@ class MITC4Shell:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
         threads, damping = self._workers.count, self._damping(state)
         damped, rho = damping.damped, damping.rho
-        sums = np.zeros((self.blocks.n_strip, 3))
+        sums, of_copies = np.zeros((self.blocks.n_strip, 3)), np.zeros((1, 3))
         rows = state.node.force_rows
         present, points = self._quads_of(state), self.has_points
         step = PointStep(damping, state.history, state.dt) if points else damping
@@ -204,9 +219,13 @@ class MITC4Shell:
                     add(first, stride, start, quads, step, rows, sums, self._lane)
 
             self._workers.run(part)
+        if self._n_copy:
+            used = -(-self._n_copy // self.blocks.width)
+            start = np.array([self._n_whole, self._n_whole + used])
+            self._add_copies(0, 1, start, quads, step, rows, of_copies, self._lane)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
-        p0, p1, p2 = in_order(sums)
+        p0, p1, p2 = in_order(np.concatenate([sums, of_copies]) if self._n_copy else sums)
         if self.has_points:
             return Work(p0, 0.5 * rho * p1, p2)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
@@ -231,6 +250,82 @@ class MITC4Shell:
         """Return the quads as they stand in the blocks, their nodes at any place."""
         quads = Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
         return PointQuads(quads, self.points)
+
+    def cut(self, state: State, row: int, new: int) -> None:
+        """Give the two copies of a cut quad what they hold of it.
+
+        Mass and stiffness by their shares in the state; strains and history are copied. Their nodes
+        are as they were: :mod:`shellcut.fracture` assigns new ones.
+
+        Parameters
+        ----------
+        state : State
+            With both rows in ``state.quad``.
+        row, new : int
+            What was cut and keeps one part, and the row of the other part, the last one.
+        """
+        parent, share = int(state.quad.parent[row]), state.quad.share
+        if new >= len(self.mass):
+            self.mass = np.concatenate([self.mass, self.mass[row : row + 1]])
+            self.area = np.append(self.area, self.area[row])
+            nodes, directors, quads = self._reference
+            quads = np.concatenate([quads, quads[parent : parent + 1]])
+            self._reference = Surface(nodes, directors, quads)
+            self.frequencies.add_copy(row, self._reference)
+            if self._centre_stress is not None:
+                self._centre_stress.reference = self._reference
+        before = int(self.blocks.slot[row])
+        if before < self._n_whole * self.blocks.width:
+            empty_place(before, self.blocks, self.tables, self.points)
+            self._place(state, row, before)
+        self._place(state, new, before)
+        for copy in (row, new):
+            self.mass[copy] = state.quad.mass_share[copy] * self._whole_mass(parent)
+            slot = int(self.blocks.slot[copy])
+            fill_place(
+                slot,
+                parent,
+                float(share[copy]),
+                self._mesh,
+                self.material,
+                self.blocks,
+                self.tables,
+                self.points,
+                self._whole,
+            )
+
+    def _whole_mass(self, quad: int) -> Floats:
+        """Return the corners' shares in the mass of a whole quad of the mesh [t], shape (4,)."""
+        nodes = self._mesh.quads[quad]
+        X, T = self._mesh.nodes[nodes][None], self._mesh.directors[nodes][None]
+        return lumped_mass(X, T, self.material)[0][0]
+
+    def _place(self, state: State, row: int, before: int) -> None:
+        """Give a copy the next place; its strains and history are those of the place before."""
+        width = self.blocks.width
+        slot = self._n_whole * width + self._n_copy
+        self._n_copy += 1
+        if slot >= self.blocks.quad.size:
+            n = max(MORE_BLOCKS, (self.blocks.quad.shape[0] - self._n_whole) // 2)
+            self.blocks = grow_blocks(self.blocks, n)
+            self.tables, self.points = grow_tables(self.tables, self.points, n)
+            for name in ("strain", "strain_before", "history"):
+                setattr(state, name, with_more_blocks(getattr(state, name), n))
+            self._history = state.history
+            if self._point_output is not None:
+                self._point_output.take(self.blocks, self.points)
+        places = self.blocks.slot
+        if row >= places.size:
+            places = np.append(places, np.int32(0))
+        places[row] = slot
+        self.blocks = replace(self.blocks, slot=places)
+        if self._point_output is not None:
+            self._point_output.take(self.blocks, self.points)
+        (b, lane), (b_before, lane_before) = divmod(slot, width), divmod(before, width)
+        # Places that no copy fills yet repeat the one before.
+        self.blocks.quad[b, lane:] = row
+        for rows in (state.strain, state.strain_before, state.history):
+            rows[b, :, lane:] = rows[b_before, :, lane_before, None]
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].

@@ -17,6 +17,7 @@ from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.flank_points import FlankPoints
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -155,6 +156,7 @@ class Simulation:
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
+        self.flanks = FlankPoints()
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
         self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
@@ -214,6 +216,7 @@ class Simulation:
         s = self.state
         self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
+        self.flanks.place(s)
         s.step += 1  # 2 clock
         s.time += self._dt
         s.dt = self._dt
@@ -234,11 +237,13 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
+        self.flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
         kick = self.integrator.kick(self.state, dt_last, dt_next)
+        self.flanks.move(self.state)
         book = self.ledger
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation

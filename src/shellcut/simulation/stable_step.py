@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
@@ -110,6 +111,8 @@ class StableStep:
         due = state.step >= self._next
         if due or not self._topology.is_of(state):
             self._topology.take(state)
+            copies = state.n_quad - self._known.size
+            self._known = np.append(self._known, np.zeros(copies, np.bool_))
             safe = self.stepping.safety * (self._look_at_all if due else self._look_at_held)(state)
             if safe < self._dt or safe > _HYSTERESIS * self._dt:
                 self._dt = safe
@@ -183,7 +186,7 @@ class StableStep:
         self._next = saved["next"]
         self._topology.restore(saved["revision"])
         self._dt, self._free = saved["dt"], saved["free"]
-        self._known[:] = saved["known"]
+        self._known = saved["known"].copy()
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
@@ -235,6 +238,8 @@ class StableStep:
         held = [term.stiffness(state) for term in reversed(self._tool_terms)]
         nodes = np.concatenate([ids for ids, _ in held])
         stiffness = np.concatenate([of_nodes for _, of_nodes in held])
+        if state.flank.count:
+            nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
         node, row = np.unique(nodes, return_inverse=True)
         omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
         # Every quad at such a node, with the stiffest of its nodes.

@@ -1,0 +1,136 @@
+"""Which crack tips a cutting edge drives, and in which direction.
+
+A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
+it. It runs towards the trace of that blade's mid-plane in the sheet, a little ahead. A tip that the
+edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.vec3 import combine, load
+from shellcut.tool.cutting_edge import (
+    BACK,
+    CUT_DEPTH,
+    NORMAL,
+    CuttingEdges,
+    in_the_blade,
+    segment_part,
+    strip_coordinates,
+)
+from shellcut.tool.pose import Pose, to_body
+
+# How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
+_REACH = 0.5
+
+# How far ahead of the edge such a tip may be, likewise.
+_AHEAD = 20.0
+
+
+# Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
+_LOOK_AHEAD = (1.0, 2.0, 4.0)
+
+
+class Driven(NamedTuple):
+    """Tips and the edges that drive them."""
+
+    edge_of: Ints
+    """Segment of the edge, -1 if none, shape (n_tip,)."""
+    off: Floats
+    """Signed distance of the tip from the mid-plane [mm], shape (n_tip,)."""
+    passed: Bools
+    """Whether the edge has passed it, shape (n_tip,)."""
+
+
+class BladeDrive:
+    """Finds the tips that cutting edges drive.
+
+    Parameters
+    ----------
+    edges : CuttingEdges
+        Of the tool.
+    """
+
+    def __init__(self, edges: CuttingEdges) -> None:
+        self.edges = edges
+        self._near_edge = bound_once(_near_edge)
+
+    def of(self, x: Floats, size: Floats, pose: Pose) -> Driven:
+        """Return which segments drive tips at x : (n_tip, 3) [mm]; size : (n_tip,) [mm]."""
+        n = len(x)
+        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n, np.bool_))
+        self._near_edge(x, size, pose, self.edges, *found)
+        return found
+
+    def directions(
+        self, segment: int, off: float, t: Floats, size: float, heading: Floats, pose: Pose
+    ) -> list[Floats]:
+        """Return the unit directions in space in which a blade drives a tip, the best one first.
+
+        Towards the trace of its mid-plane, one edge length ahead; where that leads back out of the
+        film ahead, because the film has been pushed far aside, less and less towards it.
+
+        Parameters
+        ----------
+        segment, off : int, float
+            Of :class:`Driven`.
+        t : ndarray, shape (3,)
+            Director at the tip.
+        size : float
+            Local edge length [mm].
+        heading : ndarray, shape (3,)
+            In which the tip came.
+        pose : Pose
+            Of the tool.
+        """
+        b = pose.rotation @ self.edges.segments[segment, NORMAL]
+        trace = np.cross(t, b)
+        trace /= np.linalg.norm(trace)
+        if trace @ heading < 0.0:
+            trace = -trace
+        aside = off * (b - (b @ t) * t)
+        ways = [reach * size * trace - aside for reach in _LOOK_AHEAD]
+        return [way / np.linalg.norm(way) for way in [*ways, trace]]
+
+
+@kernel
+def _near_edge(
+    x: Floats,
+    size: Floats,
+    pose: Pose,
+    edges: CuttingEdges,
+    edge_of: Ints,
+    off: Floats,
+    passed: Bools,
+) -> None:
+    """Write which segment of the edge a point is before or has passed, and how far beside it is.
+
+    x : (n, 3), [mm].  size : (n,), local edge lengths [mm].  edge_of, off, passed : (n,).
+    """
+    pose, edges = borrowed(pose), borrowed(edges)
+    segments = edges.segments
+    for i in range(x.shape[0]):
+        p = to_body(load(x, i), pose)
+        nearest = np.inf
+        for k in range(segments.shape[0]):
+            _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size[i])
+            if abs(lateral) > _REACH * size[i]:
+                continue
+            if owns and in_the_blade(p, lateral, k, edges):
+                if not passed[i] or depth < nearest:
+                    nearest = depth
+                    edge_of[i], off[i], passed[i] = k, lateral, True
+            elif not passed[i] and -_AHEAD * size[i] < depth < 0.0 and -depth < nearest:
+                # Shifted forward onto the edge, the point would lie beside this segment.
+                back = segment_part(segments, k, BACK)
+                on_edge = combine(1.0, p, 1e-6 * size[i] - depth, back)
+                _, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size[i])
+                if beside:
+                    nearest = -depth
+                    edge_of[i], off[i] = k, lateral

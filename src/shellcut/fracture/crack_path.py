@@ -1,0 +1,300 @@
+"""Where a crack goes next: from its tip through the quad ahead to a place on its boundary.
+
+A tip lies on a side of the mesh, at a node of it, or on the flank of an earlier cut that the crack
+has run into. From there a ray goes through the polygon of the row ahead. Where its segment ends
+([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
+
+1. on a crossing of another crack within ``MERGE`` edge lengths, measured across the ray;
+2. at a corner within ``SNAP`` edge lengths across the ray, if it is not on the side where the
+   segment begins; from a node, a side that the ray leaves by less than that is broken as a side;
+3. on the side itself, at least ``SNAP`` of it from its corners.
+
+Distances are those of the reference film: folds and stretches under a blade do not count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+from .cut_topology import CutTopology
+from .quad_fans import boundary_edges
+from .quad_polygon import (
+    CORNERS,
+    FLANK,
+    Point,
+    Polygon,
+    along_side,
+    corner_at,
+    has_corner,
+    holds,
+    on_side,
+    shape_functions,
+    side_of,
+    span,
+)
+
+MERGE = 0.15
+"""Crossings of another crack nearer than this, in edge lengths across the ray, are met."""
+
+SNAP = 0.05
+"""Corners nearer than this, in edge lengths across the ray, are met; crossings keep this part of
+the side away from them."""
+
+# Of the parametric square: far above round-off, and how far a ray is followed to see whether it
+# goes into a polygon.
+_AWAY = 1e-6
+_INTO = 1e-3
+
+
+@dataclass
+class Tip:
+    """Where a crack ends: at a node of the mesh, on a side of it, or on a flank."""
+
+    ends: tuple[int, int]
+    """Nodes of the mesh at the ends of the side, ascending; twice the same at a node."""
+    s: float
+    """Way along the side from its first node."""
+    quad: int
+    """Of the mesh, from which it came; -1 of a notch."""
+    heading: Floats
+    """Unit direction in which it came, in the reference film, shape (3,)."""
+    length: float
+    """Of the segment that led here [mm], 0 of a notch."""
+    flank: Point | None = None
+    """Place in ``quad`` if it lies on a flank; ``ends`` is then of no meaning."""
+    behind: tuple[int, ...] = ()
+    """Rows of ``quad`` on the side of the flank from which the crack came."""
+
+    @property
+    def at_node(self) -> bool:
+        """Whether it lies at a node."""
+        return self.flank is None and self.ends[0] == self.ends[1]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A straight way of a crack through a row."""
+
+    row: int
+    entry: Point
+    exit: Point
+    side: int
+    """Side of the quad on which the exit lies, FLANK on an earlier cut."""
+    corner: int
+    """Corner of the quad at the exit, -1 if it is none."""
+    along_side: bool = False
+    """Whether it runs from corner to corner along a side of the quad."""
+
+
+class CrackPath:
+    """Finds the rows ahead of tips and the segments through them.
+
+    Parameters
+    ----------
+    topology : CutTopology
+        Which rows there are.
+    shell : MITC4Shell
+        Gives the nodes of the mesh at their corners and their sizes.
+    """
+
+    def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
+        self._topology, self._shell = topology, shell
+
+    def ring(self, row: int) -> list[int]:
+        """Return the nodes of the mesh at the corners of a row."""
+        return [int(n) for n in self._shell.mesh_quads[row]]
+
+    def size(self, row: int) -> float:
+        """Return the local edge length, sqrt(quad area) [mm]."""
+        return float(np.sqrt(self._shell.area[row]))
+
+    def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
+        """Return the rows into which a crack may run from its tip, and the tip's place in each."""
+        topology = self._topology
+        if tip.flank is not None:
+            return [
+                (row, tip.flank)
+                for row in topology.rows_of(tip.quad)
+                if row not in tip.behind and side_of(topology.polygon(row), tip.flank) is not None
+            ]
+        if tip.at_node:
+            return [
+                (row, CORNERS[corner])
+                for row, corner in topology.corners_at(tip.ends[0])
+                if has_corner(topology.polygon(row), corner)
+            ]
+        found = []
+        a, b = tip.ends
+        for row, corner in topology.corners_at(a):
+            quad, ring = topology.parent(row), self.ring(row)
+            if quad == tip.quad or b not in ring:
+                continue
+            goes_up = ring[(corner + 1) % 4] == b
+            side, s = (corner, tip.s) if goes_up else ((corner - 1) % 4, 1.0 - tip.s)
+            held = span(topology.polygon(row), side)
+            if held is not None and held[0] < s - _AWAY and held[1] > s + _AWAY:
+                found.append((row, on_side(side, s)))
+        return found
+
+    def place_of(self, state: State, tip: Tip) -> tuple[Floats, Floats, float] | None:
+        """Return position [mm], director and local edge length [mm] of a tip.
+
+        None where no film is ahead: at a rim, and where another crack has come across.
+        """
+        ahead = self.rows_ahead(tip)
+        if not ahead:
+            return None
+        row, place = ahead[0]
+        weights, nodes = np.array(shape_functions(place)), state.quads[row]
+        t = weights @ state.node.t[nodes]
+        return weights @ state.node.x[nodes], t / np.linalg.norm(t), self.size(row)
+
+    def reference_of(self, state: State, tip: Tip) -> Floats:
+        """Return where a tip lies in the reference film [mm], shape (3,)."""
+        if tip.flank is not None:
+            X = state.node.X[self._shell.mesh_quads[tip.quad]]
+            return np.asarray(np.array(shape_functions(tip.flank)) @ X)
+        a, b = state.node.X[list(tip.ends)]
+        return np.asarray(a + tip.s * (b - a))
+
+    def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
+        """Return a tip on the rim where a line between two points first crosses it, flat films."""
+        way = end - start
+        best, found = np.inf, None
+        for a, b in boundary_edges(state).tolist():
+            A, B = state.node.X[[a, b]]
+            base = np.stack([way, A - B], axis=1)
+            (ahead, s), *_ = np.linalg.lstsq(base, A - start, rcond=None)
+            miss = np.linalg.norm(base @ (ahead, s) - (A - start))
+            on_it = miss < _AWAY * np.linalg.norm(A - B) and -_AWAY < s < 1.0 + _AWAY
+            if on_it and -_AWAY < ahead < min(best, 1.0):
+                best, unit = ahead, way / np.linalg.norm(way)
+                at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
+                if at_end is not None:
+                    found = Tip((at_end, at_end), 0.0, -1, unit, 0.0)
+                else:
+                    ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
+                    found = Tip(ends, float(s), -1, unit, 0.0)
+        return found
+
+    def segment_from(self, state: State, tip: Tip, direction: Floats) -> Segment | None:
+        """Return the segment from a tip in a direction in space, None if no row lies there."""
+        for row, entry in self.rows_ahead(tip):
+            way = self.in_quad(state, row, entry, direction)
+            into = entry[0] + _INTO * way[0], entry[1] + _INTO * way[1]
+            if holds(self._topology.polygon(row), into):
+                return self.segment(state, row, entry, way)
+        return None
+
+    def in_quad(self, state: State, row: int, place: Point, direction: Floats) -> Point:
+        """Return a direction in space as one in xi, eta at a place of a row."""
+        base = np.stack(_tangents(state.node.x[state.quads[row]], place), axis=1)
+        way, *_ = np.linalg.lstsq(base, direction, rcond=None)
+        way /= np.linalg.norm(way)
+        return float(way[0]), float(way[1])
+
+    def tip_at(self, end: Segment, heading: Floats, length: float, rows: list[int]) -> Tip | None:
+        """Return the tip at the end of a segment that has just cut its row into ``rows``.
+
+        None at a rim.
+        """
+        ring, quad = self.ring(end.row), self._topology.parent(end.row)
+        if end.corner >= 0:
+            node = ring[end.corner]
+            tip = Tip((node, node), 0.0, quad, heading, length)
+        elif end.side == FLANK:
+            tip = Tip((-1, -1), 0.0, quad, heading, length, end.exit, tuple(rows))
+        else:
+            a, b = ring[end.side], ring[(end.side + 1) % 4]
+            s = along_side(end.side, end.exit)
+            ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
+            tip = Tip(ends, s, quad, heading, length)
+        return tip if self.rows_ahead(tip) else None
+
+    def segment(self, state: State, row: int, entry: Point, way: Point) -> Segment | None:
+        """Return the segment through a row from a place in it in a direction in xi, eta."""
+        polygon = self._topology.polygon(row)
+        hit = _first_edge(polygon, entry, way)
+        if hit is None:
+            return None
+        i, along = hit
+        side = polygon.sides[i]
+        a, b = polygon.points[i], polygon.points[(i + 1) % len(polygon.points)]
+        X = state.node.X[state.quads[row]]
+        here = np.array(shape_functions(entry)) @ X
+        a1, a2 = _tangents(X, entry)
+        ray = way[0] * a1 + way[1] * a2
+        ray /= np.linalg.norm(ray)
+        size = self.size(row)
+        for end in (a, b):
+            gap = np.array(shape_functions(end)) @ X - here
+            off = float(np.linalg.norm(gap - (gap @ ray) * ray))
+            corner = corner_at(end)
+            if off >= (SNAP if corner >= 0 else MERGE) * size:
+                continue
+            on = common_side(polygon, entry, end)
+            if on is None:
+                return Segment(row, entry, end, side, corner)
+            if corner >= 0 and on != FLANK and corner_at(entry) >= 0:
+                return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
+        if side == FLANK:
+            exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
+            return Segment(row, entry, exit_, FLANK, -1)
+        s_a, s_b = along_side(side, a), along_side(side, b)
+        s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
+        ring = self.ring(row)
+        length = float(np.linalg.norm(X[(side + 1) % 4] - X[side]))
+        places = [on_side(side, s)]
+        for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
+            if abs(known - s) * length < MERGE * size and holds(polygon, on_side(side, known)):
+                places.insert(0, on_side(side, known))
+        for place in places:
+            if common_side(polygon, entry, place) is None:
+                return Segment(row, entry, place, side, -1)
+        return None
+
+
+def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
+    """Return on which side of the quad two points of a polygon lie, None if on no common edge."""
+    points = polygon.points
+    for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
+        d = b[0] - a[0], b[1] - a[1]
+        if all(
+            abs((p[0] - a[0]) * d[1] - (p[1] - a[1]) * d[0]) < _AWAY * np.hypot(*d)
+            for p in (one, other)
+        ):
+            return side
+    return None
+
+
+def _first_edge(polygon: Polygon, entry: Point, way: Point) -> tuple[int, float] | None:
+    """Return which edge of a polygon a ray leaves by, and how far along it."""
+    best, found = np.inf, None
+    n = len(polygon.points)
+    for i in range(n):
+        a, b = polygon.points[i], polygon.points[(i + 1) % n]
+        d = b[0] - a[0], b[1] - a[1]
+        r = a[0] - entry[0], a[1] - entry[1]
+        height = r[0] * d[1] - r[1] * d[0]
+        across = way[0] * d[1] - way[1] * d[0]
+        if abs(height) < _AWAY * np.hypot(*d) or across == 0.0:
+            continue  # the ray begins on this edge, or runs along it
+        ahead, along = height / across, (r[0] * way[1] - r[1] * way[0]) / across
+        if _AWAY < ahead < best and -_AWAY <= along <= 1.0 + _AWAY:
+            best, found = ahead, (i, min(max(along, 0.0), 1.0))
+    return found
+
+
+def _tangents(x: Floats, place: Point) -> tuple[Floats, Floats]:
+    """Return a_1 and a_2 at a place of a quad with corners x : (4, 3)."""
+    xi, eta = place
+    return (
+        0.25 * ((1 - eta) * (x[1] - x[0]) + (1 + eta) * (x[2] - x[3])),
+        0.25 * ((1 - xi) * (x[3] - x[0]) + (1 + xi) * (x[2] - x[1])),
+    )

@@ -1,0 +1,186 @@
+"""Carry out cuts: copies of quads, and nodes for the classes of their corners.
+
+All copies start where the quad was: position, director, velocity and spin of a new node are those
+of the node it comes from, and its mass and rotary inertia are summed over its own copies. Mass,
+momentum, angular momentum, kinetic and strain energy of the film stay as they were, to round-off.
+
+A sliver would be so light that the cables at its flank set the time step. So a part gets
+``LEAST_MASS`` of what is cut at least, and the other that much less: no mass is made, the sliver's
+is that of film a hair's breadth further, and the largest frequency of the other part grows by the
+square root of 1 / (1 - LEAST_MASS), 2.6 %.
+
+A node without film at its corner is *virtual*: nothing holds it, nothing touches it. Which of the
+classes keeps the old node makes no difference to the solution; it is the first one with film, so
+that what users know of a node by its id stays where the film is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import SplitRecord, State
+
+from .crack_path import Segment
+from .cut_topology import Corner, CutTopology
+from .quad_polygon import (
+    CORNERS,
+    Point,
+    centre_of,
+    corner_at,
+    density,
+    shape_functions,
+    share_of,
+    span,
+)
+
+LEAST_MASS = 0.05
+"""Of a quad or copy that is cut, the mass that either part gets at least."""
+
+
+def cut_row(
+    state: State,
+    shell: MITC4Shell,
+    topology: CutTopology,
+    segment: Segment,
+    kind: str = "criterion",
+    measure: float = 1.0,
+) -> int:
+    """Cut a quad, or a copy of one, along a chord; return the row of what lies to the left.
+
+    Parameters
+    ----------
+    state, shell, topology : State, MITC4Shell, CutTopology
+        Written.
+    segment : Segment
+        Its row keeps what lies to the right of the way from entry to exit.
+    kind, measure : str, float
+        Written into the log.
+    """
+    row = segment.row
+    new = topology.cut(row, segment.entry, segment.exit)
+    parent = topology.parent(row)
+    corners = shell.mesh_quads[parent]
+    J = density(state.node.X[corners])
+    assert state.quad.append_copy(row) == new
+    shares = [share_of(topology.polygon(copy), J) for copy in (row, new)]
+    mass = state.quad.mass_share[row]
+    light = min(max(shares[0] / sum(shares), LEAST_MASS), 1.0 - LEAST_MASS)
+    state.quad.mass_share[[row, new]] = mass * light, mass * (1.0 - light)
+    for copy in (row, new):
+        polygon = topology.polygon(copy)
+        state.quad.share[copy] = share_of(polygon, J)
+        state.quad.centre[copy] = shape_functions(centre_of(polygon))
+    shell.cut(state, row, new)
+    _write_down(state, segment, (row, new), kind, measure)
+    renew_nodes(state, shell, topology, corners.tolist())
+    return new
+
+
+def break_side(
+    state: State,
+    shell: MITC4Shell,
+    topology: CutTopology,
+    segment: Segment,
+    kind: str = "criterion",
+    measure: float = 1.0,
+) -> tuple[list[int], list[tuple[Point, Point]]]:
+    """Break the side of the mesh along which a segment runs: a crack along an edge.
+
+    Returns the rows to its right and left, and its ends in the quad of each, as :func:`sides_of`.
+    """
+    a, b, rows, chords = sides_of(topology, shell, segment)
+    topology.break_side(a, b)
+    _write_down(state, segment, (rows[0], rows[1]), kind, measure)
+    renew_nodes(state, shell, topology, [a, b])
+    return rows, chords
+
+
+def _write_down(
+    state: State, segment: Segment, rows: tuple[int, int], kind: str, measure: float
+) -> None:
+    entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
+    state.split_log.append(
+        SplitRecord(
+            time=state.time,
+            node=-1,
+            twin=-1,
+            place=tuple((entry @ state.node.x[nodes]).tolist()),
+            reference=tuple((entry @ state.node.X[nodes]).tolist()),
+            kind=kind,
+            measure=measure,
+            force_jump=0.0,
+            rows=rows,
+        )
+    )
+    state.revision += 1
+
+
+def sides_of(
+    topology: CutTopology, shell: MITC4Shell, segment: Segment
+) -> tuple[int, int, list[int], list[tuple[Point, Point]]]:
+    """Return what lies along a segment that runs along a side of the mesh.
+
+    Its two nodes of the mesh, the rows to its right and left, and its ends in the quad of each; -1
+    for a row where the side is a rim.
+    """
+    ring = shell.mesh_quads[segment.row].tolist()
+    a, b = ring[corner_at(segment.entry)], ring[corner_at(segment.exit)]
+    rows, chords = [-1, -1], [(segment.entry, segment.exit)] * 2
+    for row, corner in topology.corners_at(a):
+        around = shell.mesh_quads[row].tolist()
+        if b not in around:
+            continue
+        other = around.index(b)
+        left = other == (corner + 1) % 4  # counter-clockwise: its film lies to the left
+        if span(topology.polygon(row), corner if left else other) is not None:
+            rows[left], chords[left] = row, (CORNERS[corner], CORNERS[other])
+    return a, b, rows, chords
+
+
+def renew_nodes(
+    state: State, shell: MITC4Shell, topology: CutTopology, nodes: Iterable[int]
+) -> None:
+    """Give every class of corners around some nodes of the mesh a node of its own."""
+    for mesh_node in nodes:
+        of_node: dict[int, list[list[Corner]]] = {}
+        for members in topology.classes(mesh_node):
+            row, corner = members[0]
+            of_node.setdefault(int(state.quads[row, corner]), []).append(members)
+        for node, groups in of_node.items():
+            groups.sort(key=lambda members: (not topology.is_real(members), members))
+            _share_node(state, shell, topology, node, groups)
+
+
+def _share_node(
+    state: State,
+    shell: MITC4Shell,
+    topology: CutTopology,
+    node: int,
+    groups: list[list[Corner]],
+) -> None:
+    """Give each of some groups of corners at one node a node; the first keeps it."""
+    before = state.node.mass[node]
+    ids = [node, *(state.node.append_copy(node) for _ in groups[1:])]
+    n = state.node
+    for half, members in zip(ids, groups, strict=True):
+        for row, corner in members:
+            state.quad.nodes[row, corner] = half
+        n.take_quads(half, sorted(row for row, _ in members))
+        n.real[half] = topology.is_real(members)
+        if not n.real[half]:
+            n.supported[half] = False
+            n.support[half] = False
+            n.support_rate[half] = n.reaction[half] = 0.0
+        mass, inertia, n.contact_area[half] = shell.node_inertia(state, half)
+        n.weigh(half, mass, inertia)
+        # Forces of the last evaluation, shared like the mass, enter the next work increment only.
+        share = mass / before
+        n.contact_force[half] *= share
+        n.contact_work[half] *= share
+        n.load_force[half] *= share
+        if len(groups) > 1:
+            n.contact_side[half] = 0
+            n.halved[half] = True

@@ -1,0 +1,213 @@
+"""Which copies of cut quads share nodes: the whole topology of cracks that cross quads.
+
+A quad of the mesh that a crack crosses is replaced by two copies, each with a polygon of it
+(:mod:`shellcut.fracture.quad_polygon`). A copy has four nodes like any quad; those on its own side
+of the crack are real, the others *virtual*: they carry on the copy's motion beyond the crack. There
+is one rule ([Molino2004], with the scaled copies of [Song2006]):
+
+    two copies in neighbouring quads share both nodes of the common side if and only if their
+    polygons overlap there by some length and the side is not broken.
+
+The nodes around a node of the mesh are then the classes of (copy, corner) that are joined by a
+chain of such sides. Closed tips, rims, splits at nodes, T-junctions and cuts of what is cut already
+all follow from it:
+
+* at a tip on a side, the neighbour ahead is whole and overlaps both copies: they share the two
+  nodes of that side, and the crack is closed there;
+* a crack along a side of the mesh breaks that side, and cuts no quad: a split of nodes along edges.
+
+Nothing else records the crack. A cut only ever divides classes, it never joins them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Ints, SmallIds
+
+from .quad_polygon import WHOLE, Point, Polygon, divide, has_corner, span
+
+Corner = tuple[int, int]
+"""Row of a copy and which of its corners."""
+
+# Two polygons overlap on a side if it is by more than this fraction of the side: above round-off.
+_OVERLAP = 1e-9
+
+
+class CutTopology:
+    """The copies of all quads, and the classes of their corners.
+
+    Parameters
+    ----------
+    quads : ndarray of int, shape (n_quad, 4)
+        Node ids of the mesh.
+    quads_at, n_quad_at : ndarray of int, shapes (n_node, max_valence) and (n_node,)
+        Quads at every node of the mesh.
+    """
+
+    def __init__(self, quads: Ints, quads_at: SmallIds, n_quad_at: SmallIds) -> None:
+        self._quads = quads
+        self._quads_at, self._n_quad_at = quads_at.copy(), n_quad_at.copy()
+        self._rows: dict[int, list[int]] = {}
+        self._polygons: dict[int, Polygon] = {}
+        self._parents: list[int] = []
+        self._broken: set[tuple[int, int]] = set()
+
+    @property
+    def n_row(self) -> int:
+        """Number of rows: whole quads and copies."""
+        return len(self._quads) + len(self._parents)
+
+    def parent(self, row: int) -> int:
+        """Return the quad of the mesh that a row is, or is a copy of."""
+        n = len(self._quads)
+        return row if row < n else self._parents[row - n]
+
+    def rows_of(self, quad: int) -> list[int]:
+        """Return the rows that hold the film of a quad of the mesh, ascending."""
+        return self._rows.get(quad, [quad])
+
+    def polygon(self, row: int) -> Polygon:
+        """Return which part of its quad a row holds."""
+        return self._polygons.get(row, WHOLE)
+
+    def cut(self, row: int, start: Point, end: Point) -> int:
+        """Cut a row along a chord: it keeps what lies to the right, a new row takes the left.
+
+        Parameters
+        ----------
+        row : int
+            Which.
+        start, end : Point
+            Ends of the chord, on the boundary of the row's polygon.
+
+        Returns
+        -------
+        int
+            The new row. The nodes of the four corners are to be assigned anew
+            (:meth:`classes`).
+        """
+        right, left = divide(self.polygon(row), start, end)
+        quad, new = self.parent(row), self.n_row
+        self._parents.append(quad)
+        self._rows[quad] = [*self.rows_of(quad), new]
+        self._polygons[row], self._polygons[new] = right, left
+        return new
+
+    def crossings(self, a: int, b: int) -> list[float]:
+        """Return where cracks cross the side between two nodes of the mesh, as fractions of it."""
+        found = set()
+        for row, corner in self.corners_at(a):
+            ring = self._quads[self.parent(row)].tolist()
+            if b not in ring:
+                continue
+            up = ring[(corner + 1) % 4] == b
+            held = span(self.polygon(row), corner if up else (corner - 1) % 4)
+            if held is not None:
+                found |= {s if up else 1.0 - s for s in held}
+        return sorted(s for s in found if _OVERLAP < s < 1.0 - _OVERLAP)
+
+    def mend(self, row: int, new: int, polygon: Polygon) -> None:
+        """Undo the last cut, which has made the row ``new`` of a polygon of ``row``."""
+        quad = self._parents.pop()
+        self._rows[quad].remove(new)
+        del self._polygons[new]
+        self._polygons[row] = polygon
+        if polygon == WHOLE:
+            del self._polygons[row], self._rows[quad]
+
+    def break_side(self, a: int, b: int) -> None:
+        """Break the side between two nodes of the mesh."""
+        self._broken.add((min(a, b), max(a, b)))
+
+    def mend_side(self, a: int, b: int) -> None:
+        """Undo :meth:`break_side`."""
+        self._broken.discard((min(a, b), max(a, b)))
+
+    def is_broken(self, a: int, b: int) -> bool:
+        """Return whether the side between two nodes of the mesh is broken."""
+        return (min(a, b), max(a, b)) in self._broken
+
+    def corners_at(self, node: int) -> list[Corner]:
+        """Return all copies around a node of the mesh with their corner there, by quad and row."""
+        quads = self._quads_at[node, : self._n_quad_at[node]].tolist()
+        return [
+            (row, self._quads[quad].tolist().index(node))
+            for quad in quads
+            for row in self.rows_of(quad)
+        ]
+
+    def classes(self, node: int) -> list[list[Corner]]:
+        """Return the classes of corners around a node of the mesh, each ascending."""
+        corners = self.corners_at(node)
+        place = {row: i for i, (row, _) in enumerate(corners)}
+        leader = list(range(len(corners)))
+
+        def find(i: int) -> int:
+            while leader[i] != i:
+                leader[i] = leader[leader[i]]
+                i = leader[i]
+            return i
+
+        ends: dict[int, list[tuple[int, int]]] = {}  # far node -> (quad, side) that lead there
+        for quad in dict.fromkeys(self.parent(row) for row, _ in corners):
+            ring = self._quads[quad].tolist()
+            a = ring.index(node)
+            ends.setdefault(ring[(a + 1) % 4], []).append((quad, a))
+            ends.setdefault(ring[a - 1], []).append((quad, (a - 1) % 4))
+        for far, sides in ends.items():
+            if len(sides) < 2 or self.is_broken(node, far):
+                continue
+            (one, side), (other, other_side) = sides
+            for row in self.rows_of(one):
+                for beside in self.rows_of(other):
+                    if self._overlap(row, side, beside, other_side):
+                        i, j = sorted((find(place[row]), find(place[beside])))
+                        leader[j] = i
+        found: dict[int, list[Corner]] = {}
+        for i, corner in enumerate(corners):
+            found.setdefault(find(i), []).append(corner)
+        return [sorted(members) for members in found.values()]
+
+    def is_real(self, members: Iterable[Corner]) -> bool:
+        """Return whether the film of a class reaches its node."""
+        return any(has_corner(self.polygon(row), corner) for row, corner in members)
+
+    def _overlap(self, row: int, side: int, beside: int, other_side: int) -> bool:
+        """Return whether two rows in neighbouring quads overlap on their common side."""
+        one, other = span(self.polygon(row), side), span(self.polygon(beside), other_side)
+        if one is None or other is None:
+            return False
+        # Both quads are counter-clockwise: what one goes up the other goes down.
+        low, high = max(one[0], 1.0 - other[1]), min(one[1], 1.0 - other[0])
+        return high - low > _OVERLAP
+
+    def saved(self) -> dict[str, Any]:
+        """Return polygons, parents and broken sides as arrays."""
+        rows = sorted(self._polygons)
+        polygons = [self._polygons[row] for row in rows]
+        return {
+            "parents": np.array(self._parents, np.int64),
+            "cut_rows": np.array(rows, np.int64),
+            "n_point": np.array([len(p.points) for p in polygons], np.int64),
+            "points": np.array([q for p in polygons for q in p.points]).reshape(-1, 2),
+            "sides": np.array([side for p in polygons for side in p.sides], np.int64),
+            "broken": np.array(sorted(self._broken), np.int64).reshape(-1, 2),
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._parents = saved["parents"].tolist()
+        self._broken = {(a, b) for a, b in saved["broken"].tolist()}
+        self._rows, self._polygons = {}, {}
+        n = len(self._quads)
+        for i, quad in enumerate(self._parents):
+            self._rows[quad] = [*self.rows_of(quad), n + i]
+        stop = 0
+        for row, count in zip(saved["cut_rows"].tolist(), saved["n_point"].tolist(), strict=True):
+            start, stop = stop, stop + count
+            points = tuple((xi, eta) for xi, eta in saved["points"][start:stop].tolist())
+            self._polygons[row] = Polygon(points, tuple(saved["sides"][start:stop].tolist()))

@@ -1,0 +1,171 @@
+"""Points on the flanks of a crack through quads: tied to the nodes of a copy.
+
+Cables hold the flanks, and the blade touches them, where a crack crosses a side: not at nodes. Such
+a point P of a copy follows its nodes by the shape functions N_a at its place,
+
+    x_P = sum N_a x_a,   v_P = sum N_a v_a,   and a force F at P acts as N_a F on node a,
+
+so that its power F · v_P is that of the forces on the nodes, and their sum and moment are those of
+F. It has a row among the nodes, without mass: cables and contact take it as a node like any other.
+A force feels there the mass m_P = 1 / sum (N_a² / m_a).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import bound_once, kernel
+from shellcut.state import KnownTopology, State
+
+from .quad_polygon import Point, shape_functions
+
+
+class _Tied(NamedTuple):
+    """Flank points as the kernels take them."""
+
+    n: int
+    """Number of points; the rows beyond are in reserve."""
+    node: Annotated[Ints, "(n_point,)"]
+    nodes: Annotated[Ints, "(n_point, 4)"]
+    weight: Annotated[Floats, "(n_point, 4)"]
+
+
+class FlankPoints:
+    """Keeps the flank points at their places, and hands on their forces."""
+
+    def __init__(self) -> None:
+        self._known = KnownTopology()
+        self._tied: _Tied | None = None
+        self._interpolate = bound_once(_interpolate)
+        self._hand_on = bound_once(_hand_on)
+
+    def place(self, state: State) -> None:
+        """Bring all flank points to where their copies are."""
+        if state.flank.count:
+            self._interpolate(self._of(state), state.node.x)
+
+    def move(self, state: State) -> None:
+        """Give all flank points the velocities of their copies."""
+        if state.flank.count:
+            self._interpolate(self._of(state), state.node.velocity_half)
+
+    def hand_on_forces(self, state: State) -> None:
+        """Add the forces on all flank points to those of the nodes they are tied to."""
+        if state.flank.count:
+            self._hand_on(self._of(state), state.node.force_rows)
+
+    def _of(self, state: State) -> _Tied:
+        if self._tied is None or not self._known.is_of(state):
+            f = state.flank
+            self._tied = _Tied(f.count, f.node, f.nodes, f.weight)
+            self._known.take(state)
+        return self._tied
+
+
+def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
+    """Tie a new flank point to a copy; return its id among the nodes.
+
+    Parameters
+    ----------
+    state : State
+        Written.
+    row : int
+        The copy.
+    place : Point
+        Where in its quad.
+    inward : Point
+        A place a little further along the flank.
+    """
+    node = state.node.append_copy(int(state.quads[row, 0]))
+    n = state.node
+    k = state.flank.append_blank()
+    f = state.flank
+    f.node[k], f.place[k], f.inward[k] = node, place, inward
+    f.weight[k] = shape_functions(place)
+    n.mass[node] = n.inertia[node] = 0.0
+    n.push[node] = 0.0
+    n.spin_half[node] = 0.0
+    n.supported[node] = False
+    n.support[node] = False
+    n.support_rate[node] = n.reaction[node] = n.load_force[node] = n.force_rows[node] = 0.0
+    n.contact_side[node] = 0
+    n.contact_depth[node] = n.contact_offset[node] = n.contact_work[node] = 0.0
+    n.contact_force[node] = 0.0
+    n.origin[node] = node
+    n.halved[node] = n.real[node] = True
+    f.row[k], f.nodes[k] = row, state.quads[row]
+    corners = f.nodes[k]
+    for name in ("X", "x", "t", "velocity_half"):
+        column = getattr(n, name)
+        column[node] = f.weight[k] @ column[corners]
+    return node
+
+
+def tie(state: State, k: int, areas: Floats, density: float) -> None:
+    """Tie a flank point to the nodes that its copy has now.
+
+    Its contact area is a quarter of its quad's, but no larger than lets its penalty spring swing
+    as fast as that of the film: m_P / (2 rho h).
+
+    Parameters
+    ----------
+    state : State
+        Written.
+    k : int
+        Which flank point.
+    areas : ndarray, shape (n_row,)
+        Of whole quads [mm²].
+    density : float
+        rho h [t/mm²].
+    """
+    f, n = state.flank, state.node
+    row, node = int(f.row[k]), int(f.node[k])
+    f.nodes[k] = state.quads[row]
+    n.take_quads(node, [row])
+    used = f.weight[k] > 0.0
+    mass = 1.0 / (f.weight[k, used] ** 2 / n.mass[f.nodes[k, used]]).sum()
+    n.contact_mass[node] = mass
+    n.contact_area[node] = min(0.25 * areas[row], 0.5 * mass / density)
+
+
+def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:
+    """Return which nodes hold what stiffness [N/mm], that of flank points being their copies'.
+
+    k N_a N_b summed over b is k N_a: the bound of a row.
+    """
+    f = state.flank
+    of = np.full(state.n_node, -1)
+    of[f.node[: f.count]] = np.arange(f.count)
+    point = of[nodes]
+    tied = point >= 0
+    masters, weights = f.nodes[point[tied]], f.weight[point[tied]]
+    return (
+        np.concatenate([nodes[~tied], masters.ravel()]),
+        np.concatenate([stiffness[~tied], (weights * stiffness[tied][:, None]).ravel()]),
+    )
+
+
+@kernel
+def _interpolate(tied: _Tied, rows: Floats) -> None:
+    """Write the rows : (n_node, 3) of all flank points from those of their nodes."""
+    tied = borrowed(tied)
+    for k in range(tied.n):
+        for c in range(3):
+            total = 0.0
+            for a in range(4):
+                total += tied.weight[k, a] * rows[tied.nodes[k, a], c]
+            rows[tied.node[k], c] = total
+
+
+@kernel
+def _hand_on(tied: _Tied, rows: Floats) -> None:
+    """Add the forces in rows : (n_node, 8) of all flank points to their nodes."""
+    tied = borrowed(tied)
+    for k in range(tied.n):
+        for a in range(4):
+            for c in range(3):
+                rows[tied.nodes[k, a], c] += tied.weight[k, a] * rows[tied.node[k], c]

@@ -1,0 +1,211 @@
+"""Cracks that cross quads: who is due, and how a crack advances by one quad.
+
+Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
+(:mod:`.crack_path`), when it is due (:mod:`.trial_cut`), which tips a blade drives
+(:mod:`.blade_drive`), where a cut begins (:mod:`.pierce`), the cut itself (:mod:`.cut_state`) and
+its cables (:mod:`.segment_cables`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.loads import LoadSet
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
+from shellcut.tool.pose import Pose
+from shellcut.tool.tool import Tool
+
+from .blade_drive import BladeDrive
+from .crack_path import CrackPath, Segment, Tip, common_side
+from .criterion import Fracture
+from .cut_state import break_side, cut_row
+from .cut_topology import CutTopology
+from .pierce import Pierce
+from .quad_fans import arriving, crack_tips, fans_of
+from .quad_polygon import shape_functions
+from .segment_cables import SegmentCables
+from .trial_cut import TrialCut
+
+
+class FreeCracks:
+    """All cracks through the quads of a film.
+
+    Parameters
+    ----------
+    state : State
+        At the start.
+    shell, loads : MITC4Shell, LoadSet
+        Give the forces that hold a film together.
+    law : CohesiveLaw
+        Of the cables.
+    fracture : Fracture
+        Modes.
+    tool : Tool, optional
+        Whose edges cut.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        shell: MITC4Shell,
+        loads: LoadSet,
+        law: CohesiveLaw,
+        fracture: Fracture,
+        tool: Tool | None,
+    ) -> None:
+        n = state.node
+        self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
+        self.tips: list[Tip] = [
+            Tip((node, node), 0.0, -1, _heading_of_notch(state, node), 0.0)
+            for node in crack_tips(state)
+        ]
+        self._shell = shell
+        self._path = CrackPath(self.topology, shell)
+        self._trial = TrialCut(self.topology, shell, loads, law.strength)
+        density = float(shell.mass.sum() / shell.area.sum())
+        self._cables = SegmentCables(law, shell.material.thickness, density)
+        self._drive: BladeDrive | None = None
+        self._pierce: Pierce | None = None
+        if tool is not None and fracture.blade_cut:
+            edges = CuttingEdges.of(tool)
+            self._drive = BladeDrive(edges)
+            self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
+
+    def run(self, state: State, pose: Pose) -> None:
+        """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""
+        if self._drive is None:
+            return
+        while self._advance_due(state, self._drive, pose):
+            pass
+        self._begin_cuts(state, self._drive, pose)
+
+    def notch(self, state: State, start: Floats, end: Floats) -> None:
+        """Cut the film beforehand along a straight line from its rim, without cables.
+
+        Parameters
+        ----------
+        state : State
+            At the start; written.
+        start, end : array_like, shape (3,)
+            Outside the rim or on it, and where the notch ends [mm]: at the first side of the mesh,
+            or node, that the line meets there or beyond.
+
+        Raises
+        ------
+        ValueError
+            If the line does not begin at the rim.
+        """
+        start, end = np.asarray(start, float), np.asarray(end, float)
+        way = (end - start) / np.linalg.norm(end - start)
+        tip: Tip | None = self._path.rim_tip(state, start, end)
+        if tip is None:
+            raise ValueError(
+                f"a notch must begin at the rim of the film: no side of it lies between "
+                f"{start.tolist()} and {end.tolist()} mm"
+            )
+        while tip is not None:
+            segment = self._path.segment_from(state, tip, way)
+            if segment is None:
+                return
+            rows, heading, length = self._cut(state, segment, None, 0.0)
+            tip = self._path.tip_at(segment, heading, length, rows)
+            if tip is not None and (self._path.reference_of(state, tip) - end) @ way > -1e-9:
+                self.tips.append(replace(tip, length=0.0, quad=tip.quad))
+                return
+
+    def _advance_due(self, state: State, drive: BladeDrive, pose: Pose) -> bool:
+        """Advance the cracks that blades drive and that are due; return whether there are any."""
+        seen = [(tip, at) for tip in self.tips if (at := self._path.place_of(state, tip))]
+        self.tips = [tip for tip, _ in seen]
+        if not seen:
+            return False
+        size = np.array([at[2] for _, at in seen])
+        driven = drive.of(np.array([at[0] for _, at in seen]), size, pose)
+        went_on = False
+        for i in np.flatnonzero(driven.edge_of >= 0).tolist():
+            tip, (_, t, length) = seen[i]
+            edge, off = int(driven.edge_of[i]), float(driven.off[i])
+            ways = drive.directions(edge, off, t, length, tip.heading, pose)
+            found = (self._path.segment_from(state, tip, way) for way in ways)
+            segment = next((one for one in found if one is not None), None)
+            if segment is None:
+                continue
+            measure = self._trial.measure(state, tip, segment)
+            if measure >= 1.0 or driven.passed[i]:
+                kind = "criterion" if measure >= 1.0 else "blade"
+                self._advance(state, tip, segment, kind, measure)
+                went_on = True
+        return went_on
+
+    def _advance(self, state: State, tip: Tip, segment: Segment, kind: str, measure: float) -> None:
+        """Run a crack on along a segment."""
+        self.tips.remove(tip)
+        rows, heading, length = self._cut(state, segment, kind, measure)
+        after = self._path.tip_at(segment, heading, length, rows)
+        if after is not None:
+            self.tips.append(after)
+        self._cables.wake(state, self._shell.area)
+
+    def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
+        """Cut the whole quads that an edge goes through away from all tips."""
+        assert self._pierce is not None
+        places = [at[0] for tip in self.tips if (at := self._path.place_of(state, tip))]
+        tips, size = np.array(places).reshape(-1, 3), np.sqrt(self._shell.area)
+        for row, place, edge in self._pierce.found(state, pose, tips, size):
+            t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
+            trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
+            xi, eta = self._path.in_quad(state, row, place, trace / np.linalg.norm(trace))
+            back = self._path.segment(state, row, place, (-xi, -eta))
+            ahead = self._path.segment(state, row, place, (xi, eta))
+            if back is None or ahead is None:
+                continue
+            if common_side(self.topology.polygon(row), back.exit, ahead.exit) is not None:
+                continue
+            whole = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
+            rows, heading, length = self._cut(state, whole, "blade", 0.0)
+            ends = (back, -heading), (ahead, heading)
+            found = [self._path.tip_at(end, way, length, rows) for end, way in ends]
+            self.tips += [tip for tip in found if tip is not None]
+            self._cables.wake(state, self._shell.area)
+
+    def _cut(
+        self, state: State, segment: Segment, kind: str | None, measure: float
+    ) -> tuple[list[int], Floats, float]:
+        """Cut a row along a segment, or break a side; lay the cables and write it down.
+
+        Without a kind it is a notch, which has no cables.
+
+        Returns the rows on both sides, the unit direction in the reference film, and the length
+        [mm].
+        """
+        topology, shell = self.topology, self._shell
+        X = state.node.X[state.quads[segment.row]]
+        start, stop = (
+            np.array(shape_functions(place)) @ X for place in (segment.entry, segment.exit)
+        )
+        length = float(np.linalg.norm(stop - start))
+        written = kind or "notch", measure
+        if segment.along_side:
+            rows, chords = break_side(state, shell, topology, segment, *written)
+        else:
+            new = cut_row(state, shell, topology, segment, *written)
+            rows = [segment.row, new]
+            chords = [(segment.entry, segment.exit)] * 2
+            self._cables.follow(state, topology, *rows)
+        if kind is not None:
+            self._cables.lay(rows, chords, length)
+            state.crack_length += length
+        return rows, (stop - start) / length, length
+
+
+def _heading_of_notch(state: State, node: int) -> Floats:
+    """Return the direction in which a notch arrives at its tip."""
+    (far, _), *_ = arriving(state, fans_of(state, node))
+    way = state.node.X[node] - state.node.X[far]
+    return np.asarray(way / np.linalg.norm(way))

@@ -1,0 +1,167 @@
+"""Where a cutting edge goes through film that no crack has reached: the start of a cut.
+
+A tooth that comes down in the middle of the sheet finds no crack tip to drive. When a segment of
+its edge passes through a whole quad away from all tips and flanks, that quad is cut along the trace of the
+blade's mid-plane: a short crack with a closed tip at either end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.contact.near_nodes import in_box
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
+from shellcut.state import State
+from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
+from shellcut.tool.pose import Pose, to_body
+
+from .quad_polygon import CORNERS, Point
+
+# A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
+_NEAR_A_TIP = 2.0
+
+
+class Pierce:
+    """Finds whole quads that a cutting edge goes through.
+
+    Parameters
+    ----------
+    edges : CuttingEdges
+        Of the tool.
+    size : float
+        Largest edge length of the film [mm].
+    """
+
+    def __init__(self, edges: CuttingEdges, size: float) -> None:
+        self._edges, self._size = edges, size
+        start = edges.segments[:, START]
+        both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
+        self._low, self._high = (
+            np.array([reach(both[edges.body == b]) for b in range(int(edges.body.max()) + 1)])
+            for reach in (
+                lambda ends: ends.min(axis=(0, 1)) - size,
+                lambda ends: ends.max(axis=(0, 1)) + size,
+            )
+        )
+        self._find = bound_once(_pierced)
+
+    def found(
+        self, state: State, pose: Pose, tips: Floats, size: Floats
+    ) -> list[tuple[int, Point, int]]:
+        """Return the rows that an edge goes through, where, and which segment: one a tooth.
+
+        Parameters
+        ----------
+        state : State
+            Present positions.
+        pose : Pose
+            Of the tool.
+        tips : ndarray, shape (n, 3)
+            Where cracks end [mm].
+        size : ndarray, shape (n_row,)
+            Local edge lengths [mm].
+        """
+        n_body = len(self._low)
+        row, segment, place = np.full(n_body, -1), np.full(n_body, -1), np.zeros((n_body, 3))
+        self._find(
+            state.node.x,
+            state.quads,
+            state.quad.share,
+            state.node.halved,
+            size,
+            np.ascontiguousarray(tips).reshape(-1, 3),
+            pose,
+            self._edges,
+            self._low,
+            self._high,
+            row,
+            segment,
+            place,
+        )
+        return [
+            (int(row[b]), _in_square(place[b]), int(segment[b]))
+            for b in np.flatnonzero(row >= 0).tolist()
+        ]
+
+
+def _in_square(place: Floats) -> Point:
+    """Return xi, eta of a point given by its triangle (0: corners 0 1 2; 1: 0 2 3) and weights."""
+    corners = np.array(CORNERS)[[0, 1, 2] if place[0] == 0.0 else [0, 2, 3]]
+    weights = np.array([1.0 - place[1] - place[2], place[1], place[2]])
+    xi, eta = weights @ corners
+    return float(xi), float(eta)
+
+
+@inline
+def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
+    """Return whether a segment goes through a triangle, and the weights of b and c there."""
+    normal = cross(sub(b, a), sub(c, a))
+    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
+    if d0 * d1 >= 0.0:
+        return False, 0.0, 0.0
+    p = combine(1.0, start, d0 / (d0 - d1), sub(end, start))
+    area = dot(normal, normal)
+    w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
+    w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
+    return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
+
+
+@kernel
+def _pierced(
+    x: Floats,
+    quads: Ints,
+    share: Floats,
+    halved: Bools,
+    size: Floats,
+    tips: Floats,
+    pose: Pose,
+    edges: CuttingEdges,
+    low: Floats,
+    high: Floats,
+    row: Ints,
+    segment: Ints,
+    place: Floats,
+) -> None:
+    """Write the first row that each tooth's edge goes through, its segment and the place in it.
+
+    low, high : (n_body, 3), boxes around the edges.  row, segment : (n_body,).  place :
+    (n_body, 3), triangle and two weights.
+    """
+    pose, edges = borrowed(pose), borrowed(edges)
+    segments, body = edges.segments, edges.body
+    for e in range(quads.shape[0]):
+        beside_a_crack = share[e] < 1.0
+        for a in range(4):
+            beside_a_crack = beside_a_crack or halved[quads[e, a]]
+        if beside_a_crack:
+            continue
+        corner = to_body(load(x, quads[e, 0]), pose)
+        for b in range(low.shape[0]):
+            if row[b] >= 0 or not in_box(corner, low, high, b):
+                continue
+            second = to_body(load(x, quads[e, 1]), pose)
+            third = to_body(load(x, quads[e, 2]), pose)
+            fourth = to_body(load(x, quads[e, 3]), pose)
+            for k in range(segments.shape[0]):
+                if body[k] != b or row[b] >= 0:
+                    continue
+                start = segment_part(segments, k, START)
+                end = add(start, segment_part(segments, k, VECTOR))
+                triangle = 0.0
+                hit, w1, w2 = _weights(start, end, corner, second, third)
+                if not hit:
+                    triangle = 1.0
+                    hit, w1, w2 = _weights(start, end, corner, third, fourth)
+                if not hit:
+                    continue
+                far = True
+                here = load(x, quads[e, 0])
+                for i in range(tips.shape[0]):
+                    gap = sub(load(tips, i), here)
+                    far = far and dot(gap, gap) > (_NEAR_A_TIP * size[e]) ** 2
+                if far:
+                    row[b], segment[b] = e, k
+                    place[b, 0], place[b, 1], place[b, 2] = triangle, w1, w2

@@ -1,0 +1,213 @@
+"""The part of a quad that a copy holds: a convex polygon in the parametric square, and its share.
+
+A crack crosses a quad along a straight chord in xi, eta. Each chord divides the polygon of a copy
+in two, so the polygons stay convex however often a quad is cut. An edge of a polygon lies either on
+a side of the quad, where the film goes on in the neighbour, or on a flank.
+
+The share of a copy is its part of the quad's area. With n the unit normal at the centre, the
+density J = n · (a_1 x a_2) is linear in xi and eta, so that its integral over a polygon is exact:
+the sum over triangles of their area times J at their centroid. On a flat quad that is the area in
+space; on a warped one it is the area seen along n. The shares of all copies sum to one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+Point: TypeAlias = tuple[float, float]
+"""xi, eta."""
+
+FLANK = -1
+"""Of a polygon's edge: it lies on a crack, not on a side of the quad."""
+
+CORNERS: tuple[Point, ...] = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+"""Of the parametric square, in the order of a quad's nodes."""
+
+# Two points of the parametric square closer than this are one; far above round-off, and far below
+# any distance that the rules of snapping leave.
+_SAME = 1e-9
+
+
+class Polygon(NamedTuple):
+    """A convex polygon of the parametric square, counter-clockwise."""
+
+    points: tuple[Point, ...]
+    sides: tuple[int, ...]
+    """Of the edge from each point to the next: the side of the quad on which it lies (0 from corner
+    0 to corner 1, and so on), or FLANK."""
+
+
+WHOLE = Polygon(CORNERS, (0, 1, 2, 3))
+"""Of a quad that nothing has cut."""
+
+
+def on_side(side: int, s: float) -> Point:
+    """Return the point of a side at the fraction s of the way from its first corner."""
+    start, end = CORNERS[side], CORNERS[(side + 1) % 4]
+    c = 2.0 * s - 1.0  # exact at the ends and symmetric about the middle
+    return (
+        start[0] if start[0] == end[0] else start[0] * -c,
+        start[1] if start[1] == end[1] else start[1] * -c,
+    )
+
+
+def along_side(side: int, point: Point) -> float:
+    """Return the fraction of the way along a side at which a point of it lies."""
+    start, end = CORNERS[side], CORNERS[(side + 1) % 4]
+    c = point[0] if start[0] != end[0] else point[1]
+    return 0.5 * (1.0 + (c if (start[0] + start[1] < end[0] + end[1]) else -c))
+
+
+def span(polygon: Polygon, side: int) -> tuple[float, float] | None:
+    """Return from where to where a polygon lies on a side, as fractions of it; None if nowhere."""
+    points = polygon.points
+    for i, lies_on in enumerate(polygon.sides):
+        if lies_on == side:
+            return (
+                along_side(side, points[i]),
+                along_side(side, points[(i + 1) % len(points)]),
+            )
+    return None
+
+
+def has_corner(polygon: Polygon, corner: int) -> bool:
+    """Return whether a polygon reaches a corner of the quad."""
+    return any(_distance(p, CORNERS[corner]) < _SAME for p in polygon.points)
+
+
+def corner_at(point: Point) -> int:
+    """Return the corner of the quad at a point, -1 if there is none."""
+    return next((c for c in range(4) if _distance(point, CORNERS[c]) < _SAME), -1)
+
+
+def side_of(polygon: Polygon, point: Point) -> int | None:
+    """Return the side on which a point of a polygon's boundary lies, FLANK or None."""
+    for a, b, side in zip(polygon.points, _turned(polygon), polygon.sides, strict=True):
+        along = (point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])
+        length = _distance(a, b)
+        near = abs(_cross(a, b, point)) < _SAME * length
+        if near and -_SAME < along / length < length + _SAME:
+            return side
+    return None
+
+
+def holds(polygon: Polygon, point: Point) -> bool:
+    """Return whether a point lies in a polygon or on its boundary."""
+    return all(
+        _cross(a, b, point) > -_SAME for a, b in zip(polygon.points, _turned(polygon), strict=True)
+    )
+
+
+def centre_of(polygon: Polygon) -> Point:
+    """Return the mean of a polygon's points."""
+    n = len(polygon.points)
+    return sum(p[0] for p in polygon.points) / n, sum(p[1] for p in polygon.points) / n
+
+
+def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon]:
+    """Return the parts of a polygon to the right and to the left of a chord.
+
+    Parameters
+    ----------
+    polygon : Polygon
+        What is cut.
+    start, end : Point
+        On its boundary, not both on one edge of it.
+
+    Raises
+    ------
+    ValueError
+        If an end does not lie on the boundary, or both lie on one edge.
+    """
+    with_start, i = _with_point(polygon, start)
+    both, j = _with_point(with_start, end)
+    if len(both.points) > len(with_start.points) and j <= i:
+        i += 1  # the end was put in before the start
+    n = len(both.points)
+    to_right, to_left = (j - i) % n, (i - j) % n
+    if to_right < 2 or to_left < 2:
+        raise ValueError(
+            f"a chord must divide the polygon in two, the one from {start} to {end} runs along an "
+            f"edge of {polygon.points}"
+        )
+    right = [(i + k) % n for k in range(to_right + 1)]
+    left = [(j + k) % n for k in range(to_left + 1)]
+    return _loop(both, right), _loop(both, left)
+
+
+def density(X: Floats) -> tuple[float, float, float]:
+    """Return j_0, j_1, j_2 of J = j_0 + j_1 xi + j_2 eta for corner positions X : (4, 3) [mm²]."""
+    p = 0.25 * (-X[0] + X[1] + X[2] - X[3])
+    q = 0.25 * (-X[0] - X[1] + X[2] + X[3])
+    h = 0.25 * (X[0] - X[1] + X[2] - X[3])
+    normal = np.cross(p, q)
+    normal /= np.linalg.norm(normal)
+    return (
+        float(normal @ np.cross(p, q)),
+        float(normal @ np.cross(p, h)),
+        float(normal @ np.cross(h, q)),
+    )
+
+
+def share_of(polygon: Polygon, J: tuple[float, float, float]) -> float:
+    """Return which part of its quad's area a polygon holds, J as of :func:`density`."""
+    return _integral(polygon, J) / (4.0 * J[0])
+
+
+def shape_functions(point: Point) -> tuple[float, float, float, float]:
+    """Return the four bilinear shape functions at a point."""
+    xi, eta = point
+    return (
+        0.25 * (1.0 - xi) * (1.0 - eta),
+        0.25 * (1.0 + xi) * (1.0 - eta),
+        0.25 * (1.0 + xi) * (1.0 + eta),
+        0.25 * (1.0 - xi) * (1.0 + eta),
+    )
+
+
+def _integral(polygon: Polygon, J: tuple[float, float, float]) -> float:
+    a = polygon.points[0]
+    total = 0.0
+    for b, c in zip(polygon.points[1:], polygon.points[2:], strict=False):
+        at = J[0] + J[1] * (a[0] + b[0] + c[0]) / 3.0 + J[2] * (a[1] + b[1] + c[1]) / 3.0
+        total += 0.5 * _cross(a, b, c) * at
+    return total
+
+
+def _with_point(polygon: Polygon, point: Point) -> tuple[Polygon, int]:
+    """Return the polygon with a point of its boundary among its points, and which it is."""
+    for i, p in enumerate(polygon.points):
+        if _distance(p, point) < _SAME:
+            return polygon, i
+    for i, (a, b) in enumerate(zip(polygon.points, _turned(polygon), strict=True)):
+        length = _distance(a, b)
+        along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length
+        if abs(_cross(a, b, point)) < _SAME * length and 0.0 < along < length:
+            points, sides = list(polygon.points), list(polygon.sides)
+            points.insert(i + 1, point)
+            sides.insert(i + 1, sides[i])
+            return Polygon(tuple(points), tuple(sides)), i + 1
+    raise ValueError(f"the end of a cut must lie on the polygon {polygon.points}, got {point}")
+
+
+def _loop(polygon: Polygon, which: list[int]) -> Polygon:
+    """Return the polygon of some of the points, closed by a flank."""
+    sides = [polygon.sides[i] for i in which[:-1]]
+    return Polygon(tuple(polygon.points[i] for i in which), (*sides, FLANK))
+
+
+def _turned(polygon: Polygon) -> tuple[Point, ...]:
+    return (*polygon.points[1:], polygon.points[0])
+
+
+def _distance(a: Point, b: Point) -> float:
+    return float(np.hypot(b[0] - a[0], b[1] - a[1]))
+
+
+def _cross(a: Point, b: Point, c: Point) -> float:
+    """Return twice the signed area of a triangle."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,0 +1,184 @@
+"""The cables across the segments of a crack through quads: one for either half of each.
+
+Across a segment of length L the film is held by two cables of the area h L/2, at its two ends. An
+end of a cable is a flank point (:mod:`shellcut.fracture.flank_points`). As long as the crack is
+closed there, both its ends are at the same nodes: the cable *sleeps*, and is made when they part.
+Its m is the normal to the segment in the sheet at that moment.
+
+When a copy is cut again, the end of a cable goes with the part that holds the film a little further
+along its segment; the place itself may lie on the new cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.state import NOT_MET, State
+
+from .cut_topology import CutTopology
+from .flank_points import add_flank_point, tie
+from .quad_polygon import Point, holds, shape_functions
+
+# Of the segment: where a flank point belongs when its copy is cut again.
+_INWARD = 0.15
+
+# Shape functions below this are round-off.
+_UNUSED = 1e-9
+
+
+@dataclass
+class _Sleeping:
+    """A cable both ends of which are at the same nodes."""
+
+    row_minus: int
+    """Copy to the right of the crack."""
+    row_plus: int
+    place_minus: Point
+    """Its place in the quad of either."""
+    place_plus: Point
+    inward_minus: Point
+    """A little further along the segment."""
+    inward_plus: Point
+    far: Point
+    """Other end of the segment, in the quad of the first."""
+    way: float
+    """1 if that lies in the way of the crack, -1 against it."""
+    length: float
+    """That it holds [mm]."""
+
+
+class SegmentCables:
+    """Lays cables across segments, and makes them when the crack opens there.
+
+    Parameters
+    ----------
+    law : CohesiveLaw
+        Whose strength they begin with.
+    thickness, density : float
+        Of the film [mm], and per area [t/mm²].
+    """
+
+    def __init__(self, law: CohesiveLaw, thickness: float, density: float) -> None:
+        self._law, self._thickness, self._density = law, thickness, density
+        self._sleeping: list[_Sleeping] = []
+        # Places that contact sees: a crossing of a side is one, though two quads have it.
+        self._touched: set[tuple[float, ...]] = set()
+
+    def lay(self, rows: list[int], chords: list[tuple[Point, Point]], length: float) -> None:
+        """Lay two cables across a new segment; they sleep.
+
+        Parameters
+        ----------
+        rows : list of int
+            To its right and left.
+        chords : list of (Point, Point)
+            Its two ends in the quad of each.
+        length : float
+            In the reference film [mm].
+        """
+        for way in (1.0, -1.0):
+            minus, plus = (chord if way > 0.0 else chord[::-1] for chord in chords)
+            self._sleeping.append(
+                _Sleeping(
+                    *rows,
+                    minus[0],
+                    plus[0],
+                    _between(*minus),
+                    _between(*plus),
+                    minus[1],
+                    way,
+                    0.5 * length,
+                )
+            )
+
+    def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
+        """Give the ends of cables on a row that has been cut to the part that they belong to."""
+        part, f = topology.polygon(new), state.flank
+        for one in self._sleeping:
+            if one.row_minus == row and holds(part, one.inward_minus):
+                one.row_minus = new
+            if one.row_plus == row and holds(part, one.inward_plus):
+                one.row_plus = new
+        for k in np.flatnonzero(f.row[: f.count] == row).tolist():
+            xi, eta = f.inward[k].tolist()
+            if holds(part, (xi, eta)):
+                f.row[k] = new
+
+    def wake(self, state: State, areas: Any) -> None:
+        """Make the cables whose ends have come apart; bring all flank points to their nodes.
+
+        areas : (n_row,), of the whole quads [mm²].
+        """
+        f = state.flank
+        for k in range(f.count):
+            tie(state, k, areas, self._density)
+        asleep = []
+        for one in self._sleeping:
+            minus, plus = (
+                set(state.quads[row][np.array(shape_functions(place)) > _UNUSED].tolist())
+                for row, place in (
+                    (one.row_minus, one.place_minus),
+                    (one.row_plus, one.place_plus),
+                )
+            )
+            if minus == plus:
+                asleep.append(one)
+            else:
+                self._make(state, one, areas)
+        self._sleeping = asleep
+
+    def _make(self, state: State, one: _Sleeping, areas: Any) -> None:
+        ends = [
+            self._add_end(state, row, place, inward, areas)
+            for row, place, inward in (
+                (one.row_minus, one.place_minus, one.inward_minus),
+                (one.row_plus, one.place_plus, one.inward_plus),
+            )
+        ]
+        n = state.node
+        corners = n.x[state.quads[one.row_minus]]
+        here, far = (np.array(shape_functions(p)) @ corners for p in (one.place_minus, one.far))
+        m = one.way * np.cross(n.t[ends[0]], far - here)
+        m /= np.linalg.norm(m)
+        k = state.cable.append_blank()
+        c = state.cable
+        c.ends[k] = ends
+        c.edge[k] = NOT_MET
+        c.half_edge[k, 0] = one.length
+        c.area[k] = self._thickness * one.length
+        c.m[k] = m
+        c.branch[k] = m, -m
+        c.birth[k] = state.time
+        # The force that a new cable is about to exert: at zero opening it has done no work yet.
+        c.traction[k] = self._law.strength
+
+    def _add_end(self, state: State, row: int, place: Point, inward: Point, areas: Any) -> int:
+        point = add_flank_point(state, row, place, inward)
+        f = state.flank
+        k = f.count - 1
+        tie(state, k, areas, self._density)
+        used = f.weight[k] > _UNUSED
+        key = (*f.nodes[k][used].tolist(), *np.round(f.weight[k][used], 9).tolist())
+        # A corner is a node itself.
+        state.node.real[point] = used.sum() > 1 and key not in self._touched
+        self._touched.add(key)
+        return point
+
+    def saved(self) -> dict[str, Any]:
+        """Return the sleeping cables as rows of numbers, and the places that contact sees."""
+        rows = [np.hstack([np.ravel(value) for value in astuple(one)]) for one in self._sleeping]
+        return {
+            "sleeping": np.array(rows).reshape(-1, 15),
+            "touched": [list(key) for key in sorted(self._touched)],
+        }
+
+
+def _between(start: Point, end: Point) -> Point:
+    return (
+        start[0] + _INWARD * (end[0] - start[0]),
+        start[1] + _INWARD * (end[1] - start[1]),
+    )
