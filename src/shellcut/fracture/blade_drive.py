@@ -3,6 +3,10 @@
 A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
 it. It runs towards the trace of that blade's mid-plane in the sheet, a little ahead. A tip that the
 edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
+
+A crack may open some edge lengths ahead of the edge, and a blade that turns has turned by the time
+it gets there: a tip 2 mm ahead on a circle of 9.4 mm would leave it by 0.2 mm. The mid-plane is
+therefore that of the pose in which the edge will meet the tip; the motion is prescribed.
 """
 
 from __future__ import annotations
@@ -24,6 +28,7 @@ from shellcut.tool.cutting_edge import (
     segment_part,
     strip_coordinates,
 )
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
 
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
@@ -32,6 +37,10 @@ _REACH = 0.5
 # How far ahead of the edge such a tip may be, likewise.
 _AHEAD = 20.0
 
+
+# Turns in finding when an edge meets a tip, and how near is near enough, in local edge lengths.
+_MEETINGS = 3
+_MET = 0.05
 
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 _LOOK_AHEAD = (1.0, 2.0, 4.0)
@@ -44,6 +53,8 @@ class Driven(NamedTuple):
     """Segment of the edge, -1 if none, shape (n_tip,)."""
     off: Floats
     """Signed distance of the tip from the mid-plane [mm], shape (n_tip,)."""
+    depth: Floats
+    """How far the edge has passed it, negative ahead of the edge [mm], shape (n_tip,)."""
     passed: Bools
     """Whether the edge has passed it, shape (n_tip,)."""
 
@@ -64,9 +75,50 @@ class BladeDrive:
     def of(self, x: Floats, size: Floats, pose: Pose) -> Driven:
         """Return which segments drive tips at x : (n_tip, 3) [mm]; size : (n_tip,) [mm]."""
         n = len(x)
-        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n, np.bool_))
+        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n), np.zeros(n, np.bool_))
         self._near_edge(x, size, pose, self.edges, *found)
         return found
+
+    def at_meeting(
+        self, x: Floats, size: float, driven: Driven, i: int, motion: Motion, time: float
+    ) -> tuple[int, float, Pose]:
+        """Return segment, distance off the mid-plane and pose when the edge will meet a tip.
+
+        Parameters
+        ----------
+        x : ndarray, shape (3,)
+            Of the tip [mm].
+        size : float
+            Local edge length there [mm].
+        driven : Driven
+            At the present pose.
+        i : int
+            Which of its tips.
+        motion : Motion
+            Of the tool.
+        time : float
+            Now [s].
+        """
+        pose = Pose.of(*motion.pose(time))
+        edge, off, depth = int(driven.edge_of[i]), float(driven.off[i]), float(driven.depth[i])
+        later = time
+        for _ in range(_MEETINGS):
+            if depth >= -_MET * size:
+                break
+            spin, velocity = motion.twist(later)
+            speed = (velocity + np.cross(spin, x - pose.translation)) @ (
+                pose.rotation @ self.edges.segments[edge, BACK]
+            )
+            if speed >= 0.0:  # the edge goes away from it, or rests
+                break
+            later += depth / speed
+            then = Pose.of(*motion.pose(later))
+            found = self.of(x[None], np.array([size]), then)
+            if found.edge_of[0] < 0:
+                break
+            pose, edge = then, int(found.edge_of[0])
+            off, depth = float(found.off[0]), float(found.depth[0])
+        return edge, off, pose
 
     def directions(
         self, segment: int, off: float, t: Floats, size: float, heading: Floats, pose: Pose
@@ -107,6 +159,7 @@ def _near_edge(
     edges: CuttingEdges,
     edge_of: Ints,
     off: Floats,
+    depth_of: Floats,
     passed: Bools,
 ) -> None:
     """Write which segment of the edge a point is before or has passed, and how far beside it is.
@@ -125,7 +178,7 @@ def _near_edge(
             if owns and in_the_blade(p, lateral, k, edges):
                 if not passed[i] or depth < nearest:
                     nearest = depth
-                    edge_of[i], off[i], passed[i] = k, lateral, True
+                    edge_of[i], off[i], depth_of[i], passed[i] = k, lateral, depth, True
             elif not passed[i] and -_AHEAD * size[i] < depth < 0.0 and -depth < nearest:
                 # Shifted forward onto the edge, the point would lie beside this segment.
                 back = segment_part(segments, k, BACK)
@@ -133,4 +186,4 @@ def _near_edge(
                 _, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size[i])
                 if beside:
                     nearest = -depth
-                    edge_of[i], off[i] = k, lateral
+                    edge_of[i], off[i], depth_of[i] = k, lateral, depth

@@ -10,6 +10,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
@@ -34,6 +35,8 @@ class Cracks:
         Give the forces that part a node.
     tool : Tool, optional
         For the blade-cut rule.
+    motion : Motion, optional
+        Of the tool, for cracks through quads.
     """
 
     def __init__(
@@ -44,6 +47,7 @@ class Cracks:
         shell: MITC4Shell,
         loads: LoadSet,
         tool: Tool | None,
+        motion: Motion | None = None,
     ) -> None:
         self._fracture, self._law, self._shell = fracture, law, shell
         self.criterion = SplitCriterion(
@@ -59,7 +63,7 @@ class Cracks:
         self.free: FreeCracks | None = None
         """Cracks through the quads, instead of along their edges."""
         if fracture is not None and fracture.path == "free":
-            self.free = FreeCracks(state, shell, loads, law, fracture, tool)
+            self.free = FreeCracks(state, shell, loads, law, fracture, tool, motion)
         self.tips = crack_tips(state)
         """Nodes at which a crack or notch ends, ascending."""
 

@@ -18,6 +18,7 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
@@ -48,6 +49,8 @@ class FreeCracks:
         Modes.
     tool : Tool, optional
         Whose edges cut.
+    motion : Motion, optional
+        Of the tool.
     """
 
     def __init__(
@@ -58,6 +61,7 @@ class FreeCracks:
         law: CohesiveLaw,
         fracture: Fracture,
         tool: Tool | None,
+        motion: Motion | None,
     ) -> None:
         n = state.node
         self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
@@ -72,7 +76,8 @@ class FreeCracks:
         self._cables = SegmentCables(law, shell.material.thickness, density)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
-        if tool is not None and fracture.blade_cut:
+        if tool is not None and motion is not None and fracture.blade_cut:
+            self._motion = motion
             edges = CuttingEdges.of(tool)
             self._drive = BladeDrive(edges)
             self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
@@ -129,9 +134,9 @@ class FreeCracks:
         driven = drive.of(np.array([at[0] for _, at in seen]), size, pose)
         went_on = False
         for i in np.flatnonzero(driven.edge_of >= 0).tolist():
-            tip, (_, t, length) = seen[i]
-            edge, off = int(driven.edge_of[i]), float(driven.off[i])
-            ways = drive.directions(edge, off, t, length, tip.heading, pose)
+            tip, (x, t, length) = seen[i]
+            edge, off, then = drive.at_meeting(x, length, driven, i, self._motion, state.time)
+            ways = drive.directions(edge, off, t, length, tip.heading, then)
             found = (self._path.segment_from(state, tip, way) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None:

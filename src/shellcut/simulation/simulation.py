@@ -163,7 +163,7 @@ class Simulation:
         self.state = self._state_at_start(velocity)
         self.cracks = None
         if law is not None:
-            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool)
+            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool, motion)
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
