@@ -9,7 +9,7 @@ has run into. From there a ray goes through the polygon of the row ahead. Where 
    segment begins; from a node, a side that the ray leaves by less than that is broken as a side;
 3. on the side itself, at least ``SNAP`` of it from its corners.
 
-Distances are those of the reference film: folds and stretches under a blade do not count.
+Distances across the ray are those in the sheet: out of it, folds under a blade do not count.
 """
 
 from __future__ import annotations
@@ -46,10 +46,8 @@ SNAP = 0.05
 """Corners nearer than this, in edge lengths across the ray, are met; crossings keep this part of
 the side away from them."""
 
-# Of the parametric square: far above round-off, and how far a ray is followed to see whether it
-# goes into a polygon.
+# Of the parametric square: far above round-off.
 _AWAY = 1e-6
-_INTO = 1e-3
 
 
 @dataclass
@@ -185,19 +183,8 @@ class CrackPath:
 
     def segment_from(self, state: State, tip: Tip, direction: Floats) -> Segment | None:
         """Return the segment from a tip in a direction in space, None if no row lies there."""
-        for row, entry in self.rows_ahead(tip):
-            way = self.in_quad(state, row, entry, direction)
-            into = entry[0] + _INTO * way[0], entry[1] + _INTO * way[1]
-            if holds(self._topology.polygon(row), into):
-                return self.segment(state, row, entry, way)
-        return None
-
-    def in_quad(self, state: State, row: int, place: Point, direction: Floats) -> Point:
-        """Return a direction in space as one in xi, eta at a place of a row."""
-        base = np.stack(_tangents(state.node.x[state.quads[row]], place), axis=1)
-        way, *_ = np.linalg.lstsq(base, direction, rcond=None)
-        way /= np.linalg.norm(way)
-        return float(way[0]), float(way[1])
+        found = (self.segment(state, row, entry, direction) for row, entry in self.rows_ahead(tip))
+        return next((one for one in found if one is not None), None)
 
     def tip_at(self, end: Segment, heading: Floats, length: float, rows: list[int]) -> Tip | None:
         """Return the tip at the end of a segment that has just cut its row into ``rows``.
@@ -217,26 +204,30 @@ class CrackPath:
             tip = Tip(ends, s, quad, heading, length)
         return tip if self.rows_ahead(tip) else None
 
-    def segment(self, state: State, row: int, entry: Point, way: Point) -> Segment | None:
-        """Return the segment through a row from a place in it in a direction in xi, eta."""
-        polygon = self._topology.polygon(row)
-        hit = _first_edge(polygon, entry, way)
+    def segment(self, state: State, row: int, entry: Point, direction: Floats) -> Segment | None:
+        """Return the segment through a row from a place in it in a direction in space.
+
+        It ends where the plane through that place, along the direction and the director, meets the
+        boundary of the row's polygon: sides are straight in space, chords of the parametric square
+        are not. None where the direction leads out of the polygon.
+        """
+        polygon, nodes = self._topology.polygon(row), state.quads[row]
+        weights = np.array(shape_functions(entry))
+        x, t = state.node.x[nodes], weights @ state.node.t[nodes]
+        gaps = np.array([shape_functions(p) for p in polygon.points]) @ x - weights @ x
+        normal = np.cross(t, direction)
+        off = gaps @ (normal / np.linalg.norm(normal))
+        hit = _first_edge(polygon, entry, off, gaps @ direction)
         if hit is None:
             return None
         i, along = hit
-        side = polygon.sides[i]
-        a, b = polygon.points[i], polygon.points[(i + 1) % len(polygon.points)]
-        X = state.node.X[state.quads[row]]
-        here = np.array(shape_functions(entry)) @ X
-        a1, a2 = _tangents(X, entry)
-        ray = way[0] * a1 + way[1] * a2
-        ray /= np.linalg.norm(ray)
+        j = (i + 1) % len(polygon.points)
+        side, a, b = polygon.sides[i], polygon.points[i], polygon.points[j]
         size = self.size(row)
-        for end in (a, b):
-            gap = np.array(shape_functions(end)) @ X - here
-            off = float(np.linalg.norm(gap - (gap @ ray) * ray))
+        for k in (i, j):
+            end = polygon.points[k]
             corner = corner_at(end)
-            if off >= (SNAP if corner >= 0 else MERGE) * size:
+            if abs(off[k]) >= (SNAP if corner >= 0 else MERGE) * size:
                 continue
             on = common_side(polygon, entry, end)
             if on is None:
@@ -248,11 +239,11 @@ class CrackPath:
             return Segment(row, entry, exit_, FLANK, -1)
         s_a, s_b = along_side(side, a), along_side(side, b)
         s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
-        ring = self.ring(row)
-        length = float(np.linalg.norm(X[(side + 1) % 4] - X[side]))
         places = [on_side(side, s)]
+        ring = self.ring(row)
+        reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
         for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
-            if abs(known - s) * length < MERGE * size and holds(polygon, on_side(side, known)):
+            if abs(known - s) < reach and holds(polygon, on_side(side, known)):
                 places.insert(0, on_side(side, known))
         for place in places:
             if common_side(polygon, entry, place) is None:
@@ -264,37 +255,32 @@ def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
     """Return on which side of the quad two points of a polygon lie, None if on no common edge."""
     points = polygon.points
     for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
-        d = b[0] - a[0], b[1] - a[1]
-        if all(
-            abs((p[0] - a[0]) * d[1] - (p[1] - a[1]) * d[0]) < _AWAY * np.hypot(*d)
-            for p in (one, other)
-        ):
+        if _is_on(one, a, b) and _is_on(other, a, b):
             return side
     return None
 
 
-def _first_edge(polygon: Polygon, entry: Point, way: Point) -> tuple[int, float] | None:
-    """Return which edge of a polygon a ray leaves by, and how far along it."""
+def _first_edge(
+    polygon: Polygon, entry: Point, off: Floats, ahead: Floats
+) -> tuple[int, float] | None:
+    """Return which edge of a polygon a ray leaves by, and how far along it.
+
+    off, ahead : (n_point,), of its points from the entry: beside the ray and along it [mm].
+    """
     best, found = np.inf, None
     n = len(polygon.points)
     for i in range(n):
-        a, b = polygon.points[i], polygon.points[(i + 1) % n]
-        d = b[0] - a[0], b[1] - a[1]
-        r = a[0] - entry[0], a[1] - entry[1]
-        height = r[0] * d[1] - r[1] * d[0]
-        across = way[0] * d[1] - way[1] * d[0]
-        if abs(height) < _AWAY * np.hypot(*d) or across == 0.0:
-            continue  # the ray begins on this edge, or runs along it
-        ahead, along = height / across, (r[0] * way[1] - r[1] * way[0]) / across
-        if _AWAY < ahead < best and -_AWAY <= along <= 1.0 + _AWAY:
-            best, found = ahead, (i, min(max(along, 0.0), 1.0))
+        j = (i + 1) % n
+        a, b = polygon.points[i], polygon.points[j]
+        if off[i] * off[j] > 0.0 or off[i] == off[j] or _is_on(entry, a, b):
+            continue
+        along = float(off[i] / (off[i] - off[j]))
+        way = float(ahead[i] + along * (ahead[j] - ahead[i]))
+        if 0.0 < way < best:
+            best, found = way, (i, along)
     return found
 
 
-def _tangents(x: Floats, place: Point) -> tuple[Floats, Floats]:
-    """Return a_1 and a_2 at a place of a quad with corners x : (4, 3)."""
-    xi, eta = place
-    return (
-        0.25 * ((1 - eta) * (x[1] - x[0]) + (1 + eta) * (x[2] - x[3])),
-        0.25 * ((1 - xi) * (x[3] - x[0]) + (1 + xi) * (x[2] - x[1])),
-    )
+def _is_on(point: Point, a: Point, b: Point) -> bool:
+    d = b[0] - a[0], b[1] - a[1]
+    return abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0]) < _AWAY * np.hypot(*d)

@@ -165,9 +165,9 @@ class FreeCracks:
         for row, place, edge in self._pierce.found(state, pose, tips, size):
             t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
             trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
-            xi, eta = self._path.in_quad(state, row, place, trace / np.linalg.norm(trace))
-            back = self._path.segment(state, row, place, (-xi, -eta))
-            ahead = self._path.segment(state, row, place, (xi, eta))
+            trace /= np.linalg.norm(trace)
+            back = self._path.segment(state, row, place, -trace)
+            ahead = self._path.segment(state, row, place, trace)
             if back is None or ahead is None:
                 continue
             if common_side(self.topology.polygon(row), back.exit, ahead.exit) is not None:

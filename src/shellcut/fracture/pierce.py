@@ -1,8 +1,8 @@
 """Where a cutting edge goes through film that no crack has reached: the start of a cut.
 
 A tooth that comes down in the middle of the sheet finds no crack tip to drive. When a segment of
-its edge passes through a whole quad away from all tips and flanks, that quad is cut along the trace of the
-blade's mid-plane: a short crack with a closed tip at either end.
+its edge passes through a whole quad away from all tips and flanks, that quad is cut along the trace
+of the blade's mid-plane: a short crack with a closed tip at either end.
 """
 
 from __future__ import annotations
