@@ -109,7 +109,7 @@ def tie(state: State, k: int, areas: Floats, density: float) -> None:
     """Tie a flank point to the nodes that its copy has now.
 
     Its contact area is a quarter of its quad's, but no larger than lets its penalty spring swing
-    as fast as that of the film: m_P / (2 rho h).
+    no faster than that of a whole node: m_P / (4 rho h).
 
     Parameters
     ----------
@@ -129,23 +129,26 @@ def tie(state: State, k: int, areas: Floats, density: float) -> None:
     used = f.weight[k] > 0.0
     mass = 1.0 / (f.weight[k, used] ** 2 / n.mass[f.nodes[k, used]]).sum()
     n.contact_mass[node] = mass
-    n.contact_area[node] = min(0.25 * areas[row], 0.5 * mass / density)
+    n.contact_area[node] = min(0.25 * areas[row], 0.25 * mass / density)
 
 
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:
     """Return which nodes hold what stiffness [N/mm], that of flank points being their copies'.
 
-    k N_a N_b summed over b is k N_a: the bound of a row.
+    A spring k at P has the square of a frequency k sum (N_a² / m_a), whatever the share of a single
+    node in it; at each of its nodes it counts as m_a times that.
     """
-    f = state.flank
+    f, n = state.flank, state.node
     of = np.full(state.n_node, -1)
     of[f.node[: f.count]] = np.arange(f.count)
     point = of[nodes]
     tied = point >= 0
     masters, weights = f.nodes[point[tied]], f.weight[point[tied]]
+    squared = stiffness[tied] * (weights**2 / n.mass[masters]).sum(axis=1)
+    felt = np.where(weights > 0.0, n.mass[masters] * squared[:, None], 0.0)
     return (
         np.concatenate([nodes[~tied], masters.ravel()]),
-        np.concatenate([stiffness[~tied], (weights * stiffness[tied][:, None]).ravel()]),
+        np.concatenate([stiffness[~tied], felt.ravel()]),
     )
 
 
