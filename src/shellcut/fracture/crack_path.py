@@ -50,7 +50,7 @@ the side away from them."""
 _AWAY = 1e-6
 
 
-@dataclass
+@dataclass(eq=False)
 class Tip:
     """Where a crack ends: at a node of the mesh, on a side of it, or on a flank."""
 

@@ -29,7 +29,7 @@ from .cut_state import break_side, cut_row
 from .cut_topology import CutTopology
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import shape_functions
+from .quad_polygon import FLANK, WHOLE, shape_functions
 from .segment_cables import SegmentCables
 from .trial_cut import TrialCut
 
@@ -158,11 +158,19 @@ class FreeCracks:
         self._cables.wake(state, self._shell.area)
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
-        """Cut the whole quads that an edge goes through away from all tips."""
+        """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
-        places = [at[0] for tip in self.tips if (at := self._path.place_of(state, tip))]
-        tips, size = np.array(places).reshape(-1, 3), np.sqrt(self._shell.area)
-        for row, place, edge in self._pierce.found(state, pose, tips, size):
+        driven, cut = np.zeros((0, 3)), set()
+        seen = [at for tip in self.tips if (at := self._path.place_of(state, tip))]
+        if seen:
+            x = np.array([at[0] for at in seen])
+            driven = x[drive.of(x, np.array([at[2] for at in seen]), pose).edge_of >= 0]
+        size = np.sqrt(self._shell.area)
+        for row, place, edge in self._pierce.found(state, pose, driven, size):
+            whole = self.topology.polygon(row)
+            # The edge runs between the flanks of its own cut; and each quad is cut once a turn.
+            if state.node.halved[state.quads[row]].any() or whole != WHOLE or row in cut:
+                continue
             t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
             trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
             trace /= np.linalg.norm(trace)
@@ -170,13 +178,16 @@ class FreeCracks:
             ahead = self._path.segment(state, row, place, trace)
             if back is None or ahead is None:
                 continue
-            if common_side(self.topology.polygon(row), back.exit, ahead.exit) is not None:
+            if common_side(whole, back.exit, ahead.exit) is not None:
                 continue
-            whole = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
-            rows, heading, length = self._cut(state, whole, "blade", 0.0)
-            ends = (back, -heading), (ahead, heading)
-            found = [self._path.tip_at(end, way, length, rows) for end, way in ends]
-            self.tips += [tip for tip in found if tip is not None]
+            chord = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
+            rows, heading, length = self._cut(state, chord, "blade", 0.0)
+            for end, way in ((back, -heading), (ahead, heading)):
+                tip = self._path.tip_at(end, way, length, rows)
+                # Behind a flank the blade comes from: nothing is to be cut there.
+                if tip is not None and not (end is back and end.side == FLANK):
+                    self.tips.append(tip)
+            cut |= set(rows)
             self._cables.wake(state, self._shell.area)
 
     def _cut(

@@ -1,15 +1,16 @@
 """Where a cutting edge goes through film that no crack has reached: the start of a cut.
 
 A tooth that comes down in the middle of the sheet finds no crack tip to drive. When a segment of
-its edge passes through a whole quad away from all tips and flanks, that quad is cut along the trace
-of the blade's mid-plane: a short crack with a closed tip at either end.
+its edge passes through whole film away from the tips that it drives, the quad there is cut along
+the trace of the blade's mid-plane: a short crack with a closed tip at either end. Film at a flank is
+left alone; a blade that crosses an earlier cut begins anew in the row behind it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.contact.near_nodes import in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
@@ -22,6 +23,10 @@ from .quad_polygon import CORNERS, Point
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
+
+
+# Rows that are looked at, a tooth.
+_CANDIDATES = 4
 
 
 class Pierce:
@@ -51,7 +56,9 @@ class Pierce:
     def found(
         self, state: State, pose: Pose, tips: Floats, size: Floats
     ) -> list[tuple[int, Point, int]]:
-        """Return the rows that an edge goes through, where, and which segment: one a tooth.
+        """Return the rows that an edge goes through, where, and which segment.
+
+        Of a copy it may be the part that it does not hold.
 
         Parameters
         ----------
@@ -60,17 +67,16 @@ class Pierce:
         pose : Pose
             Of the tool.
         tips : ndarray, shape (n, 3)
-            Where cracks end [mm].
+            Where the cracks end that an edge drives [mm].
         size : ndarray, shape (n_row,)
             Local edge lengths [mm].
         """
         n_body = len(self._low)
-        row, segment, place = np.full(n_body, -1), np.full(n_body, -1), np.zeros((n_body, 3))
-        self._find(
+        n_most = n_body * _CANDIDATES
+        row, segment, place = np.full(n_most, -1), np.full(n_most, -1), np.zeros((n_most, 3))
+        n_found = self._find(
             state.node.x,
             state.quads,
-            state.quad.share,
-            state.node.halved,
             size,
             np.ascontiguousarray(tips).reshape(-1, 3),
             pose,
@@ -81,10 +87,7 @@ class Pierce:
             segment,
             place,
         )
-        return [
-            (int(row[b]), _in_square(place[b]), int(segment[b]))
-            for b in np.flatnonzero(row >= 0).tolist()
-        ]
+        return [(int(row[k]), _in_square(place[k]), int(segment[k])) for k in range(n_found)]
 
 
 def _in_square(place: Floats) -> Point:
@@ -113,8 +116,6 @@ def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, f
 def _pierced(
     x: Floats,
     quads: Ints,
-    share: Floats,
-    halved: Bools,
     size: Floats,
     tips: Floats,
     pose: Pose,
@@ -124,29 +125,25 @@ def _pierced(
     row: Ints,
     segment: Ints,
     place: Floats,
-) -> None:
-    """Write the first row that each tooth's edge goes through, its segment and the place in it.
+) -> int:
+    """Write the rows that edges go through, their segments and the places in them; return how many.
 
-    low, high : (n_body, 3), boxes around the edges.  row, segment : (n_body,).  place :
-    (n_body, 3), triangle and two weights.
+    low, high : (n_body, 3), boxes around the edges.  row, segment : (n_most,).  place :
+    (n_most, 3), triangle and two weights.
     """
     pose, edges = borrowed(pose), borrowed(edges)
     segments, body = edges.segments, edges.body
+    n_found = 0
     for e in range(quads.shape[0]):
-        beside_a_crack = share[e] < 1.0
-        for a in range(4):
-            beside_a_crack = beside_a_crack or halved[quads[e, a]]
-        if beside_a_crack:
-            continue
         corner = to_body(load(x, quads[e, 0]), pose)
         for b in range(low.shape[0]):
-            if row[b] >= 0 or not in_box(corner, low, high, b):
+            if not in_box(corner, low, high, b):
                 continue
             second = to_body(load(x, quads[e, 1]), pose)
             third = to_body(load(x, quads[e, 2]), pose)
             fourth = to_body(load(x, quads[e, 3]), pose)
             for k in range(segments.shape[0]):
-                if body[k] != b or row[b] >= 0:
+                if body[k] != b or n_found == row.shape[0]:
                     continue
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
@@ -163,5 +160,7 @@ def _pierced(
                     gap = sub(load(tips, i), here)
                     far = far and dot(gap, gap) > (_NEAR_A_TIP * size[e]) ** 2
                 if far:
-                    row[b], segment[b] = e, k
-                    place[b, 0], place[b, 1], place[b, 2] = triangle, w1, w2
+                    row[n_found], segment[n_found] = e, k
+                    place[n_found, 0], place[n_found, 1], place[n_found, 2] = triangle, w1, w2
+                    n_found += 1
+    return n_found
