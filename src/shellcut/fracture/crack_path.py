@@ -283,4 +283,5 @@ def _first_edge(
 
 def _is_on(point: Point, a: Point, b: Point) -> bool:
     d = b[0] - a[0], b[1] - a[1]
-    return abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0]) < _AWAY * np.hypot(*d)
+    height = abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0])
+    return bool(height < _AWAY * np.hypot(*d))

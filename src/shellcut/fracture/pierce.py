@@ -2,8 +2,8 @@
 
 A tooth that comes down in the middle of the sheet finds no crack tip to drive. When a segment of
 its edge passes through whole film away from the tips that it drives, the quad there is cut along
-the trace of the blade's mid-plane: a short crack with a closed tip at either end. Film at a flank is
-left alone; a blade that crosses an earlier cut begins anew in the row behind it.
+the trace of the mid-plane of the blade: a short crack with a closed tip at either end. Film at a
+flank is left alone; a blade that crosses an earlier cut begins anew in the row behind it.
 """
 
 from __future__ import annotations
@@ -44,13 +44,9 @@ class Pierce:
         self._edges, self._size = edges, size
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
-        self._low, self._high = (
-            np.array([reach(both[edges.body == b]) for b in range(int(edges.body.max()) + 1)])
-            for reach in (
-                lambda ends: ends.min(axis=(0, 1)) - size,
-                lambda ends: ends.max(axis=(0, 1)) + size,
-            )
-        )
+        ends = [both[edges.body == b] for b in range(int(edges.body.max()) + 1)]
+        self._low = np.array([one.min(axis=(0, 1)) - size for one in ends])
+        self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
         self._find = bound_once(_pierced)
 
     def found(

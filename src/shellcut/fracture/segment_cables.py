@@ -84,7 +84,8 @@ class SegmentCables:
             minus, plus = (chord if way > 0.0 else chord[::-1] for chord in chords)
             self._sleeping.append(
                 _Sleeping(
-                    *rows,
+                    rows[0],
+                    rows[1],
                     minus[0],
                     plus[0],
                     _between(*minus),

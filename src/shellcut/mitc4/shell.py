@@ -298,7 +298,7 @@ class MITC4Shell:
         """Return the corners' shares in the mass of a whole quad of the mesh [t], shape (4,)."""
         nodes = self._mesh.quads[quad]
         X, T = self._mesh.nodes[nodes][None], self._mesh.directors[nodes][None]
-        return lumped_mass(X, T, self.material)[0][0]
+        return np.asarray(lumped_mass(X, T, self.material)[0][0])
 
     def _place(self, state: State, row: int, before: int) -> None:
         """Give a copy the next place; its strains and history are those of the place before."""
