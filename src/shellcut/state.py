@@ -100,7 +100,11 @@ class _Table:
         self.reserve(count - self.count)
         self.count = count
         for name, rows in saved.items():
-            getattr(self, name)[:count] = rows
+            array = getattr(self, name)
+            if array.shape[1:] != rows.shape[1:]:  # only the quads at nodes grow that way
+                array = np.zeros((len(array), *rows.shape[1:]), array.dtype)
+                setattr(self, name, array)
+            array[:count] = rows
 
 
 class QuadsAtNodes(NamedTuple):
@@ -382,9 +386,16 @@ class State:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Load :meth:`saved` of a state of the same mesh; the arrays keep their addresses."""
+        """Load :meth:`saved` of a state of the same mesh.
+
+        The arrays keep their addresses as long as they are large enough.
+        """
         for name in ("strain", "strain_before", "history"):
-            getattr(self, name)[:] = saved[name]
+            blocks = getattr(self, name)
+            if len(blocks) != len(saved[name]):
+                blocks = aligned_zeros(saved[name].shape, blocks.dtype)
+                setattr(self, name, blocks)
+            blocks[:] = saved[name]
         for name in ("time", "dt", "step", "revision", "crack_length"):
             setattr(self, name, saved[name])
         self.node.restore(saved["node"])

@@ -103,9 +103,10 @@ def numbers_of(thing, path="sim", seen=None):
     seen = set() if seen is None else seen
     if isinstance(thing, (bool, int, float, str, np.ndarray)):
         return {path: np.array(thing)}
-    if id(thing) in seen:
-        return {}
-    seen.add(id(thing))
+    if not isinstance(thing, tuple):  # whether two places share one is of no meaning
+        if id(thing) in seen:
+            return {}
+        seen.add(id(thing))
     parts = {}
     if isinstance(thing, dict):
         parts = {f"[{key!r}]": value for key, value in thing.items()}

@@ -15,6 +15,7 @@ Distances across the ray are those in the sheet: out of it, folds under a blade 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,9 @@ the side away from them."""
 # Of the parametric square: far above round-off.
 _AWAY = 1e-6
 
+# Outside that square: written for a tip that lies on no flank.
+_NOWHERE = (2.0, 2.0)
+
 
 @dataclass(eq=False)
 class Tip:
@@ -73,6 +77,38 @@ class Tip:
     def at_node(self) -> bool:
         """Whether it lies at a node."""
         return self.flank is None and self.ends[0] == self.ends[1]
+
+
+def saved_tips(tips: list[Tip]) -> dict[str, Any]:
+    """Return tips as arrays, a row each."""
+    return {
+        "ends": np.array([tip.ends for tip in tips], np.int64).reshape(-1, 2),
+        "s": np.array([tip.s for tip in tips], float),
+        "quad": np.array([tip.quad for tip in tips], np.int64),
+        "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
+        "length": np.array([tip.length for tip in tips], float),
+        "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
+        "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
+        "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
+    }
+
+
+def restored_tips(saved: dict[str, Any]) -> list[Tip]:
+    """Return the tips of :func:`saved_tips`."""
+    stop = np.cumsum(saved["n_behind"]).tolist()
+    rows = {name: column.tolist() for name, column in saved.items()}
+    return [
+        Tip(
+            ends=tuple(rows["ends"][i]),
+            s=rows["s"][i],
+            quad=rows["quad"][i],
+            heading=saved["heading"][i].copy(),
+            length=rows["length"][i],
+            flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
+            behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
+        )
+        for i in range(len(stop))
+    ]
 
 
 @dataclass(frozen=True)

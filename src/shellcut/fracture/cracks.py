@@ -92,9 +92,14 @@ class Cracks:
 
     def saved(self) -> dict[str, Any]:
         """Return the tips, and what the criterion keeps."""
-        return {"tips": np.array(self.tips, np.int64), "criterion": self.criterion.saved()}
+        saved = {"tips": np.array(self.tips, np.int64), "criterion": self.criterion.saved()}
+        if self.free is not None:
+            saved["free"] = self.free.saved()
+        return saved
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.tips = saved["tips"].tolist()
         self.criterion.restore(state, saved["criterion"])
+        if self.free is not None:
+            self.free.restore(saved["free"])

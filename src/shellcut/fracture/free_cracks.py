@@ -9,6 +9,7 @@ its cables (:mod:`.segment_cables`).
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .crack_path import CrackPath, Segment, Tip, common_side
+from .crack_path import CrackPath, Segment, Tip, common_side, restored_tips, saved_tips
 from .criterion import Fracture
 from .cut_state import break_side, cut_row
 from .cut_topology import CutTopology
@@ -218,6 +219,20 @@ class FreeCracks:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
         return rows, (stop - start) / length, length
+
+    def saved(self) -> dict[str, Any]:
+        """Return the tips, the topology and the sleeping cables."""
+        return {
+            "tips": saved_tips(self.tips),
+            "topology": self.topology.saved(),
+            "cables": self._cables.saved(),
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self.tips = restored_tips(saved["tips"])
+        self.topology.restore(saved["topology"])
+        self._cables.restore(saved["cables"])
 
 
 def _heading_of_notch(state: State, node: int) -> Floats:

@@ -12,7 +12,7 @@ along its segment; the place itself may lie on the new cut.
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -49,6 +49,14 @@ class _Sleeping:
     """1 if that lies in the way of the crack, -1 against it."""
     length: float
     """That it holds [mm]."""
+
+    N_NUMBER: ClassVar[int] = 14
+
+    @classmethod
+    def of(cls, row: list[float]) -> _Sleeping:
+        """Return a cable from its numbers in the order of the fields."""
+        a, b, c, d, far = [(row[k], row[k + 1]) for k in range(2, 12, 2)]
+        return cls(int(row[0]), int(row[1]), a, b, c, d, far, row[12], row[13])
 
 
 class SegmentCables:
@@ -170,11 +178,22 @@ class SegmentCables:
         return point
 
     def saved(self) -> dict[str, Any]:
-        """Return the sleeping cables as rows of numbers, and the places that contact sees."""
+        """Return the sleeping cables and the places that contact sees, as rows of numbers."""
         rows = [np.hstack([np.ravel(value) for value in astuple(one)]) for one in self._sleeping]
+        touched = sorted(self._touched)
         return {
-            "sleeping": np.array(rows).reshape(-1, 15),
-            "touched": [list(key) for key in sorted(self._touched)],
+            "sleeping": np.array(rows, float).reshape(-1, _Sleeping.N_NUMBER),
+            "n_touched": np.array([len(key) for key in touched], np.int64),
+            "touched": np.array([number for key in touched for number in key], float),
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self._sleeping = [_Sleeping.of(row) for row in saved["sleeping"].tolist()]
+        ends = np.cumsum(saved["n_touched"]).tolist()
+        numbers = saved["touched"].tolist()
+        self._touched = {
+            tuple(numbers[a:b]) for a, b in zip([0, *ends[:-1]], ends, strict=True) if b > a
         }
 
 

@@ -42,7 +42,9 @@ class QuadBlocks:
     filled : ndarray of bool, shape (n_block, width)
         False at places that repeat a quad.
     slot : ndarray of int32, shape (n_quad,)
-        Place of each quad, width block + lane.
+        Place of each quad and copy, width block + lane.
+    home : ndarray of int32, shape (n_whole,)
+        Place of each quad of the mesh as long as nothing has cut it.
     corner : ndarray of int32, shape (n_block, 4, width)
         Node ids, a copy of ``State.quads``; the shell keeps it up to date by :meth:`rewire`.
     chain : ndarray of bool, shape (n_block,)
@@ -54,6 +56,7 @@ class QuadBlocks:
     quad: SmallIds
     filled: Bools
     slot: SmallIds
+    home: SmallIds
     corner: SmallIds
     chain: Bools
     flat_start: Ints
@@ -75,13 +78,18 @@ class QuadBlocks:
         return int(self.quad.shape[1])
 
     def rewire(self, quads: Ints, which: Ints) -> None:
-        """Copy the nodes of the quads ``which`` from quads : (n_quad, 4)."""
+        """Copy the nodes of the quads ``which`` from quads : (n_quad, 4).
+
+        Also to the places that repeat them, among these the ones that cut quads have left.
+        """
         block, lane = np.divmod(self.slot[which], self.width)
         self.corner[block, :, lane] = quads[which]
-        for b in np.unique(block):
+        left = self.home[which[which < self.home.size]] // self.width
+        blocks = np.unique(np.concatenate([block, left]))
+        for b in blocks:
             repeats = np.flatnonzero(~self.filled[b])
             self.corner[b][:, repeats] = quads[self.quad[b, repeats]].T
-        self.chain[block] = _is_chain(self.corner[block])
+        self.chain[blocks] = _is_chain(self.corner[blocks])
 
 
 def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlocks:
@@ -129,6 +137,7 @@ def build_blocks(nodes: Floats, quads: Ints, flat: Bools, width: int) -> QuadBlo
         quad.astype(np.int32),
         filled,
         slot,
+        slot.copy(),
         corner,
         _is_chain(corner),
         start[: n_strip + 1],

@@ -102,7 +102,8 @@ class QuadFrequencies:
         tangents: Tangents,
     ) -> None:
         self._mesh, self._shares, self._tangents = mesh, shares, tangents
-        self._reference = Surface.of(mesh)
+        self.reference = Surface.of(mesh)
+        """Of every quad and copy."""
         self._by_stretch, self._by_turn = growth_rates(material)
         # Quads evaluated in a deformed state have a row with their strains then; row 0 is the
         # reference, where all are evaluated first.
@@ -115,7 +116,7 @@ class QuadFrequencies:
     def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
         """Update the bounds to the present positions and directors, without an evaluation."""
         _follow(
-            reference=self._reference,
+            reference=self.reference,
             present=Surface(x, t, quads),
             known=_Evaluations(self._row, self._strain, self._evaluated),
             by_stretch=self._by_stretch,
@@ -129,7 +130,7 @@ class QuadFrequencies:
         self._row[new] = len(self._strain) + np.arange(new.size)
         self._strain = np.concatenate([self._strain, np.zeros((new.size, N_STRAIN))])
         _store_strains(
-            reference=self._reference,
+            reference=self.reference,
             present=Surface(x, t, quads),
             which=which,
             row=self._row,
@@ -138,12 +139,11 @@ class QuadFrequencies:
         self._evaluated[which] = self._bounds(x, t, which)
         self.squared[which] = self._evaluated[which]
 
-    def add_copy(self, row: int, reference: Surface) -> None:
+    def add_copy(self, row: int) -> None:
         """Take a copy of a row after all others: stiffness and mass of copies scale alike.
 
         Its frequency is that of the whole quad, as far as it is known.
         """
-        self._reference = reference
         self._row = np.append(self._row, np.int32(0))
         self._evaluated = np.append(self._evaluated, self._evaluated[row])
         self.squared = np.append(self.squared, self.squared[row])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
@@ -16,12 +15,12 @@ from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
 from shellcut.numerics.threads import Workers, in_order
 from shellcut.state import KnownTopology, State
 
-from .blocks import build_blocks
+from .blocks import QuadBlocks, build_blocks
 from .centre_stress import CentreStress, FaceStresses
-from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
 from .element import N_STRAIN
 from .forces import add_flat_quads, add_full_quads
 from .frequency import QuadFrequencies
+from .places import Places
 from .point_forces import (
     add_flat_point_quads,
     add_full_point_quads,
@@ -29,12 +28,7 @@ from .point_forces import (
     write_point_corner_forces,
 )
 from .point_output import PointOutput
-from .quad_strains import (
-    PointQuads,
-    PointStep,
-    Quads,
-    QuadStep,
-)
+from .quad_strains import LinearTables, PointQuads, PointStep, PointTables, Quads, QuadStep
 from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
@@ -107,10 +101,10 @@ class MITC4Shell:
             X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
             flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
             self.mass[some], self.area[some] = lumped_mass(X, T, material)
-        self._mesh = mesh
         self._reference = Surface.of(mesh)
-        self.blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
-        self.tables, self.points = build_tables(mesh, material, self.blocks, self._whole)
+        blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
+        tables = build_tables(mesh, material, blocks, self._whole)
+        self._places = Places(mesh, material, blocks, *tables, self._whole)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated with points at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
@@ -124,9 +118,6 @@ class MITC4Shell:
             if start[0] < start[-1]
         ]
         self._present: PointQuads | None = None
-        # Copies of cut quads stand after the blocks of the mesh.
-        self._n_whole = self.blocks.quad.shape[0]
-        self._n_copy = 0
         self._add_copies = bound_once(add_full_point_quads if self.has_points else add_full_quads)
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
@@ -139,6 +130,21 @@ class MITC4Shell:
         self._history = self._history_at_rest()
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
+
+    @property
+    def blocks(self) -> QuadBlocks:
+        """Which quad stands at which place."""
+        return self._places.blocks
+
+    @property
+    def tables(self) -> LinearTables:
+        """What does not change of the quads, by place."""
+        return self._places.tables
+
+    @property
+    def points(self) -> PointTables:
+        """What does not change of their thickness points, by place."""
+        return self._places.points
 
     @property
     def mesh_quads(self) -> Ints:
@@ -219,13 +225,14 @@ class MITC4Shell:
                     add(first, stride, start, quads, step, rows, sums, self._lane)
 
             self._workers.run(part)
-        if self._n_copy:
-            used = -(-self._n_copy // self.blocks.width)
-            start = np.array([self._n_whole, self._n_whole + used])
+        places = self._places
+        if places.n_copy:
+            used = -(-places.n_copy // self.blocks.width)
+            start = np.array([places.n_whole, places.n_whole + used])
             self._add_copies(0, 1, start, quads, step, rows, of_copies, self._lane)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
-        p0, p1, p2 = in_order(np.concatenate([sums, of_copies]) if self._n_copy else sums)
+        p0, p1, p2 = in_order(np.concatenate([sums, of_copies]) if places.n_copy else sums)
         if self.has_points:
             return Work(p0, 0.5 * rho * p1, p2)
         return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
@@ -264,68 +271,47 @@ class MITC4Shell:
         row, new : int
             What was cut and keeps one part, and the row of the other part, the last one.
         """
-        parent, share = int(state.quad.parent[row]), state.quad.share
-        if new >= len(self.mass):
-            self.mass = np.concatenate([self.mass, self.mass[row : row + 1]])
-            self.area = np.append(self.area, self.area[row])
-            nodes, directors, quads = self._reference
-            quads = np.concatenate([quads, quads[parent : parent + 1]])
-            self._reference = Surface(nodes, directors, quads)
-            self.frequencies.add_copy(row, self._reference)
-            if self._centre_stress is not None:
-                self._centre_stress.reference = self._reference
-        before = int(self.blocks.slot[row])
-        if before < self._n_whole * self.blocks.width:
-            empty_place(before, self.blocks, self.tables, self.points)
-            self._place(state, row, before)
-        self._place(state, new, before)
+        self._take_rows(state)
+        self.frequencies.add_copy(row)
+        self._places.cut(state, row, new)
         for copy in (row, new):
-            self.mass[copy] = state.quad.mass_share[copy] * self._whole_mass(parent)
-            slot = int(self.blocks.slot[copy])
-            fill_place(
-                slot,
-                parent,
-                float(share[copy]),
-                self._mesh,
-                self.material,
-                self.blocks,
-                self.tables,
-                self.points,
-                self._whole,
-            )
+            self.mass[copy] = self._places.mass_of(state, copy)
+        self._take_tables(state)
 
-    def _whole_mass(self, quad: int) -> Floats:
-        """Return the corners' shares in the mass of a whole quad of the mesh [t], shape (4,)."""
-        nodes = self._mesh.quads[quad]
-        X, T = self._mesh.nodes[nodes][None], self._mesh.directors[nodes][None]
-        return np.asarray(lumped_mass(X, T, self.material)[0][0])
+    def saved(self) -> dict[str, Any]:
+        """Return the places of all quads and copies; all else follows from the state."""
+        return {"slot": self.blocks.slot}
 
-    def _place(self, state: State, row: int, before: int) -> None:
-        """Give a copy the next place; its strains and history are those of the place before."""
-        width = self.blocks.width
-        slot = self._n_whole * width + self._n_copy
-        self._n_copy += 1
-        if slot >= self.blocks.quad.size:
-            n = max(MORE_BLOCKS, (self.blocks.quad.shape[0] - self._n_whole) // 2)
-            self.blocks = grow_blocks(self.blocks, n)
-            self.tables, self.points = grow_tables(self.tables, self.points, n)
-            for name in ("strain", "strain_before", "history"):
-                setattr(state, name, with_more_blocks(getattr(state, name), n))
-            self._history = state.history
-            if self._point_output is not None:
-                self._point_output.take(self.blocks, self.points)
-        places = self.blocks.slot
-        if row >= places.size:
-            places = np.append(places, np.int32(0))
-        places[row] = slot
-        self.blocks = replace(self.blocks, slot=places)
+    def restore(self, state: State, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
+        if state.n_quad < len(self.mass):
+            raise ValueError("it has fewer cuts than this film has from the start")
+        self._take_rows(state)
+        self._places.restore(state, saved["slot"])
+        for row in np.flatnonzero(state.quad.mass_share[: state.n_quad] < 1.0).tolist():
+            self.mass[row] = self._places.mass_of(state, row)
+        self._take_tables(state)
+        self._known = KnownTopology()
+        self._present = None
+
+    def _take_rows(self, state: State) -> None:
+        """Make room for the copies that have come to the state."""
+        copies = state.quad.parent[len(self.mass) : state.n_quad]
+        if not copies.size:
+            return
+        self.mass = np.concatenate([self.mass, self.mass[copies]])
+        self.area = np.concatenate([self.area, self.area[copies]])
+        nodes, directors, quads = self._reference
+        self._reference = Surface(nodes, directors, np.concatenate([quads, quads[copies]]))
+        self.frequencies.reference = self._reference
+        if self._centre_stress is not None:
+            self._centre_stress.reference = self._reference
+
+    def _take_tables(self, state: State) -> None:
+        """Hand on the tables after cuts have changed them."""
+        self._history = state.history
         if self._point_output is not None:
             self._point_output.take(self.blocks, self.points)
-        (b, lane), (b_before, lane_before) = divmod(slot, width), divmod(before, width)
-        # Places that no copy fills yet repeat the one before.
-        self.blocks.quad[b, lane:] = row
-        for rows in (state.strain, state.strain_before, state.history):
-            rows[b, :, lane:] = rows[b_before, :, lane_before, None]
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].

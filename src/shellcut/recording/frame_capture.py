@@ -16,7 +16,7 @@ from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.simulation.simulation import Simulation
-from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, State
+from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, QuadTable, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
@@ -24,7 +24,7 @@ from shellcut.tool.tool import Tool
 _OF_NODES = ("x", "t", "velocity_half", "supported", "halved", "origin", "quads", "n_quad_at")
 _OF_CABLES = ("ends", "status", "joint", "traction", "opening")
 
-_Table = TypeVar("_Table", NodeTable, CableTable)
+_Table = TypeVar("_Table", NodeTable, CableTable, QuadTable)
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Exposure:
             s,
             node=_copied(s.node, _OF_NODES),
             cable=_copied(s.cable, _OF_CABLES),
-            quads=s.quads.copy(),
+            quad=_copied(s.quad, ("nodes",)),
             history=s.history.copy(),
         )
         return cls(sim.shell, sim.tool, sim.pose.copied(), state, figures)

@@ -366,6 +366,7 @@ class Simulation:
         saved = {
             "state": self.state.saved(),
             "ledger": asdict(self.ledger),
+            "shell": self.shell.saved(),
             "frequencies": self.shell.frequencies.saved(),
             "time_step": self.time_step.saved(),
             "pose": self.pose._asdict(),
@@ -389,6 +390,7 @@ class Simulation:
         s = self.state
         s.restore(saved["state"])
         self.ledger = Ledger(**saved["ledger"])
+        self.shell.restore(s, saved["shell"])
         self.shell.frequencies.restore(saved["frequencies"])
         self.time_step.restore(saved["time_step"])
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]

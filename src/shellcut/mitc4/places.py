@@ -1,0 +1,135 @@
+"""Places of all quads and copies in the blocks, and what stands there.
+
+The blocks of the mesh are built once; copies of cut quads (:mod:`.copies`) take places after them,
+in the order in which they are made. Which place a copy has is part of the state of a run: the
+order of a sum follows from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from shellcut.arrays import Floats, SmallIds
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.lane_instructions import Lane
+from shellcut.state import State
+
+from .blocks import QuadBlocks
+from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
+from .quad_strains import LinearTables, PointTables
+from .section import lumped_mass
+
+
+class Places:
+    """Blocks and tables of a film, with room for copies that grows.
+
+    Parameters
+    ----------
+    mesh, material : Mesh, ShellMaterial
+        Reference surface and layers.
+    blocks, tables, points : QuadBlocks, LinearTables, PointTables
+        Of the whole quads.
+    lane_kind : Lane
+        In which the tables are.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        material: ShellMaterial,
+        blocks: QuadBlocks,
+        tables: LinearTables,
+        points: PointTables,
+        lane_kind: Lane,
+    ) -> None:
+        self._mesh, self._material, self._lane_kind = mesh, material, lane_kind
+        self.blocks, self.tables, self.points = blocks, tables, points
+        self.n_whole = blocks.quad.shape[0]
+        """Number of blocks before those of copies."""
+        self.n_copy = 0
+        """Number of places that copies have."""
+
+    def cut(self, state: State, row: int, new: int) -> None:
+        """Give the two parts of a row that has just been cut their places, and fill them.
+
+        Strains and history of both are those of the place where the row was.
+        """
+        before = int(self.blocks.slot[row])
+        if before < self.n_whole * self.blocks.width:
+            empty_place(before, self.blocks, self.tables, self.points)
+            self._place(state, row, before)
+        self._place(state, new, before)
+        for copy in (row, new):
+            self._fill(state, copy)
+
+    def mass_of(self, state: State, row: int) -> Floats:
+        """Return the corners' shares in the mass of a copy [t], shape (4,)."""
+        nodes = self._mesh.quads[state.quad.parent[row]]
+        X, T = self._mesh.nodes[nodes][None], self._mesh.directors[nodes][None]
+        return np.asarray(state.quad.mass_share[row] * lumped_mass(X, T, self._material)[0][0])
+
+    def restore(self, state: State, slot: SmallIds) -> None:
+        """Take the places of a run that has made copies, for its ``state``.
+
+        Parameters
+        ----------
+        state : State
+            Of that run, strains and history included.
+        slot : ndarray of int32, shape (n_quad,)
+            Place of every quad and copy.
+        """
+        end = self.n_whole * self.blocks.width
+        rows = np.flatnonzero(slot >= end)
+        if not rows.size:
+            return
+        for quad in np.intersect1d(rows, np.flatnonzero(self.blocks.slot < end)).tolist():
+            empty_place(int(self.blocks.slot[quad]), self.blocks, self.tables, self.points)
+        self._grow(state.strain.shape[0] - self.blocks.quad.shape[0])
+        self.blocks = replace(self.blocks, slot=slot.copy())
+        self.n_copy = rows.size
+        for row in rows[np.argsort(slot[rows])].tolist():
+            b, lane = divmod(int(slot[row]), self.blocks.width)
+            self.blocks.quad[b, lane:] = row
+            self._fill(state, row)
+
+    def _fill(self, state: State, row: int) -> None:
+        fill_place(
+            int(self.blocks.slot[row]),
+            int(state.quad.parent[row]),
+            float(state.quad.share[row]),
+            self._mesh,
+            self._material,
+            self.blocks,
+            self.tables,
+            self.points,
+            self._lane_kind,
+        )
+
+    def _place(self, state: State, row: int, before: int) -> None:
+        """Give a copy the next place; its strains and history are those of the place before."""
+        width = self.blocks.width
+        slot = self.n_whole * width + self.n_copy
+        self.n_copy += 1
+        if slot >= self.blocks.quad.size:
+            n = max(MORE_BLOCKS, (self.blocks.quad.shape[0] - self.n_whole) // 2)
+            self._grow(n)
+            for name in ("strain", "strain_before", "history"):
+                setattr(state, name, with_more_blocks(getattr(state, name), n))
+        places = self.blocks.slot
+        if row >= places.size:
+            places = np.append(places, np.int32(0))
+        places[row] = slot
+        self.blocks = replace(self.blocks, slot=places)
+        (b, lane), (b_before, lane_before) = divmod(slot, width), divmod(before, width)
+        # Places that no copy fills yet repeat the one before.
+        self.blocks.quad[b, lane:] = row
+        for rows in (state.strain, state.strain_before, state.history):
+            rows[b, :, lane:] = rows[b_before, :, lane_before, None]
+
+    def _grow(self, n: int) -> None:
+        if n > 0:
+            self.blocks = grow_blocks(self.blocks, n)
+            self.tables, self.points = grow_tables(self.tables, self.points, n)

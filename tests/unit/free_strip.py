@@ -1,0 +1,37 @@
+"""A blade that cuts a small strip through its quads, for the tests of what comes after a cut."""
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
+
+NOTCH = 0.9
+
+
+def slanted_strip(slope=0.15):
+    """A strip whose inner rows of quads slant, so that a cut along y = 0 crosses them."""
+    mesh = rectangle(6.0, 3.2, n_x=15, n_y=8)
+    X = mesh.nodes.copy()
+    X[:, 1] += slope * (X[:, 0] - 2.6) * (1.0 - (X[:, 1] / 1.6) ** 2)
+    return Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+
+
+def cut_strip(*, material=None, mesh=None, **options):
+    """Return the strip with a notch through its quads and a blade before it."""
+    options.setdefault("fracture", Fracture(path="free", check_every=5))
+    simulation = Simulation(
+        mesh or slanted_strip(),
+        material or ShellMaterial.homogeneous(),
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        tool=straight_blade(half_thickness=0.1, length=6.0, height=2.0).translated((-0.1, 0, 0)),
+        motion=StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
+        law=CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3),
+        **options,
+    )
+    simulation.cracks.free.notch(simulation.state, (-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
+    return simulation
