@@ -66,6 +66,7 @@ PAGES = {
         "theory/contact",
         "theory/scales",
         "theory/fracture",
+        "theory/free-cracks",
         "theory/energy",
         "theory/statics",
         "theory/imprint",

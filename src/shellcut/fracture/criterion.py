@@ -72,6 +72,10 @@ class Fracture:
     equilibrium_start : bool
         Start a cable with the very force that the node carried, fading over an
         eightieth of the opening at which the cable breaks.
+    path : {"edges", "free"}
+        Along the edges of the mesh, which must lie under the path, or through the quads on any
+        mesh, where a blade drives the crack (docs/theory/free-cracks.md). ``turn_limit_deg`` is of
+        the first only.
 
     Examples
     --------
@@ -103,6 +107,19 @@ class Fracture:
             )
         if not (isinstance(self.check_every, int) and self.check_every > 0):
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
+        if self.path not in (allowed := get_args(Path)):
+            problems.append(f"path must be one of {allowed}, got {self.path!r}")
+        elif self.path == "free":
+            problems += [
+                f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"
+                for name, needed in (
+                    ("criterion", "force"),
+                    ("candidates", "tips"),
+                    ("blade_cut", True),
+                    ("equilibrium_start", False),
+                )
+                if getattr(self, name) != needed
+            ]
         if problems:
             raise ValueError("; ".join(problems))
 

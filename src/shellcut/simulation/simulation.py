@@ -18,7 +18,7 @@ from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
-from shellcut.loads.loads import Load, LoadSet
+from shellcut.loads.loads import EdgeTraction, Load, LoadSet, Pressure
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
@@ -113,6 +113,7 @@ class Simulation:
         problems = [
             *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
             *_without_partner(tool, motion, law, contact, fracture),
+            *_not_with_free_path(fracture, tool, supports, loads),
         ]
         if problems:
             raise ValueError("; ".join(problems))
@@ -437,3 +438,23 @@ def _without_partner(
         yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
     if tool is None and contact is not None:
         yield "contact needs a tool to be in contact with: give tool and motion too"
+
+
+def _not_with_free_path(
+    fracture: Fracture | None, tool: Tool | None, supports: Sequence[Support], loads: Sequence[Load]
+) -> Iterator[str]:
+    """Yield what cracks through quads cannot do yet."""
+    if fracture is None or fracture.path != "free":
+        return
+    if tool is None:
+        yield "Fracture.path = 'free' needs a tool that drives the cracks: give tool and motion too"
+    if any(support.velocity or support.spin for support in supports):
+        yield (
+            "Fracture.path = 'free' takes supports that rest, got one that moves: leave out its "
+            "velocity and spin, or take path='edges'"
+        )
+    if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
+        yield (
+            "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "
+            "traction: a cut quad would not share it yet; take path='edges'"
+        )
