@@ -7,7 +7,7 @@ from notched_strip import cutting
 
 
 def test_fracture_names_every_option_that_does_not_go():
-    with pytest.raises(ValueError, match="criterion = 'force' only, got 'stress'.*candidates"):
+    with pytest.raises(ValueError, match=r"criterion = 'force' only, got 'stress'.*candidates"):
         sc.Fracture(path="free", criterion="stress", candidates="all")
     with pytest.raises(ValueError, match=r"path must be one of \('edges', 'free'\), got 'quads'"):
         sc.Fracture(path="quads")
@@ -16,8 +16,8 @@ def test_fracture_names_every_option_that_does_not_go():
 def test_simulation_names_tool_supports_and_loads():
     sim = cutting()
     mesh, material = sim.mesh, sim.material
-    moving = sc.Support("top", translation="xz", rotation="", velocity={"y": lambda time: 1.0})
-    with pytest.raises(ValueError, match="needs a tool.*supports that rest.*a pressure"):
+    moving = sc.Support("top", translation="xyz", rotation="", velocity={"y": lambda time: 1.0})
+    with pytest.raises(ValueError, match=r"needs a tool.*supports that rest.*a pressure"):
         sc.Simulation(
             mesh,
             material,
