@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, load
 from shellcut.tool.cutting_edge import (
     BACK,
@@ -39,11 +39,11 @@ _AHEAD = 20.0
 
 
 # Turns in finding when an edge meets a tip, and how near is near enough, in local edge lengths.
-_MEETINGS = 3
-_MET = 0.05
+MEETINGS = 3
+MET = 0.05
 
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
-_LOOK_AHEAD = (1.0, 2.0, 4.0)
+LOOK_AHEAD = (1.0, 2.0, 4.0)
 
 
 class Driven(NamedTuple):
@@ -102,8 +102,8 @@ class BladeDrive:
         pose = Pose.of(*motion.pose(time))
         edge, off, depth = int(driven.edge_of[i]), float(driven.off[i]), float(driven.depth[i])
         later = time
-        for _ in range(_MEETINGS):
-            if depth >= -_MET * size:
+        for _ in range(MEETINGS):
+            if depth >= -MET * size:
                 break
             spin, velocity = motion.twist(later)
             speed = (velocity + np.cross(spin, x - pose.translation)) @ (
@@ -147,7 +147,7 @@ class BladeDrive:
         if trace @ heading < 0.0:
             trace = -trace
         aside = off * (b - (b @ t) * t)
-        ways = [reach * size * trace - aside for reach in _LOOK_AHEAD]
+        ways = [reach * size * trace - aside for reach in LOOK_AHEAD]
         return [way / np.linalg.norm(way) for way in [*ways, trace]]
 
 
@@ -167,23 +167,35 @@ def _near_edge(
     x : (n, 3), [mm].  size : (n,), local edge lengths [mm].  edge_of, off, passed : (n,).
     """
     pose, edges = borrowed(pose), borrowed(edges)
-    segments = edges.segments
     for i in range(x.shape[0]):
-        p = to_body(load(x, i), pose)
-        nearest = np.inf
-        for k in range(segments.shape[0]):
-            _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size[i])
-            if abs(lateral) > _REACH * size[i]:
-                continue
-            if owns and in_the_blade(p, lateral, k, edges):
-                if not passed[i] or depth < nearest:
-                    nearest = depth
-                    edge_of[i], off[i], depth_of[i], passed[i] = k, lateral, depth, True
-            elif not passed[i] and -_AHEAD * size[i] < depth < 0.0 and -depth < nearest:
-                # Shifted forward onto the edge, the point would lie beside this segment.
-                back = segment_part(segments, k, BACK)
-                on_edge = combine(1.0, p, 1e-6 * size[i] - depth, back)
-                _, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size[i])
-                if beside:
-                    nearest = -depth
-                    edge_of[i], off[i], depth_of[i] = k, lateral, depth
+        found = nearest_edge(to_body(load(x, i), pose), size[i], edges)
+        edge_of[i], off[i], depth_of[i], passed[i] = found
+
+
+@inline
+def nearest_edge(p: Vec3, size: float, edges: CuttingEdges) -> tuple[int, float, float, bool]:
+    """Return which segment of the edge a point is before or has passed, -1 if none.
+
+    With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.
+
+    p : in the body frame [mm].  size : local edge length [mm].
+    """
+    segments = edges.segments
+    nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
+    for k in range(segments.shape[0]):
+        _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size)
+        if abs(lateral) > _REACH * size:
+            continue
+        if owns and in_the_blade(p, lateral, k, edges):
+            if not passed or depth < nearest:
+                nearest = depth
+                edge, off, behind, passed = k, lateral, depth, True
+        elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
+            # Shifted forward onto the edge, the point would lie beside this segment.
+            back = segment_part(segments, k, BACK)
+            on_edge = combine(1.0, p, 1e-6 * size - depth, back)
+            _, _, _, beside = strip_coordinates(on_edge, k, segments, CUT_DEPTH * size)
+            if beside:
+                nearest = -depth
+                edge, off, behind = k, lateral, depth
+    return edge, off, behind, passed

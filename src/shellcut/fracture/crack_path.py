@@ -15,6 +15,7 @@ Distances across the ray are those in the sheet: out of it, folds under a blade 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,10 @@ SNAP = 0.05
 the side away from them."""
 
 # Of the parametric square: far above round-off.
-_AWAY = 1e-6
+AWAY = 1e-6
+
+# Outside that square: written for a tip that lies on no flank.
+_NOWHERE = (2.0, 2.0)
 
 # Outside that square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
@@ -172,7 +176,7 @@ class CrackPath:
             goes_up = ring[(corner + 1) % 4] == b
             side, s = (corner, tip.s) if goes_up else ((corner - 1) % 4, 1.0 - tip.s)
             held = span(topology.polygon(row), side)
-            if held is not None and held[0] < s - _AWAY and held[1] > s + _AWAY:
+            if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
                 found.append((row, on_side(side, s)))
         return found
 
@@ -206,8 +210,8 @@ class CrackPath:
             base = np.stack([way, A - B], axis=1)
             (ahead, s), *_ = np.linalg.lstsq(base, A - start, rcond=None)
             miss = np.linalg.norm(base @ (ahead, s) - (A - start))
-            on_it = miss < _AWAY * np.linalg.norm(A - B) and -_AWAY < s < 1.0 + _AWAY
-            if on_it and -_AWAY < ahead < min(best, 1.0):
+            on_it = miss < AWAY * np.linalg.norm(A - B) and -AWAY < s < 1.0 + AWAY
+            if on_it and -AWAY < ahead < min(best, 1.0):
                 best, unit = ahead, way / np.linalg.norm(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:
@@ -291,7 +295,7 @@ def common_side(polygon: Polygon, one: Point, other: Point) -> int | None:
     """Return on which side of the quad two points of a polygon lie, None if on no common edge."""
     points = polygon.points
     for a, b, side in zip(points, (*points[1:], points[0]), polygon.sides, strict=True):
-        if _is_on(one, a, b) and _is_on(other, a, b):
+        if is_on(one, a, b) and is_on(other, a, b):
             return side
     return None
 
@@ -308,7 +312,7 @@ def _first_edge(
     for i in range(n):
         j = (i + 1) % n
         a, b = polygon.points[i], polygon.points[j]
-        if off[i] * off[j] > 0.0 or off[i] == off[j] or _is_on(entry, a, b):
+        if off[i] * off[j] > 0.0 or off[i] == off[j] or is_on(entry, a, b):
             continue
         along = float(off[i] / (off[i] - off[j]))
         way = float(ahead[i] + along * (ahead[j] - ahead[i]))
@@ -317,7 +321,8 @@ def _first_edge(
     return found
 
 
-def _is_on(point: Point, a: Point, b: Point) -> bool:
+def is_on(point: Point, a: Point, b: Point) -> bool:
+    """Return whether a point lies on the line through a and b."""
     d = b[0] - a[0], b[1] - a[1]
     height = abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0])
-    return bool(height < _AWAY * np.hypot(*d))
+    return height < AWAY * hypot(*d)

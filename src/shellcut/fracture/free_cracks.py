@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Bools, Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
@@ -32,6 +32,7 @@ from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, shape_functions
 from .segment_cables import SegmentCables
+from .tip_watch import TipWatch
 from .trial_cut import TrialCut
 
 
@@ -81,14 +82,16 @@ class FreeCracks:
             self._motion = motion
             edges = CuttingEdges.of(tool)
             self._drive = BladeDrive(edges)
+            self._watch = TipWatch(self.topology, self._path, self._trial, shell, edges, motion)
             self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
 
     def run(self, state: State, pose: Pose) -> None:
         """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""
         if self._drive is None:
             return
-        while self._advance_due(state, self._drive, pose):
-            pass
+        while (due := self._may_be_due(state)).any():
+            if not self._advance_due(state, self._drive, pose, due):
+                break
         self._begin_cuts(state, self._drive, pose)
 
     def notch(self, state: State, start: Floats, end: Floats) -> None:
@@ -125,16 +128,23 @@ class FreeCracks:
                 self.tips.append(replace(tip, length=0.0, quad=tip.quad))
                 return
 
-    def _advance_due(self, state: State, drive: BladeDrive, pose: Pose) -> bool:
-        """Advance the cracks that blades drive and that are due; return whether there are any."""
+    def _may_be_due(self, state: State) -> Bools:
+        """Return which tips may be due, after giving up those without film ahead."""
+        self.tips = self._watch.alive(state, self.tips)
+        return self._watch.due(state, self.tips)
+
+    def _advance_due(self, state: State, drive: BladeDrive, pose: Pose, due: Bools) -> bool:
+        """Advance the cracks that blades drive and that are due; return whether there are any.
+
+        due : (n_tip,), which may be due as long as nothing has been cut.
+        """
         seen = [(tip, at) for tip in self.tips if (at := self._path.place_of(state, tip))]
-        self.tips = [tip for tip, _ in seen]
-        if not seen:
-            return False
         size = np.array([at[2] for _, at in seen])
         driven = drive.of(np.array([at[0] for _, at in seen]), size, pose)
         went_on = False
         for i in np.flatnonzero(driven.edge_of >= 0).tolist():
+            if not (went_on or due[i]):
+                continue
             tip, (x, t, length) = seen[i]
             edge, off, then = drive.at_meeting(x, length, driven, i, self._motion, state.time)
             ways = drive.directions(edge, off, t, length, tip.heading, then)
@@ -161,13 +171,8 @@ class FreeCracks:
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
-        driven, cut = np.zeros((0, 3)), set()
-        seen = [at for tip in self.tips if (at := self._path.place_of(state, tip))]
-        if seen:
-            x = np.array([at[0] for at in seen])
-            driven = x[drive.of(x, np.array([at[2] for at in seen]), pose).edge_of >= 0]
-        size = np.sqrt(self._shell.area)
-        for row, place, edge in self._pierce.found(state, pose, driven, size):
+        driven, cut = self._watch.driven_places(), set()
+        for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
             whole = self.topology.polygon(row)
             # The edge runs between the flanks of its own cut; and each quad is cut once a turn.
             if state.node.halved[state.quads[row]].any() or whole != WHOLE or row in cut:

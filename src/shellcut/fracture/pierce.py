@@ -15,7 +15,7 @@ from shellcut.contact.near_nodes import in_box
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.pose import Pose, to_body
 
@@ -47,14 +47,19 @@ class Pierce:
         ends = [both[edges.body == b] for b in range(int(edges.body.max()) + 1)]
         self._low = np.array([one.min(axis=(0, 1)) - size for one in ends])
         self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
+        n_most = len(ends) * _CANDIDATES
+        self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
+        self._place = np.zeros((n_most, 3))
+        self._known = KnownTopology()
+        self._whole = self._first = np.zeros(0, np.int64)
         self._find = bound_once(_pierced)
 
     def found(
-        self, state: State, pose: Pose, tips: Floats, size: Floats
+        self, state: State, pose: Pose, tips: Floats, area: Floats
     ) -> list[tuple[int, Point, int]]:
-        """Return the rows that an edge goes through, where, and which segment.
+        """Return the whole rows that an edge goes through, where, and which segment.
 
-        Of a copy it may be the part that it does not hold.
+        The edge runs between the flanks of its own cut: rows at a flank are left out.
 
         Parameters
         ----------
@@ -64,17 +69,19 @@ class Pierce:
             Of the tool.
         tips : ndarray, shape (n, 3)
             Where the cracks end that an edge drives [mm].
-        size : ndarray, shape (n_row,)
-            Local edge lengths [mm].
+        area : ndarray, shape (n_row,)
+            Of the quads [mm²].
         """
-        n_body = len(self._low)
-        n_most = n_body * _CANDIDATES
-        row, segment, place = np.full(n_most, -1), np.full(n_most, -1), np.zeros((n_most, 3))
+        if not self._known.is_of(state):
+            self._follow(state)
+        row, segment, place = self._row, self._segment, self._place
         n_found = self._find(
             state.node.x,
             state.quads,
-            size,
-            np.ascontiguousarray(tips).reshape(-1, 3),
+            self._whole,
+            self._first,
+            area,
+            tips,
             pose,
             self._edges,
             self._low,
@@ -84,6 +91,13 @@ class Pierce:
             place,
         )
         return [(int(row[k]), _in_square(place[k]), int(segment[k])) for k in range(n_found)]
+
+    def _follow(self, state: State) -> None:
+        """Find the whole rows, and of these the ones without a node at a flank."""
+        halved = state.node.halved[state.quads].any(axis=1)
+        self._whole = np.flatnonzero((state.quad.share[: state.n_quad] >= 1.0) & ~halved)
+        self._first = state.quads[self._whole, 0].astype(np.int64)
+        self._known.take(state)
 
 
 def _in_square(place: Floats) -> Point:
@@ -112,7 +126,9 @@ def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, f
 def _pierced(
     x: Floats,
     quads: Ints,
-    size: Floats,
+    whole: Ints,
+    first: Ints,
+    area: Floats,
     tips: Floats,
     pose: Pose,
     edges: CuttingEdges,
@@ -124,14 +140,14 @@ def _pierced(
 ) -> int:
     """Write the rows that edges go through, their segments and the places in them; return how many.
 
-    low, high : (n_body, 3), boxes around the edges.  row, segment : (n_most,).  place :
-    (n_most, 3), triangle and two weights.
+    whole, first : (n,), rows and their first nodes.  low, high : (n_body, 3), boxes around the
+    edges.  row, segment : (n_most,).  place : (n_most, 3), triangle and two weights.
     """
     pose, edges = borrowed(pose), borrowed(edges)
     segments, body = edges.segments, edges.body
     n_found = 0
-    for e in range(quads.shape[0]):
-        corner = to_body(load(x, quads[e, 0]), pose)
+    for i in range(whole.shape[0]):
+        e, corner = whole[i], to_body(load(x, first[i]), pose)
         for b in range(low.shape[0]):
             if not in_box(corner, low, high, b):
                 continue
@@ -152,9 +168,9 @@ def _pierced(
                     continue
                 far = True
                 here = load(x, quads[e, 0])
-                for i in range(tips.shape[0]):
-                    gap = sub(load(tips, i), here)
-                    far = far and dot(gap, gap) > (_NEAR_A_TIP * size[e]) ** 2
+                for tip in range(tips.shape[0]):
+                    gap = sub(load(tips, tip), here)
+                    far = far and dot(gap, gap) > _NEAR_A_TIP**2 * area[e]
                 if far:
                     row[n_found], segment[n_found] = e, k
                     place[n_found, 0], place[n_found, 1], place[n_found, 2] = triangle, w1, w2

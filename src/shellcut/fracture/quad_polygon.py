@@ -12,6 +12,7 @@ space; on a warped one it is the area seen along n. The shares of all copies sum
 
 from __future__ import annotations
 
+from math import hypot
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,6 +27,9 @@ FLANK = -1
 
 CORNERS: tuple[Point, ...] = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 """Of the parametric square, in the order of a quad's nodes."""
+
+# Of the corners: half the vectors from side to side, and the part that twists.
+_MODES = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0]])
 
 # Two points of the parametric square closer than this are one; far above round-off, and far below
 # any distance that the rules of snapping leave.
@@ -141,16 +145,10 @@ def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon
 
 def density(X: Floats) -> tuple[float, float, float]:
     """Return j_0, j_1, j_2 of J = j_0 + j_1 xi + j_2 eta for corner positions X : (4, 3) [mm²]."""
-    p = 0.25 * (-X[0] + X[1] + X[2] - X[3])
-    q = 0.25 * (-X[0] - X[1] + X[2] + X[3])
-    h = 0.25 * (X[0] - X[1] + X[2] - X[3])
-    normal = np.cross(p, q)
-    normal /= np.linalg.norm(normal)
-    return (
-        float(normal @ np.cross(p, q)),
-        float(normal @ np.cross(p, h)),
-        float(normal @ np.cross(h, q)),
-    )
+    p, q, h = (_MODES @ X).tolist()
+    pq, ph, hq = _cross3(p, q), _cross3(p, h), _cross3(h, q)
+    size = hypot(*pq)
+    return size, _dot3(pq, ph) / size, _dot3(pq, hq) / size
 
 
 def share_of(polygon: Polygon, J: tuple[float, float, float]) -> float:
@@ -204,8 +202,16 @@ def _turned(polygon: Polygon) -> tuple[Point, ...]:
     return (*polygon.points[1:], polygon.points[0])
 
 
+def _cross3(a: list[float], b: list[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _dot3(a: list[float], b: list[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
 def _distance(a: Point, b: Point) -> float:
-    return float(np.hypot(b[0] - a[0], b[1] - a[1]))
+    return hypot(b[0] - a[0], b[1] - a[1])
 
 
 def _cross(a: Point, b: Point, c: Point) -> float:

@@ -11,13 +11,19 @@ the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L
 with the normal m from the minus to the plus side and the lengths of the segments before and behind
 the tip; the cut is due at 1. At a node it is the nodal force parted between the two sides
 (:mod:`shellcut.fracture.criterion`).
+
+Which corners and cables are on either side is a matter of the topology and of which side or corner
+of the row the segment leads to (:meth:`TrialCut.pairs`); forces, positions and the shares of the
+two parts change with every step. :mod:`.trial_sums` takes the same sums for many tips at once.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
@@ -25,10 +31,37 @@ from shellcut.state import BROKEN, State
 from .crack_path import Segment, Tip
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import density, shape_functions, share_of
+from .quad_polygon import density, divide, shape_functions, share_of
 
 # Shape functions below this are round-off.
 _UNUSED = 1e-9
+
+WHOLE, RIGHT, LEFT = 0, 1, 2
+"""What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
+
+
+class Side(NamedTuple):
+    """A class of corners of a trial cut, on one side of it."""
+
+    rows: Ints
+    """Present rows, shape (n,)."""
+    corner: Ints
+    """Which of its corners, shape (n,)."""
+    nodes: Ints
+    """The node there now, shape (n,)."""
+    part: Ints
+    """WHOLE, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
+    cables: tuple[tuple[int, int, float], ...]
+    """Cable, its end, and how much of its force goes with the class."""
+
+
+class Pair(NamedTuple):
+    """The classes that a trial cut makes at a corner of the row ahead."""
+
+    weight: float
+    """Shape function of the corner at the tip."""
+    sides: tuple[Side, Side]
+    """Minus and plus."""
 
 
 class TrialCut:
@@ -48,75 +81,102 @@ class TrialCut:
         self, topology: CutTopology, shell: MITC4Shell, loads: LoadSet, strength: float
     ) -> None:
         self._topology, self._shell, self._loads = topology, shell, loads
-        self._carried = strength * shell.material.thickness
+        self.carried = strength * shell.material.thickness
+        """What cables carry, sigma_F h [N/mm]."""
 
     def measure(self, state: State, tip: Tip, segment: Segment) -> float:
         """Return F_c · m over what the cables would carry; the cut is due at 1."""
+        shares = np.array([1.0, *self._shares(state, segment)])
+        d, kappa = np.zeros(3), 0.0
+        for weight, sides in self.pairs(state, segment):
+            for sign, side in zip((-1.0, 1.0), sides, strict=True):
+                part = shares[side.part]
+                mass = float(part @ self.corner_mass(side))
+                force = part @ self.corner_forces(state, side.rows, side.nodes)
+                for cable, end, share in side.cables:
+                    if state.cable.status[cable] != BROKEN:
+                        force += share * state.cable.force[cable, end]
+                d += sign * weight * force / mass
+                kappa += weight**2 / mass
+        if kappa == 0.0:
+            return -np.inf
+        nodes = state.quads[segment.row]
+        start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
+        x, t = state.node.x[nodes], start @ state.node.t[nodes]
+        m = np.cross(t, (stop - start) @ x)
+        out = float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
+        carried = self.carried * 0.5 * (tip.length + out)
+        return float(d @ m / np.linalg.norm(m) / kappa / carried)
+
+    def corner_mass(self, side: Side) -> Floats:
+        """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
+        return np.asarray(self._shell.mass[side.rows, side.corner])
+
+    def corner_forces(self, state: State, rows: Ints, nodes: Ints) -> Floats:
+        """Return the forces of whole rows on one of their nodes each [N], shape (n, 3)."""
+        force = self._shell.corner_forces(state, rows, nodes)
+        self._loads.add_corner_forces(state, rows, nodes, force)
+        return force
+
+    def pairs(self, state: State, segment: Segment) -> list[Pair]:
+        """Return the classes on both sides of a trial cut, at the corners that hold its tip."""
         ring = self._shell.mesh_quads[segment.row].tolist()
         weights = shape_functions(segment.entry)
         corners = [c for c in range(4) if weights[c] > _UNUSED]
-        rows, shares, classes = self._tried(state, segment, [ring[c] for c in corners])
-        d, kappa = np.zeros(3), 0.0
+        rows, classes = self._tried(segment, [ring[c] for c in corners])
+        pairs = []
         for c, groups in zip(corners, classes, strict=True):
             minus, plus = (
                 next((g for g in groups if any(r == row for r, _ in g)), None) for row in rows
             )
-            if minus is None or plus is None or minus is plus:
-                continue
-            for sign, members in ((-1.0, minus), (1.0, plus)):
-                force, mass = self._force_and_mass(state, members, shares, segment.row)
-                d += sign * weights[c] * force / mass
-                kappa += weights[c] ** 2 / mass
-        if kappa == 0.0:
-            return -np.inf
-        nodes = state.quads[segment.row]
-        start, stop = np.array(weights), np.array(shape_functions(segment.exit))
-        x, t = state.node.x[nodes], start @ state.node.t[nodes]
-        m = np.cross(t, (stop - start) @ x)
-        out = float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
-        carried = self._carried * 0.5 * (tip.length + out)
-        return float(d @ m / np.linalg.norm(m) / kappa / carried)
+            if minus is not None and plus is not None and minus is not plus:
+                sides = self._side(state, minus, segment), self._side(state, plus, segment)
+                pairs.append(Pair(weights[c], sides))
+        return pairs
+
+    def _shares(self, state: State, segment: Segment) -> tuple[float, float]:
+        """Return which parts of the row lie to the right and left of a segment."""
+        if segment.along_side:
+            return 1.0, 1.0
+        whole = self._topology.polygon(segment.row)
+        J = density(state.node.X[state.quads[segment.row]])
+        right, left = (share_of(p, J) for p in divide(whole, segment.entry, segment.exit))
+        return right / (right + left), left / (right + left)
 
     def _tried(
-        self, state: State, segment: Segment, nodes: list[int]
-    ) -> tuple[list[int], dict[int, float], list[list[list[Corner]]]]:
-        """Return the rows on both sides of a trial cut, their shares of the cut row, and classes.
-
-        The classes are those around some nodes of the mesh.
-        """
+        self, segment: Segment, nodes: list[int]
+    ) -> tuple[list[int], list[list[list[Corner]]]]:
+        """Return the rows on both sides of a trial cut, and classes around nodes of the mesh."""
         topology = self._topology
         if segment.along_side:
             a, b, rows, _ = sides_of(topology, self._shell, segment)
             topology.break_side(a, b)
             classes = [topology.classes(node) for node in nodes]
             topology.mend_side(a, b)
-            return rows, {}, classes
+            return rows, classes
         whole = topology.polygon(segment.row)
         new = topology.cut(segment.row, segment.entry, segment.exit)
-        rows = [segment.row, new]
-        J = density(state.node.X[state.quads[segment.row]])
-        parts = [share_of(topology.polygon(row), J) for row in rows]
         classes = [topology.classes(node) for node in nodes]
         topology.mend(segment.row, new, whole)
-        shares = {row: part / sum(parts) for row, part in zip(rows, parts, strict=True)}
-        return rows, shares, classes
+        return [segment.row, new], classes
 
-    def _force_and_mass(
-        self, state: State, members: list[Corner], shares: dict[int, float], cut: int
-    ) -> tuple[Floats, float]:
-        """Return nodal force [N] and mass [t] of a class of a trial cut of the row ``cut``."""
-        rows = np.array([row if row < state.n_quad else cut for row, _ in members])
-        part = np.array([shares.get(row, 1.0) for row, _ in members])
+    def _side(self, state: State, members: list[Corner], segment: Segment) -> Side:
+        """Return a class of a trial cut; the row that is only tried is part of the row cut."""
+        new = state.n_quad
+        parts = {} if segment.along_side else {segment.row: RIGHT, new: LEFT}
+        rows = np.array([row if row < new else segment.row for row, _ in members])
         corner = np.array([corner for _, corner in members])
-        nodes = state.quads[rows, corner].astype(np.int64)
-        force = self._shell.corner_forces(state, rows, nodes)
-        self._loads.add_corner_forces(state, rows, nodes, force)
-        total = part @ force
         f, c = state.flank, state.cable
+        cables = []
         for k in np.flatnonzero(np.isin(f.row[: f.count], rows)).tolist():
-            weight = f.weight[k, corner[rows == f.row[k]][0]]
+            weight = float(f.weight[k, corner[rows == f.row[k]][0]])
             if weight > _UNUSED:
-                cable, end = np.nonzero(c.ends[: c.count] == f.node[k])
-                live = c.status[cable] != BROKEN
-                total += weight * c.force[cable[live], end[live]].sum(axis=0)
-        return total, float(part @ self._shell.mass[rows, corner])
+                for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
+                    cables.append((cable, end, weight))
+        return Side(
+            rows=rows,
+            corner=corner,
+            nodes=state.quads[rows, corner].astype(np.int64),
+            part=np.array([parts.get(row, WHOLE) for row, _ in members]),
+            cables=tuple(cables),
+        )

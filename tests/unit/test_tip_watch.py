@@ -1,0 +1,106 @@
+"""The kernels that watch crack tips find what the rules find, tip by tip."""
+
+import numpy as np
+import pytest
+
+from free_strip import cut_strip, slanted_strip
+from shellcut.fracture.blade_drive import BladeDrive
+from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.tip_watch import TipWatch
+from shellcut.fracture.trial_cut import TrialCut
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.cutting_edge import CuttingEdges
+
+
+class Rules:
+    """The rules as plain code, and the watch, for the tips of a simulation."""
+
+    def __init__(self, sim):
+        self.sim, self.topology = sim, sim.cracks.free.topology
+        edges = CuttingEdges.of(sim.tool)
+        self.path, self.drive = CrackPath(self.topology, sim.shell), BladeDrive(edges)
+        self.trial = TrialCut(self.topology, sim.shell, sim.loads, sim.law.strength)
+        self.watch = TipWatch(self.topology, self.path, self.trial, sim.shell, edges, sim.motion)
+
+    def plain(self, tips):
+        """Return segment and measure of each tip, None without, and which the edge has passed."""
+        state, found = self.sim.state, []
+        at = [self.path.place_of(state, tip) for tip in tips]
+        size = np.array([one[2] for one in at])
+        driven = self.drive.of(np.array([one[0] for one in at]), size, self.sim.pose)
+        for i, (tip, (x, t, length)) in enumerate(zip(tips, at, strict=True)):
+            segment = measure = None
+            if driven.edge_of[i] >= 0:
+                meeting = self.drive.at_meeting(x, length, driven, i, self.sim.motion, state.time)
+                edge, off, then = meeting
+                ways = self.drive.directions(edge, off, t, length, tip.heading, then)
+                segments = (self.path.segment_from(state, tip, way) for way in ways)
+                segment = next((one for one in segments if one is not None), None)
+            if segment is not None:
+                measure = self.trial.measure(state, tip, segment)
+            found.append((segment, measure))
+        return found, driven.passed
+
+    def compare(self, tips):
+        """Assert that the watch finds the same; return how many segments there are."""
+        state = self.sim.state
+        tips = self.watch.alive(state, tips)
+        if not tips:
+            return []
+        due = self.watch.due(state, tips)
+        found, passed = self.plain(tips)
+        kinds = []
+        for i, (segment, measure) in enumerate(found):
+            mine = self.watch.segment(i)
+            if segment is None:
+                assert mine is None
+                assert not due[i]
+                continue
+            assert mine.row == segment.row
+            assert mine.along_side == segment.along_side
+            assert mine.corner == segment.corner
+            np.testing.assert_allclose(mine.entry, segment.entry, atol=1e-12)
+            np.testing.assert_allclose(mine.exit, segment.exit, atol=1e-9)
+            np.testing.assert_allclose(self.watch.measure[i], measure, rtol=1e-9, atol=1e-12)
+            assert due[i] == (passed[i] or measure >= 1.0)
+            kinds.append((segment.corner >= 0, segment.along_side, segment.side < 0))
+        return kinds
+
+
+def jittered(seed):
+    mesh = rectangle(6.0, 3.2, n_x=15, n_y=8)
+    X = mesh.nodes.copy()
+    inside = ~np.isin(np.arange(mesh.n_node), mesh.boundary_nodes())
+    X[inside, :2] += np.random.default_rng(seed).uniform(-0.1, 0.1, (inside.sum(), 2))
+    return Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+
+
+@pytest.mark.parametrize(
+    "mesh", [slanted_strip(), jittered(1), jittered(2), slanted_strip(0.0)], ids="abcd"
+)
+def test_same_segments_and_measures_as_the_rules(mesh):
+    sim = cut_strip(mesh=mesh)
+    rules, free, kinds = Rules(sim), sim.cracks.free, []
+    while len(sim.state.split_log) < 16 and sim.state.step < 4000:
+        sim.step()
+        if sim.state.step % 25 == 4:
+            kinds += rules.compare(free.tips)
+    assert len(kinds) > 20
+
+
+def test_same_beside_other_cracks():
+    # The notch ends among cracks across its way: sides with crossings, copies, flanks ahead.
+    rng = np.random.default_rng(4)
+    kinds = []
+    for turn in range(6):
+        sim = cut_strip(mesh=jittered(10 + turn))
+        free = sim.cracks.free
+        for x in rng.uniform(1.0, 1.8, 3):
+            slant = rng.uniform(-0.4, 0.4)
+            free.notch(sim.state, (x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))
+        rules = Rules(sim)
+        for _ in range(60):
+            sim.step()
+            kinds += rules.compare(free.tips) if sim.state.step % 10 == 4 else []
+    assert len(kinds) > 20
