@@ -80,9 +80,7 @@ def forces(sim, duration):
 @pytest.mark.parametrize(
     ("kind", "amount"),
     [
-        ("offset", 0.0),
         ("offset", 0.3),
-        ("offset", 0.5),
         ("turned", 20.0),
         ("wavy", 1.0),
         ("random", 0.2),
