@@ -13,16 +13,17 @@ def test_fracture_names_every_option_that_does_not_go():
         sc.Fracture(path="quads")
 
 
-def test_simulation_names_tool_supports_and_loads():
+def test_simulation_names_supports_and_loads():
     sim = cutting()
-    mesh, material = sim.mesh, sim.material
     moving = sc.Support("top", translation="xyz", rotation="", velocity={"y": lambda time: 1.0})
-    with pytest.raises(ValueError, match=r"needs a tool.*supports that rest.*a pressure"):
+    with pytest.raises(ValueError, match=r"supports that rest.*a pressure"):
         sc.Simulation(
-            mesh,
-            material,
+            sim.mesh,
+            sim.material,
             supports=[moving],
             loads=[sc.Pressure(0.1)],
+            tool=sim.tool,
+            motion=sim.motion,
             law=sc.CohesiveLaw(),
             fracture=sc.Fracture(path="free"),
         )

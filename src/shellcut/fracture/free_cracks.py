@@ -28,6 +28,7 @@ from .crack_path import CrackPath, Segment, Tip, common_side, restored_tips, sav
 from .criterion import Fracture
 from .cut_state import break_side, cut_row
 from .cut_topology import CutTopology
+from .free_direction import FreeDirection
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, shape_functions
@@ -76,6 +77,7 @@ class FreeCracks:
         self._trial = TrialCut(self.topology, shell, loads, law.strength)
         density = float(shell.mass.sum() / shell.area.sum())
         self._cables = SegmentCables(law, shell.material.thickness, density)
+        self._direction = FreeDirection(shell)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
@@ -88,11 +90,31 @@ class FreeCracks:
     def run(self, state: State, pose: Pose) -> None:
         """Advance every crack that is due, as often as it is, and begin cuts where blades enter."""
         if self._drive is None:
+            self._advance_free(state)
             return
         while (due := self._may_be_due(state)).any():
             if not self._advance_due(state, self._drive, pose, due):
                 break
         self._begin_cuts(state, self._drive, pose)
+
+    def _advance_free(self, state: State) -> None:
+        """Advance the cracks that no blade drives and that are due, by one quad at most.
+
+        A crack then runs no faster than an edge length in ``check_every`` steps.
+        """
+        for tip in list(self.tips):
+            at = self._path.place_of(state, tip)
+            if at is None:
+                self.tips.remove(tip)
+                continue
+            place = self._path.reference_of(state, tip)
+            way = self._direction.of(state, place, at[1], at[2], tip.heading)
+            segment = None if way is None else self._path.segment_from(state, tip, way)
+            if segment is None or state.node.support_rate[state.quads[segment.row]].any():
+                continue  # moving supports hold their film together
+            measure = self._trial.measure(state, tip, segment)
+            if measure >= 1.0:
+                self._advance(state, tip, segment, "criterion", measure)
 
     def notch(self, state: State, start: Floats, end: Floats) -> None:
         """Cut the film beforehand along a straight line from its rim, without cables.

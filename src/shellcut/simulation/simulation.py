@@ -446,12 +446,10 @@ def _not_with_free_path(
     """Yield what cracks through quads cannot do yet."""
     if fracture is None or fracture.path != "free":
         return
-    if tool is None:
-        yield "Fracture.path = 'free' needs a tool that drives the cracks: give tool and motion too"
-    if any(support.velocity or support.spin for support in supports):
+    if tool is not None and any(support.velocity or support.spin for support in supports):
         yield (
-            "Fracture.path = 'free' takes supports that rest, got one that moves: leave out its "
-            "velocity and spin, or take path='edges'"
+            "Fracture.path = 'free' with a tool takes supports that rest, got one that moves: "
+            "leave out its velocity and spin, or take path='edges'"
         )
     if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
         yield (

@@ -1,0 +1,61 @@
+"""A strip with an oblique notch is pulled apart: the crack turns across the pull on any mesh.
+
+The crack starts at 45 degrees and must run straight across the strip, normal to the pull, where it
+starts; on rectangles, on quads moved at random and on quads twice as large the path is straight
+within a quarter of an edge (the notch itself ends on the first side of the mesh behind its end).
+"""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.mesh.structured import rectangle
+
+LENGTH, WIDTH, SPEED, RISE = 16.0, 8.0, 400.0, 2e-4
+
+
+def torn(size, moved):
+    """Pull a strip until its crack has gone through; return the simulation."""
+    mesh = rectangle(LENGTH, WIDTH, size=size)
+    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+    inside = np.ones(mesh.n_node, bool)
+    inside[mesh.boundary_nodes()] = False
+    X[inside, :2] += np.random.default_rng(1).uniform(-moved, moved, (inside.sum(), 2)) * size
+    ends = {
+        name: np.flatnonzero(np.abs(X[:, 0] - x) < 1e-9)
+        for name, x in (("left", 0.0), ("right", LENGTH))
+    }
+    pull = {"x": lambda time: SPEED * min(1.0, time / RISE)}
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets=ends),
+        sc.ShellMaterial.homogeneous(),
+        supports=[
+            sc.Support("left", translation="xyz", rotation="xyz"),
+            sc.Support("right", translation="xyz", rotation="xyz", velocity=pull),
+        ],
+        law=sc.CohesiveLaw(
+            strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1
+        ),
+        fracture=sc.Fracture(path="free"),
+        damping_alpha=2000.0,
+    )
+    middle, rim = LENGTH / 2, -WIDTH / 2
+    sim.cracks.free.notch(sim.state, (middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
+    while sim.state.time < 6e-4 and sim.cracks.free.tips:
+        sim.step()
+    return sim
+
+
+@pytest.mark.parametrize(("size", "moved"), [(0.4, 0.0), (0.4, 0.2), (0.8, 0.2)])
+def test_a_crack_turns_across_the_pull(size, moved):
+    sim = torn(size, moved)
+    cuts = [cut.reference for cut in sim.state.split_log if cut.kind != "notch"]
+    x, y = np.array(cuts)[:, 0] - LENGTH / 2, np.array(cuts)[:, 1]
+    order = np.argsort(y)
+    path = np.interp([-1.5, 0.0, 1.5, 3.0], y[order], x[order])
+    start = x[order][0]
+    assert np.abs(path - start).max() < 0.25 * size
+    assert 1.4 < start < 1.5 + size
+    assert y.max() > WIDTH / 2 - 2.0 * size
+    book = sim.close_ledger()
+    assert abs(book.relative(book.imbalance)) < 1e-3
