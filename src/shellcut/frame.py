@@ -47,6 +47,8 @@ class Rows:
     arrays: tuple[str, ...] = ()
     """Names of its arrays in result files (:mod:`shellcut.results.frame_grid`): one, or one per
     column."""
+    widens: bool = False
+    """Whether rows may have more columns than ``shape`` says."""
     left_out: Any = None
     """Value of every row if the array is not given; or the name of the field to use instead."""
 
@@ -101,8 +103,9 @@ class Frame:
     velocity: Annotated[Floats, Rows("node", (3,), arrays=("velocity [mm per s]",))]
     """Velocities, shape (n_node, 3), [mm/s]."""
 
-    quads: Annotated[Ints, Rows("quad", (4,), dtype=np.int64, ids="node")]
-    """Node ids of the quads, shape (n_quad, 4)."""
+    quads: Annotated[Ints, Rows("quad", (4,), dtype=np.int64, ids="node", widens=True)]
+    """Node ids of the quads, shape (n_quad, 4). Cracks through quads make polygons of them: then
+    shape (n_quad, n_corner), and one with fewer corners repeats its last node."""
 
     quad_stress: Annotated[Floats, Rows("quad", (3,), arrays=("membrane stress [MPa]",))]
     """Cauchy membrane stress s11, s22, s12 in the lamina frame, shape (n_quad, 3), [MPa]: the mean
@@ -207,8 +210,10 @@ class Frame:
         n = {entity: len(getattr(self, array)) for entity, array in SIZED_BY.items()}
         for name, rows in ROWS.items():
             self._fill_in(name, rows, n)
-            count = (n[rows.of],) if rows.of else ()
-            array = _checked(name, getattr(self, name), rows.dtype, count + rows.shape)
+            shape = ((n[rows.of],) if rows.of else ()) + rows.shape
+            if rows.widens:
+                shape = (*shape[:-1], max(shape[-1], *np.shape(getattr(self, name))[-1:]))
+            array = _checked(name, getattr(self, name), rows.dtype, shape)
             object.__setattr__(self, name, array)
         history = {
             name: _checked(f"quad_history {name!r}", numbers, np.float64, (n["quad"],))
@@ -256,6 +261,19 @@ class Frame:
     def displacement(self) -> Floats:
         """Displacement, shape (n_node, 3), [mm]."""
         return self.points - self.reference
+
+
+def is_corner(quads: Ints) -> Bools:
+    """Return which columns of :attr:`Frame.quads` are no repetition, of the shape of quads."""
+    own = np.ones(quads.shape, np.bool_)
+    own[:, 1:] = quads[:, 1:] != quads[:, :-1]
+    return own
+
+
+def sides_of(quads: Ints) -> Ints:
+    """Return the sides of all :attr:`Frame.quads`, one after the other, shape (n, 2)."""
+    sides = np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2)
+    return np.asarray(sides[sides[:, 0] != sides[:, 1]])
 
 
 def _checked(name: str, value: Any, dtype: Any, shape: tuple[int, ...]) -> Any:

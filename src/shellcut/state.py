@@ -43,6 +43,10 @@ NOT_MET = -1
 """Cutting-edge segment of a cable that no edge has met."""
 
 
+NOTCH = "notch"
+"""Kind of the cuts that made a notch before the run."""
+
+
 @dataclass
 class _Table:
     """Arrays with one row per entity, the first ``count`` of them in use."""
@@ -304,7 +308,7 @@ class SplitRecord:
     reference: tuple[float, float, float]
     """Reference position [mm]."""
     kind: str
-    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`."""
+    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`; or ``NOTCH``."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float
@@ -355,6 +359,11 @@ class State:
     def quads(self) -> SmallIds:
         """Node ids of every quad and copy, rewired at a split, shape (n_quad, 4)."""
         return self.quad.nodes[: self.quad.count]
+
+    @property
+    def splits(self) -> list[SplitRecord]:
+        """Every split of the run, in order: those of the log that made no notch beforehand."""
+        return [record for record in self.split_log if record.kind != NOTCH]
 
     @property
     def n_cable(self) -> int:

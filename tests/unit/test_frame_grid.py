@@ -27,6 +27,7 @@ def test_there_and_back(angle):
         grid.counts,
         grid.points.astype(np.float32),
         grid.connectivity,
+        grid.sizes,
         {**grid.point_arrays, **grid.cell_arrays},
         time=frame.time,
         coordinate=frame.coordinate,

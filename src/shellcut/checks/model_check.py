@@ -108,10 +108,11 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     if sim.tool is None or sweep is None:
         return
     yield from check_hold(mesh, support)
+    along_edges = sim.fracture.path == "edges"
     if law is not None:
-        yield from check_path(mesh, support, law, sweep)
+        yield from check_path(mesh, support, law, sweep, along_edges=along_edges)
     edge = float(np.median(mesh.edge_lengths()))
-    if sweep.within.any():
+    if sweep.within.any() and along_edges:
         edge = Rows(mesh, sweep).spacing
     fixed = sim.time_step.stepping.fixed
     bound = np.inf

@@ -74,6 +74,10 @@ class CutTopology:
         """Return which part of its quad a row holds."""
         return self._polygons.get(row, WHOLE)
 
+    def cut_rows(self) -> list[int]:
+        """Return the rows that hold a part of their quad only, ascending."""
+        return sorted(self._polygons)
+
     def cut(self, row: int, start: Point, end: Point) -> int:
         """Cut a row along a chord: it keeps what lies to the right, a new row takes the left.
 

@@ -17,7 +17,7 @@ from shellcut.arrays import Bools, Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+from shellcut.state import NOTCH, State
 from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -234,7 +234,7 @@ class FreeCracks:
             np.array(shape_functions(place)) @ X for place in (segment.entry, segment.exit)
         )
         length = float(np.linalg.norm(stop - start))
-        written = kind or "notch", measure
+        written = kind or NOTCH, measure
         if segment.along_side:
             rows, chords = break_side(state, shell, topology, segment, *written)
         else:
@@ -246,6 +246,18 @@ class FreeCracks:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
         return rows, (stop - start) / length, length
+
+    def at_tips(self, rows: Floats) -> Floats:
+        """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
+        at = np.zeros((len(self.tips), rows.shape[1]))
+        for i, tip in enumerate(self.tips):
+            if tip.flank is None:
+                a, b = tip.ends
+                at[i] = rows[a] + tip.s * (rows[b] - rows[a])
+            else:
+                corners = self._shell.mesh_quads[tip.quad]
+                at[i] = np.array(shape_functions(tip.flank)) @ rows[corners]
+        return at
 
     def saved(self) -> dict[str, Any]:
         """Return the tips, the topology and the sleeping cables."""

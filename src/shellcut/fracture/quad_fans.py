@@ -130,9 +130,29 @@ def open_edge_copies(state: State) -> Ints:
     halved, origin = state.node.halved, state.node.origin
     edges = _edges_of(state.quads[halved[state.quads].any(axis=1)])
     pair = _with_one_quad(edges[halved[edges].any(axis=1)], state.n_node)
+    return _flank_pairs(pair, origin, state.n_node)
+
+
+def flanks_among(polygons: Ints, origin: Ints) -> Ints:
+    """Return the crack edges of a film of polygons as their two flank copies, shape (n, 2, 2).
+
+    Parameters
+    ----------
+    polygons : ndarray of int, shape (n, n_corner)
+        Point ids; one with fewer corners repeats its last point.
+    origin : ndarray of int, shape (n_point,)
+        The same for points that were one before the film was cut.
+    """
+    edges = _edges_of(polygons)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    return _flank_pairs(_with_one_quad(edges, origin.size), origin, int(origin.max()) + 1)
+
+
+def _flank_pairs(pair: Ints, origin: Ints, n_origin: int) -> Ints:
+    """Return which edges with one quad were one edge before, shape (n, 2, 2)."""
     backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
     pair[backwards] = pair[backwards, ::-1]
-    key = origin[pair] @ np.array([state.n_node, 1])
+    key = origin[pair] @ np.array([n_origin, 1])
     order = np.argsort(key, kind="stable")
     key, pair = key[order], pair[order]
     _, first, count = np.unique(key, return_index=True, return_counts=True)

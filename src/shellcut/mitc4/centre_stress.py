@@ -188,8 +188,10 @@ class CentreStress:
         """
         n = len(quads)
         stresses = FaceStresses(np.empty((n, 3, 3)), np.empty((n, 3, 2)), np.empty(n))
+        # Of a state that is being drawn; the film itself may have been cut again meanwhile.
+        reference = self.reference._replace(quads=self.reference.quads[:n])
         _faces(
-            reference=self.reference,
+            reference=reference,
             present=Surface(x, t, quads),
             height=self._height["top"],
             laws=self._laws,

@@ -20,6 +20,7 @@ import numpy as np
 
 from shellcut.checks import Sweep
 from shellcut.simulation.simulation import Simulation
+from shellcut.state import SplitRecord
 
 OFF_PATH = 0.2
 """In edge lengths: a row of nodes under the path lies within 0.03, including chord error."""
@@ -40,11 +41,12 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}
     if sim.law is None:
         return figures
-    if sweep is not None and sweep.within.any() and s.split_log:
-        places = np.array([record.reference for record in s.split_log])
+    splits = s.splits
+    if sweep is not None and sweep.within.any() and splits:
+        places = np.array([record.reference for record in splits])
         off = sweep.distance(places)
         size = np.sqrt(sim.mesh.quad_areas())
-        around = np.array([_quad_at(sim, record.node) for record in s.split_log])
+        around = np.array([_quad_at(sim, record) for record in splits])
         figures |= {
             "n_split": len(places),
             "n_split_off_path": int((off > OFF_PATH * size[around]).sum()),
@@ -61,5 +63,7 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     return {name: value for name, value in figures.items() if isfinite(value)}
 
 
-def _quad_at(sim: Simulation, node: int) -> int:
-    return int(sim.state.node.quads[node, 0])
+def _quad_at(sim: Simulation, record: SplitRecord) -> int:
+    s = sim.state
+    row = max(record.rows) if record.node < 0 else s.node.quads[record.node, 0]
+    return int(s.quad.parent[row])

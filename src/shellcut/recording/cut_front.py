@@ -29,11 +29,12 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
-from shellcut.fracture.quad_fans import arriving, fans_of
 from shellcut.simulation.simulation import Simulation
-from shellcut.state import JOINTED, NOT_MET, local_edge_length
+from shellcut.state import JOINTED, NOT_MET
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
+
+from .crack_ends import CrackEnds, directors_at
 
 # Distance of a node beside the path, in local edge lengths: where a boundary crosses the path
 # between two of its nodes, one of them lies within half of that.
@@ -90,7 +91,6 @@ class CutFront:
         self._chain = sim.tool.edge_chain
         self._n_chain = sim.tool.n_chain
         self._rim = sim.mesh.boundary_nodes()
-        self._normal = sim.mesh.directors
         self._extent = float(np.linalg.norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
         self._seen = (-1, -1, -1)
@@ -124,27 +124,23 @@ class CutFront:
         rows = np.zeros((self._n_chain, 4))
         rows[:, 0] = np.bincount(chain, length, self._n_chain)
         rows[:, 1] = np.bincount(chain[holds], length[holds], self._n_chain)
-        tips = np.array(sim.cracks.tips if sim.cracks else [], np.int64)
-        obstacles = self._obstacles(sim, tips)
+        ends = CrackEnds.of(sim, self._rim)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]
             rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
-            tip = self._driven(sim, cable.ends[mine, 0], tips)
+            tip = self._driven(sim, cable.ends[mine, 0], ends.place)
             if tip is not None:
-                rows[k, 2] = self._ahead(sim, tip, obstacles)
+                rows[k, 2] = self._ahead(sim, tip, ends)
         return rows
 
-    def _obstacles(self, sim: Simulation, tips: Ints) -> Ints:
-        """Return the nodes of the boundary and of cracks."""
-        halves = np.flatnonzero(sim.state.node.halved[: sim.state.n_node])
-        return np.unique(np.concatenate([self._rim, halves, tips]))
+    def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> int | None:
+        """Return which of the tips : (n, 3) the edge of a process zone drives.
 
-    def _driven(self, sim: Simulation, zone: Ints, tips: Ints) -> int | None:
-        """Return the tip driven by the edge of a process zone, None if no tip is ahead."""
-        if not tips.size:
+        None if no tip is ahead.
+        """
+        if not len(tips):
             return None
-        n = sim.state.node
-        gap = n.X[tips] - n.X[zone][:, None]
+        gap = tips - sim.state.node.X[zone][:, None]
         distance = np.linalg.norm(gap, axis=2)
         velocity = self._velocity(sim, zone)
         ahead = np.einsum("ztc,zc->zt", gap, velocity)
@@ -152,7 +148,7 @@ class CutFront:
         distance[moving[:, None] & (ahead <= 0.0)] = np.inf
         nearest = distance.min(axis=0)
         best = int(nearest.argmin())
-        return int(tips[best]) if np.isfinite(nearest[best]) else None
+        return best if np.isfinite(nearest[best]) else None
 
     def _velocity(self, sim: Simulation, nodes: Ints) -> Floats:
         """Return the tool's velocity along the film at nodes, 0 where it only passes through."""
@@ -160,18 +156,17 @@ class CutFront:
         spin, velocity = (np.asarray(part, float) for part in sim.motion.twist(sim.state.time))
         n = sim.state.node
         whole = velocity + np.cross(spin, n.X[nodes] - sim.pose.translation)
-        t = self._normal[n.origin[nodes]]
+        t = directors_at(sim, nodes)
         along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
         return np.asarray(along)
 
-    def _ahead(self, sim: Simulation, tip: int, obstacles: Ints) -> float:
-        if tip in self._rim:
+    def _ahead(self, sim: Simulation, tip: int, ends: CrackEnds) -> float:
+        if ends.at_rim[tip]:
             return 0.0
-        n = sim.state.node
-        first, second, curvature = self._course(sim, tip)
-        others = obstacles[obstacles != tip]
-        gap = n.X[others] - n.X[tip]
+        first, second, curvature = self._course(sim, tip, ends)
+        others = ends.own != tip
+        gap = ends.obstacle[others] - ends.place[tip]
         a, b = gap @ first, gap @ second
         if abs(curvature) * self._extent <= _STRAIGHT:
             way, beside = a, np.abs(b)
@@ -181,16 +176,16 @@ class CutFront:
             b = np.copysign(1.0, curvature) * b
             way = radius * np.mod(np.arctan2(a, radius - b), 2.0 * np.pi)
             beside = np.abs(np.hypot(a, radius - b) - radius)
-        size = local_edge_length(n.contact_area[others])
+        size = ends.size[others]
         through = np.abs(gap @ np.cross(first, second))  # the far side of a tube is no obstacle
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
 
-    def _course(self, sim: Simulation, tip: int) -> tuple[Floats, Floats, float]:
+    def _course(self, sim: Simulation, tip: int, ends: CrackEnds) -> tuple[Floats, Floats, float]:
         """Return in-film unit vectors ahead and to the left, and the curvature to the left."""
-        n, motion = sim.state.node, sim.motion
+        motion = sim.motion
         assert motion is not None
-        director, here = self._normal[n.origin[tip]], n.X[tip]
+        director, here = ends.director[tip], ends.place[tip]
         local = sim.pose.rotation.T @ (here - sim.pose.translation)
         places = []
         for k in (1, 2):
@@ -199,7 +194,9 @@ class CutFront:
         first, second = (p - (p @ director) * director for p in places)
         length = float(np.linalg.norm(first))
         if length <= _ALONG * np.linalg.norm(places[0]) or length == 0.0:
-            along = self._last_edge(sim, tip)
+            along = ends.heading(tip)
+            along = along - (along @ director) * director
+            along /= np.linalg.norm(along)
             return along, np.cross(director, along), 0.0
         chord = first / length
         left = np.cross(director, chord)
@@ -213,12 +210,3 @@ class CutFront:
         sine = 0.5 * curvature * length
         ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
         return ahead, np.cross(director, ahead), curvature
-
-    def _last_edge(self, sim: Simulation, tip: int) -> Floats:
-        """Return the direction of a crack's last edge."""
-        n = sim.state.node
-        crack = arriving(sim.state, fans_of(sim.state, tip))
-        way = n.X[tip] - n.X[crack[0][0]]
-        t = self._normal[n.origin[tip]]
-        way = way - (way @ t) * t
-        return np.asarray(way / np.linalg.norm(way))

@@ -12,8 +12,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from shellcut.arrays import Floats
+from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
+from shellcut.mitc4.centre_stress import FaceStresses
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, QuadTable, State
@@ -35,6 +38,9 @@ class Exposure:
     _tool: Tool | None
     _pose: Pose
     _state: State
+    _drawn: DrawnFilm | None
+    _stresses: tuple[FaceStresses, dict[str, Floats]] | None
+    """Of a film whose blocks a cut may change meanwhile."""
     _figures: Mapping[str, Any]
 
     @classmethod
@@ -48,20 +54,23 @@ class Exposure:
             quad=_copied(s.quad, ("nodes",)),
             history=s.history.copy(),
         )
-        return cls(sim.shell, sim.tool, sim.pose.copied(), state, figures)
+        free = None if sim.cracks is None else sim.cracks.free
+        drawn = None if free is None else DrawnFilm.of(s, free.topology)
+        stresses = None
+        if drawn is not None and not sim.material.is_linear:
+            stresses = sim.shell.face_stresses(s), sim.shell.history_means(s)
+        return cls(sim.shell, sim.tool, sim.pose.copied(), state, drawn, stresses, figures)
 
     def frame(self) -> Frame:
         """Return the frame; raises ValueError like :class:`Frame`."""
-        s, n = self._state, self._state.n_node
-        faces = self._shell.face_stresses(s)
+        s = self._state
+        faces, history = self._stresses or (
+            self._shell.face_stresses(s),
+            self._shell.history_means(s),
+        )
         return Frame(
             time=s.time,
-            points=s.node.x[:n],
-            reference=s.node.X[:n],
-            director=s.node.t[:n],
-            velocity=s.node.velocity_half[:n],
-            quads=s.quads.astype(np.int64),
-            held=s.node.supported[:n],
+            **(_whole_film(s) if self._drawn is None else _cut_film(s, self._drawn)),
             quad_stress=faces.stress[:, 0],
             quad_stress_top=faces.stress[:, 1],
             quad_stress_bottom=faces.stress[:, 2],
@@ -69,12 +78,39 @@ class Exposure:
             quad_principal_top=faces.principal[:, 1],
             quad_principal_bottom=faces.principal[:, 2],
             quad_thickness=faces.thickness,
-            quad_history=self._shell.history_means(s),
-            crack_edges=open_edge_copies(s).astype(np.int64),
+            quad_history=history,
             **_cables(s),
             **_placed(self._tool, self._pose),
             **self._figures,
         )
+
+
+def _whole_film(state: State) -> dict[str, Any]:
+    n = state.n_node
+    return {
+        "points": state.node.x[:n],
+        "reference": state.node.X[:n],
+        "director": state.node.t[:n],
+        "velocity": state.node.velocity_half[:n],
+        "quads": state.quads.astype(np.int64),
+        "held": state.node.supported[:n],
+        "crack_edges": open_edge_copies(state).astype(np.int64),
+    }
+
+
+def _cut_film(state: State, drawn: DrawnFilm) -> dict[str, Any]:
+    """Return the film with its cut quads as polygons; virtual nodes and flank points are none."""
+    n = state.node
+    t = drawn.at_points(n.t)
+    return {
+        "points": drawn.at_points(n.x),
+        "reference": drawn.at_points(n.X),
+        "director": t / np.linalg.norm(t, axis=1)[:, None],
+        "velocity": drawn.at_points(n.velocity_half),
+        "quads": drawn.polygons,
+        "held": drawn.all_at_points(n.supported),
+        "crack_edges": drawn.crack_edges,
+    }
 
 
 def capture(

@@ -417,7 +417,7 @@ class Recorder:
             figures["broke_off"] = 1
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
-        write_splits(self.folder / SPLITS, self._sim.state.split_log)
+        write_splits(self.folder / SPLITS, self._sim.state.splits)
         with atomic_write(self.folder / SUMMARY) as temporary:
             temporary.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
         if self._can_draw and len(results.history["time"]) > 1:

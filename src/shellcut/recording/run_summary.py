@@ -74,6 +74,8 @@ def run_summary(
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
+    if sim.cracks is not None and sim.cracks.free is not None:
+        figures["n_copy"] = s.n_quad - sim.mesh.n_quad
     finite: dict[str, float | str] = {
         name: int(value) if name.startswith("n_") else float(value)
         for name, value in figures.items()

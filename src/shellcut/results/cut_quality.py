@@ -42,7 +42,7 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.frame import Frame
+from shellcut.frame import Frame, is_corner
 from shellcut.numerics.connected_parts import connected_parts
 
 UNITS = {
@@ -161,7 +161,7 @@ def cut_quality(frame: Frame) -> CutQuality:
     Examples
     --------
     >>> import numpy as np
-    >>> from shellcut.frame import Frame
+    >>> from shellcut.frame import Frame, is_corner
     >>> points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     >>> points = np.concatenate([points, points + [2, 0, 0]])
     >>> frame = Frame(
@@ -360,7 +360,9 @@ class _Surface:
     """Centres and area vectors of the quads."""
 
     def __init__(self, frame: Frame) -> None:
-        self.centre = frame.reference[frame.quads].mean(axis=1)
+        own = is_corner(frame.quads)
+        corners = frame.reference[frame.quads] * own[..., None]
+        self.centre = corners.sum(axis=1) / own.sum(axis=1)[:, None]
         self.before = _area_vectors(frame.reference, frame.quads)
         self.now = _area_vectors(frame.points, frame.quads)
         self.area = np.linalg.norm(self.before, axis=1)
@@ -389,7 +391,9 @@ class _Surface:
 
 def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
     n_node, quads = len(frame.points), frame.quads
-    piece_of_node = connected_parts(np.repeat(quads[:, 0], 3), quads[:, 1:].ravel(), n_node)
+    others = quads[:, 1:]
+    first = np.repeat(quads[:, 0], others.shape[1])
+    piece_of_node = connected_parts(first, others.ravel(), n_node)
     of_quad = piece_of_node[quads[:, 0]]
     found = []
     for k in np.unique(of_quad):
@@ -404,7 +408,10 @@ def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
 
 def _area_vectors(points: Floats, quads: Ints) -> Floats:
     x = points[quads]
-    return np.asarray(0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]))
+    whole = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    for k in range(4, x.shape[1]):  # of polygons with more corners
+        whole += 0.5 * np.cross(x[:, k - 1] - x[:, 0], x[:, k] - x[:, 0])
+    return np.asarray(whole)
 
 
 def _angles(a: Floats, b: Floats) -> Floats:

@@ -7,7 +7,7 @@ the cutting edges, two per segment. The cell array ``part`` distinguishes the ce
 ====  ============  =======================================================================
 part  cell          is
 ====  ============  =======================================================================
-0     quad          the film
+0     quad          the film; a polygon where a crack has cut a quad
 1     line          a straight branch of a cable
 2     triangle      the tool
 3     line          a flank of the crack, an edge of the film; two consecutive ones, minus and
@@ -51,13 +51,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
-from shellcut.frame import ROWS, SIZED_BY, Frame, Rows
+from shellcut.arrays import Floats, Ints
+from shellcut.frame import ROWS, SIZED_BY, Frame, Rows, is_corner
 
 MEMBRANE, CABLE, TOOL, FLANK, EDGE = range(5)
 """Values of the cell array ``part``."""
 
-LINE, TRIANGLE, QUAD = 3, 5, 9
+LINE, TRIANGLE, POLYGON, QUAD = 3, 5, 7, 9
 """VTK's numbers of cell types."""
 
 KEPT_BITS = 12
@@ -148,9 +148,11 @@ def grid_of(frame: Frame) -> FrameGrid:
     """Return a frame as a grid."""
     n = Counts.of(frame)
     first_cable, first_vertex, first_end, _ = n.points
+    own = is_corner(frame.quads)
+    corners = own.sum(axis=1)
     connectivity = np.concatenate(
         (
-            frame.quads.ravel(),
+            frame.quads[own],
             np.arange(first_cable, first_vertex),
             frame.tool_triangles.ravel() + first_vertex,
             frame.crack_edges.ravel(),
@@ -159,6 +161,9 @@ def grid_of(frame: Frame) -> FrameGrid:
     )
     counts = (n.quad, n.segment, n.triangle, 2 * n.crack, n.edge)
     types = np.repeat(np.array([QUAD, LINE, TRIANGLE, LINE, LINE], dtype=np.uint8), counts)
+    types[: n.quad][corners != 4] = POLYGON
+    sizes = np.repeat((4, 2, 3, 2, 2), counts)
+    sizes[: n.quad] = corners
     points = np.concatenate(
         (
             frame.points,
@@ -172,14 +177,19 @@ def grid_of(frame: Frame) -> FrameGrid:
         points,
         connectivity,
         types,
-        np.repeat((4, 2, 3, 2, 2), counts),
+        sizes,
         _point_arrays(frame, n),
         _cell_arrays(frame, n),
     )
 
 
 def frame_of(
-    counts: Counts, points: Any, connectivity: Any, arrays: Mapping[str, Any], **others: Any
+    counts: Counts,
+    points: Any,
+    connectivity: Any,
+    sizes: Any,
+    arrays: Mapping[str, Any],
+    **others: Any,
 ) -> Frame:
     """Return the frame of a grid.
 
@@ -187,7 +197,7 @@ def frame_of(
     ----------
     counts : Counts
         As written.
-    points, connectivity : ndarray
+    points, connectivity, sizes : ndarray
         As in :class:`FrameGrid`.
     arrays : mapping of str to ndarray
         Arrays on points and cells by name.
@@ -196,7 +206,8 @@ def frame_of(
     """
     n = counts
     nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])
-    row_ends = _ends(4 * n.quad, 2 * n.segment, 3 * n.triangle, 4 * n.crack)
+    corners = np.asarray(sizes[: n.quad], np.int64)
+    row_ends = _ends(int(corners.sum()), 2 * n.segment, 3 * n.triangle, 4 * n.crack)
     quads, _, triangles, flanks, _ = np.split(np.asarray(connectivity, np.int64), row_ends)
     fields = {
         name: _field_of(rows, arrays, n.rows(rows.of))
@@ -211,7 +222,7 @@ def frame_of(
     return Frame(
         points=nodes,
         reference=nodes - arrays[_DISPLACEMENT][: n.node],
-        quads=quads.reshape(-1, 4),
+        quads=_padded(quads, corners),
         crack_edges=flanks.reshape(-1, 2, 2),
         cable_segments=cable_ends.reshape(-1, 2, 3),
         tool_points=vertices,
@@ -220,6 +231,13 @@ def frame_of(
         **fields,
         **others,
     )
+
+
+def _padded(ids: Ints, corners: Ints) -> Ints:
+    """Return the ids of polygons in rows; those with fewer corners repeat their last one."""
+    first = np.cumsum(corners) - corners
+    column = np.arange(corners.max(initial=4))
+    return np.asarray(ids[first[:, None] + np.minimum(column, corners[:, None] - 1)])
 
 
 def _field_of(rows: Rows, arrays: Mapping[str, Any], some: slice) -> Any:

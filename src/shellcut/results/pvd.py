@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
 
+import numpy as np
+
 from shellcut.files.appendable_file import AppendableFile
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
-from .frame_grid import FrameGrid, grid_of
+from .frame_grid import LINE, POLYGON, QUAD, TRIANGLE, FrameGrid, grid_of
 
 _ROOT = {"type": "Collection", "version": "0.1", "byte_order": "LittleEndian"}
 
@@ -129,16 +131,18 @@ def _file_name(k: int) -> str:
 def _mesh_of(grid: FrameGrid) -> Any:
     import meshio
 
-    # One block of cells per part, under meshio's names of the types.
-    kinds = (("quad", 4), ("line", 2), ("triangle", 3), ("line", 2), ("line", 2))
-    blocks, rows, first, first_id = [], [], 0, 0
-    for (kind, size), end in zip(kinds, grid.counts.cells, strict=True):
-        if end > first:
-            ids = grid.connectivity[first_id : first_id + size * (end - first)]
-            blocks.append((kind, ids.reshape(-1, size)))
-            rows.append(slice(first, end))
-            first_id += ids.size
-        first = end
+    # One block per run of cells of one part and one size, under meshio's names of the types.
+    names = {LINE: "line", TRIANGLE: "triangle", POLYGON: "polygon", QUAD: "quad"}
+    kinds = np.stack([grid.cell_arrays["part"], grid.types, grid.sizes])
+    begins = np.flatnonzero((np.diff(kinds, axis=1, prepend=-1) != 0).any(axis=0))
+    ends = np.append(begins[1:], len(grid.sizes))
+    first_id = np.cumsum(grid.sizes) - grid.sizes
+    blocks, rows = [], []
+    for first, end in zip(begins.tolist(), ends.tolist(), strict=True):
+        size = int(grid.sizes[first])
+        ids = grid.connectivity[first_id[first] :][: size * (end - first)]
+        blocks.append((names[int(grid.types[first])], ids.reshape(-1, size)))
+        rows.append(slice(first, end))
     return meshio.Mesh(
         grid.points,
         blocks,

@@ -41,6 +41,7 @@ LABELS = {
     "n_cable_broken": "cables broken",
     "n_split": "splits",
     "n_quad": "quads",
+    "n_copy": "cuts of quads, notches included",
     "n_step": "steps",
     "ns_per_quad_step": "computing time per quad and step",
     "wall_s": "computing and output time",

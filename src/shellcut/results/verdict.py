@@ -81,8 +81,9 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
         lines.append(
             Line(
                 "note",
-                "A closed ledger does not prove that the crack path is right: the crack follows "
-                "the edges of the mesh (docs/limits.md).",
+                "A closed ledger does not prove that the crack path is right"
+                f"{_told(figures, ': the crack follows the edges of the mesh', '')} "
+                "(docs/limits.md).",
             )
         )
     order = {"doubt": 0, "good": 1, "note": 2}
@@ -93,6 +94,11 @@ def say(lines: Iterable[Line]) -> None:
     """Log the lines of a verdict."""
     for line in lines:
         LOGGER.log(logging.WARNING if line.kind == "doubt" else logging.INFO, "%s", line)
+
+
+def _told(figures: Figures, along_edges: str, through_quads: str) -> str:
+    """Return the one of two texts that fits how cracks ran."""
+    return through_quads if "n_copy" in figures else along_edges
 
 
 def _judged(within: bool, good: str, bad: str) -> Line:
@@ -210,8 +216,9 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
         abs(absorbed) <= GIVEN_LIMIT,
         f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work (limit {limit}).",
         f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work, more than {limit}: "
-        "nodes are set to the other flank of the blade. Put the blade's path into the mesh "
-        "(imprint), or use a finer film near the tool.",
+        "nodes are set to the other flank of the blade. "
+        + _told(figures, "Put the blade's path into the mesh (imprint), or use", "Use")
+        + " a finer film near the tool.",
     )
 
 
@@ -226,9 +233,9 @@ def _penetration(figures: Figures) -> Iterator[Line]:
         f"Nodes penetrate the tool by at most {depth:.3g} mm (limit {limit:.3g} mm, a quarter of "
         "its half thickness).",
         f"Nodes penetrate the tool by {depth:.3g} mm, more than a quarter of its half thickness "
-        f"({limit:.3g} mm): the film is not pushed aside as far as the tool is thick. Put the "
-        "blade's path into the mesh (imprint), use a finer film near the tool, or a larger "
-        "Contact.penalty.",
+        f"({limit:.3g} mm): the film is not pushed aside as far as the tool is thick. "
+        + _told(figures, "Put the blade's path into the mesh (imprint), use", "Use")
+        + " a finer film near the tool, or a larger Contact.penalty.",
     )
 
 
@@ -250,8 +257,11 @@ def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         yield Line(
             "doubt",
-            "Nothing was cut: no cable was created. Put a row of edges under the path of the "
-            "cutting edges (imprint); shellcut preview draws the path.",
+            "Nothing was cut: no cable was created. "
+            + _told(
+                figures, "Put a row of edges under the path of the cutting edges (imprint); ", ""
+            )
+            + "shellcut preview draws the path.",
         )
 
 
@@ -265,8 +275,9 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         f"All {n:,} splits lie on the path of the cutting edges, at most {far:.2g} mm off it "
         "(limit a fifth of an edge of the film).",
         f"{off:,} of {n:,} splits lie more than a fifth of an edge of the film off the path of "
-        f"the cutting edges, up to {far:.3g} mm: cracks left it. Put it into the mesh (imprint); "
-        "the crack map shows where.",
+        f"the cutting edges, up to {far:.3g} mm: cracks left it. "
+        + _told(figures, "Put it into the mesh (imprint); the", "The")
+        + " crack map shows where.",
     )
 
 
@@ -294,8 +305,9 @@ def _cables(figures: Figures) -> Iterator[Line]:
         taken >= CABLES_LIMIT,
         f"Cables took {share} of the dissipated work (at least {limit}).",
         f"Cables took {share} of the dissipated work, less than {limit}: the tool presses on film "
-        "that does not part. Put a row of edges under its path (imprint), keep held nodes out of "
-        "its way, and use edges shorter than half of opening_u.",
+        "that does not part. "
+        + _told(figures, "Put a row of edges under its path (imprint), keep", "Keep")
+        + " held nodes out of its way, and use edges shorter than half of opening_u.",
     )
 
 

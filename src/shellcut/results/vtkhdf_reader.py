@@ -220,6 +220,7 @@ class VtkHdfReader:
             counts,
             points,
             connectivity,
+            np.diff(cells["Offsets"]),
             arrays,
             time=float(self.times[k]),
             coordinate=float(self.coordinates[k]),

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats, Ints
-from shellcut.frame import JOINTED, STRAIGHT, Frame
+from shellcut.frame import JOINTED, STRAIGHT, Frame, is_corner, sides_of
 
 from ._figure import with_unit
 from ._raster import Camera, Canvas, shade, view_axes
@@ -36,8 +36,9 @@ def picture(frame: Frame, camera: Camera, quad_colors: Floats) -> Floats:
     quads = frame.points[frame.quads]
     corners = camera.project(quads)
     color = shade(quads, axes, quad_colors)
-    canvas.draw(corners[:, [0, 1, 2]], color)
-    canvas.draw(corners[:, [0, 2, 3]], color)
+    own = is_corner(frame.quads)
+    for k in range(2, corners.shape[1]):
+        canvas.draw(corners[own[:, k]][:, [0, k - 1, k]], color[own[:, k]])
 
     mesh = Canvas(camera.shape)
     mesh.draw_lines(camera.project(frame.points[mesh_edges(frame.quads)]), MESH_COLOR, 0.6 * line)
@@ -115,8 +116,7 @@ def pixels_of(
 
 def mesh_edges(quads: Ints) -> Ints:
     """Return every edge of the quads once, as node ids, shape (n, 2)."""
-    edges = np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2)
-    return np.unique(np.sort(edges, axis=1), axis=0)
+    return np.unique(np.sort(sides_of(quads), axis=1), axis=0)
 
 
 def tool_creases(frame: Frame) -> Ints:
@@ -136,8 +136,8 @@ def tool_creases(frame: Frame) -> Ints:
 
 def edge_length(frame: Frame) -> float:
     """Return the median length of the quads' edges [mm]."""
-    p = frame.reference[frame.quads]
-    return float(np.median(np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=2)))
+    ends = frame.reference[sides_of(frame.quads)]
+    return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
 def round_limits(stress: Floats) -> tuple[float, float]:

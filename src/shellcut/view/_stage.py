@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats, Ints
-from shellcut.frame import Frame
+from shellcut.frame import Frame, is_corner
 
 from ._panel import (
     CABLE_COLORS,
@@ -143,8 +143,9 @@ def _film(frame: Frame, stress: Floats) -> Any:
 def _surface(points: Floats, faces: Ints) -> Any:
     import pyvista
 
-    count = np.full((len(faces), 1), faces.shape[1])
-    return pyvista.PolyData(np.asarray(points), np.hstack((count, faces)))
+    own = np.pad(is_corner(faces), ((0, 0), (1, 0)), constant_values=True)
+    count = own[:, 1:].sum(axis=1, keepdims=True)
+    return pyvista.PolyData(np.asarray(points), np.hstack((count, faces))[own])
 
 
 def _segments(points: Floats, ids: Ints) -> Any:

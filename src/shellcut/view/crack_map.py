@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shellcut.arrays import Floats
-from shellcut.frame import Frame
+from shellcut.frame import Frame, sides_of
 
 from ._figure import new_figure, pretty, save
 from ._panel import mesh_edges
@@ -170,9 +170,7 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
 def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:
     # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
     _add_lines(axes, flat[mesh_edges(frame.quads)], colors=_MESH_COLOR, linewidths=0.4)
-    quads = frame.quads
-    sides = np.sort(np.stack((quads, np.roll(quads, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
-    edges, count = np.unique(sides, axis=0, return_counts=True)
+    edges, count = np.unique(np.sort(sides_of(frame.quads), axis=1), axis=0, return_counts=True)
     _add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
 
 

@@ -1,0 +1,210 @@
+"""The film as it is drawn: polygons of quads and copies, and the flanks of cracks between them.
+
+Pictures and result files show of a copy what it holds, not its virtual nodes. A corner of its
+polygon at a corner of the quad is the node there; any other is a point of its own, interpolated
+from the copy's nodes. Two copies in neighbouring quads share a point on their common side if they
+share both its nodes: where a crack is closed the drawing is, too. Where one of two neighbours has
+a point on their side that the other has not, the other gets it, so that outlines meet point by
+point.
+
+Crack edges are found as along edges of the mesh: two edges with one polygon each that were one
+before the cut.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.state import State
+
+from .cut_topology import CutTopology
+from .quad_fans import flanks_among
+from .quad_polygon import FLANK, Point, along_side, corner_at, shape_functions
+
+# Places on one side, or in one quad, closer than this are one, in its parametric length.
+_SAME = 1e-6
+
+
+class DrawnFilm(NamedTuple):
+    """Points, polygons and crack edges of a film."""
+
+    nodes: Ints
+    """Nodes that each point is interpolated from, shape (n_point, 4)."""
+    weight: Floats
+    """And their weights; a node that is drawn itself has the weight 1, shape (n_point, 4)."""
+    polygons: Ints
+    """Points of every row, counter-clockwise, shape (n_row, n_corner), n_corner >= 4; one with
+    fewer corners repeats its last point."""
+    crack_edges: Ints
+    """Points of both flanks of every crack edge, shape (n, 2, 2), as
+    :func:`shellcut.fracture.quad_fans.open_edge_copies`."""
+
+    @classmethod
+    def of(cls, state: State, topology: CutTopology) -> DrawnFilm:
+        """Return what there is to draw; good for this topology."""
+        return _Outlines(state, topology).film()
+
+    def at_points(self, rows: Floats) -> Floats:
+        """Return rows : (n_node, k) of the nodes at the points, (n_point, k)."""
+        at: Floats = np.einsum("pa,pak->pk", self.weight, rows[self.nodes])
+        return at
+
+    def all_at_points(self, flags: Bools) -> Bools:
+        """Return where all nodes of a point have a flag : (n_node,)."""
+        return np.asarray((flags[self.nodes] | (self.weight == 0.0)).all(axis=1))
+
+
+class _Places:
+    """Numbers places, those within ``_SAME`` of each other alike."""
+
+    def __init__(self, first: int) -> None:
+        self.count = first
+        self._known: dict[tuple[int, ...], list[tuple[tuple[float, ...], int]]] = {}
+
+    def number(self, owner: tuple[int, ...], place: tuple[float, ...]) -> int:
+        """Return the number of a place of an owner, a new one at first."""
+        known = self._known.setdefault(owner, [])
+        for other, number in known:
+            if max(abs(a - b) for a, b in zip(place, other, strict=True)) < _SAME:
+                return number
+        known.append((place, self.count))
+        self.count += 1
+        return self.count - 1
+
+
+class _Outlines:
+    """Builds a :class:`DrawnFilm`."""
+
+    def __init__(self, state: State, topology: CutTopology) -> None:
+        self._state, self._topology = state, topology
+        n, flank = state.n_node, state.flank
+        drawn = state.node.real[:n].copy()
+        drawn[flank.node[: flank.count]] = False
+        self._drawn = np.flatnonzero(drawn)
+        self._id = np.cumsum(drawn) - 1
+        self._nodes: list[list[int]] = []
+        self._weight: list[tuple[float, ...]] = []
+        self._reference: list[int] = []
+        self._points = _Places(self._drawn.size)
+        self._references = _Places(n)
+        # Points on the sides between two nodes, as fractions of the way from the lower one.
+        self._on: dict[tuple[int, int], dict[int, float]] = {}
+        self._in_quad: dict[int, list[Point]] = {}
+
+    def film(self) -> DrawnFilm:
+        """Return it."""
+        state, topology = self._state, self._topology
+        cut = topology.cut_rows()
+        for row in cut:
+            for place in topology.polygon(row).points:
+                self._point(row, place)
+                self._in_quad.setdefault(topology.parent(row), []).append(place)
+        outlines = {row: self._outline(row) for row in self._touched() | set(cut)}
+        width = max([4, *map(len, outlines.values())])
+        polygons = np.repeat(self._id[state.quads], [1, 1, 1, width - 3], axis=1)
+        for row, outline in outlines.items():
+            polygons[row] = outline + outline[-1:] * (width - len(outline))
+        own = self._drawn[:, None]
+        nodes, weight = [np.repeat(own, 4, axis=1)], [np.eye(1, 4).repeat(own.size, axis=0)]
+        if self._nodes:
+            nodes.append(np.array(self._nodes))
+            weight.append(np.array(self._weight))
+        reference = np.concatenate([state.node.origin[self._drawn], self._reference]).astype(int)
+        return DrawnFilm(
+            np.concatenate(nodes),
+            np.concatenate(weight),
+            polygons,
+            flanks_among(polygons, reference),
+        )
+
+    def _touched(self) -> set[int]:
+        """Return the rows that have a side with points on it."""
+        n, rows = self._state.node, set()
+        for a, b in self._on:
+            at_a, at_b = (set(n.quads[k, : n.n_quad_at[k]].tolist()) for k in (a, b))
+            rows |= at_a & at_b
+        return rows
+
+    def _outline(self, row: int) -> list[int]:
+        """Return the points around a row, those that its neighbours have on its sides too."""
+        polygon, ring = self._topology.polygon(row), self._state.quads[row].tolist()
+        outline = []
+        ends = (*polygon.points[1:], polygon.points[0])
+        for start, end, side in zip(polygon.points, ends, polygon.sides, strict=True):
+            between: list[tuple[float, int]] = []
+            if side == FLANK:
+                for place in self._in_quad.get(self._topology.parent(row), ()):
+                    s = _between(start, end, place)
+                    if s is not None:
+                        between.append((s, self._point(row, place)))
+            else:
+                a, b = ring[side], ring[(side + 1) % 4]
+                low, high = along_side(side, start), along_side(side, end)
+                for point, s in self._on.get((min(a, b), max(a, b)), {}).items():
+                    along = s if a < b else 1.0 - s
+                    if low + _SAME < along < high - _SAME:
+                        between.append((along, point))
+            outline += [self._point(row, start), *(point for _, point in sorted(set(between)))]
+        return list(dict.fromkeys(outline))
+
+    def _point(self, row: int, place: Point) -> int:
+        """Return the point at a place of a row."""
+        ring = self._state.quads[row].tolist()
+        corner = corner_at(place)
+        if corner >= 0:
+            return int(self._id[ring[corner]])
+        side = _side_at(place)
+        if side is None:
+            parent = self._topology.parent(row)
+            return self._numbered(
+                (row, -1), place, ring, shape_functions(place), (parent, -1), place
+            )
+        a, b = ring[side], ring[(side + 1) % 4]
+        s = along_side(side, place)
+        if a > b:
+            a, b, s = b, a, 1.0 - s
+        origin = self._state.node.origin
+        i, j, of_reference = int(origin[a]), int(origin[b]), s
+        if i > j:
+            i, j, of_reference = j, i, 1.0 - s
+        weights = (1.0 - s, s, 0.0, 0.0)
+        point = self._numbered((a, b), (s,), [a, b, a, a], weights, (i, j), (of_reference,))
+        self._on.setdefault((a, b), {})[point] = s
+        return point
+
+    def _numbered(
+        self,
+        owner: tuple[int, int],
+        place: tuple[float, ...],
+        nodes: list[int],
+        weight: tuple[float, ...],
+        reference_owner: tuple[int, int],
+        reference_place: tuple[float, ...],
+    ) -> int:
+        point = self._points.number(owner, place)
+        if point == self._drawn.size + len(self._nodes):
+            self._nodes.append(nodes)
+            self._weight.append(weight)
+            self._reference.append(self._references.number(reference_owner, reference_place))
+        return point
+
+
+def _side_at(place: Point) -> int | None:
+    """Return the side of the quad on which a place lies, None within it."""
+    for side, (axis, value) in enumerate(((1, -1.0), (0, 1.0), (1, 1.0), (0, -1.0))):
+        if abs(place[axis] - value) < _SAME:
+            return side
+    return None
+
+
+def _between(start: Point, end: Point, place: Point) -> float | None:
+    """Return where a place lies between two others, as a fraction of the way; None if elsewhere."""
+    way = end[0] - start[0], end[1] - start[1]
+    gap = place[0] - start[0], place[1] - start[1]
+    length = np.hypot(*way)
+    off = abs(way[0] * gap[1] - way[1] * gap[0]) / length
+    along = (way[0] * gap[0] + way[1] * gap[1]) / length
+    return along / length if off < _SAME and _SAME < along < length - _SAME else None

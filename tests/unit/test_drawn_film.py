@@ -1,0 +1,174 @@
+"""Frames and files of a run with cracks through quads."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+
+import meshio
+import numpy as np
+import pytest
+
+import shellcut as sc
+from damaging_film import Damaging
+from free_strip import NOTCH, cut_strip
+from shellcut.frame import is_corner, sides_of
+from shellcut.material.shell_material import Layer, ShellMaterial
+from shellcut.models.case import Case
+from shellcut.recording.crack_ends import CrackEnds
+from shellcut.recording.cut_front import CutFront
+from shellcut.recording.frame_capture import Exposure, capture
+from shellcut.results.cut_quality import cut_quality
+from shellcut.results.frame_grid import POLYGON, grid_of
+from shellcut.state import JOINTED
+
+DAMAGING = ShellMaterial([Layer(Damaging(1678.0, 0.3, 1e-9, 0.02, 0.5), 0.074)], points_per_layer=3)
+WHERE = {"coordinate": 0.0, "coordinate_name": "path", "coordinate_unit": "mm"}
+
+
+@pytest.fixture(scope="module")
+def cut():
+    """A strip that has been cut almost halfway."""
+    sim = cut_strip()
+    while sim.cables.n_broken < 8:
+        sim.step()
+    return sim
+
+
+def reference_areas(frame):
+    """Area of every polygon of a flat film."""
+    x, y = frame.reference[frame.quads][..., :2].transpose(2, 0, 1)
+    return 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+
+
+def test_polygons_cover_the_film_and_each_has_its_share(cut):
+    frame, s = capture(cut, **WHERE), cut.state
+    areas = reference_areas(frame)
+    shares = s.quad.share[: s.n_quad] * cut.mesh.quad_areas()[s.quad.parent[: s.n_quad]]
+    # A straight side of the drawing is a curve in xi and eta of a quad that is no parallelogram.
+    np.testing.assert_allclose(areas, shares, rtol=5e-3)
+    assert areas.sum() == pytest.approx(6.0 * 3.2, rel=1e-12)
+    assert len(frame.quads) == s.n_quad > cut.mesh.n_quad
+
+
+def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
+    frame, s = capture(cut, **WHERE), cut.state
+    used = np.unique(frame.quads)
+    assert used.tolist() == list(range(len(frame.points)))
+    flank = s.flank.node[: s.flank.count]
+    assert flank.size > 4
+    assert (~s.node.real[: s.n_node]).sum() > 4
+    real = s.node.real[: s.n_node].copy()
+    real[flank] = False
+    np.testing.assert_array_equal(frame.points[: real.sum()], s.node.x[: s.n_node][real])
+
+
+def test_outlines_meet_point_by_point(cut):
+    frame = capture(cut, **WHERE)
+    sides = np.sort(sides_of(frame.quads), axis=1)
+    sides, count = np.unique(sides, axis=0, return_counts=True)
+    assert count.max() == 2
+    x, y, _ = frame.reference[sides].transpose(2, 0, 1)
+    rim = [np.ptp(c, axis=1) < 1e-9 for c in (x, y)]
+    on_rim = rim[0] & np.isin(np.round(x[:, 0], 9), (0.0, 6.0))
+    on_rim |= rim[1] & np.isin(np.round(np.abs(y[:, 0]), 9), 1.6)
+    assert (count[on_rim] == 1).all()
+    # Else only flanks have one polygon, and every crack edge has two of them.
+    flanks = frame.crack_edges.reshape(-1, 2)
+    assert sorted(map(tuple, np.sort(flanks, axis=1))) == sorted(
+        map(tuple, sides[(count == 1) & ~on_rim])
+    )
+
+
+def test_crack_is_as_long_as_the_cuts(cut):
+    frame = capture(cut, **WHERE)
+    quality = cut_quality(frame)
+    before = cut_quality(capture(cut_strip(), **WHERE)).crack_length
+    assert before == pytest.approx(1.2)  # to the first side at or beyond the notch's end
+    assert before > NOTCH
+    assert quality.crack_length == pytest.approx(before + cut.state.crack_length, rel=1e-9)
+    assert len(quality.cracks) == 1
+    assert len(quality.pieces) == 1
+    line = quality.cracks[0]
+    ends = cut.cracks.free.at_tips(cut.mesh.nodes)
+    assert min(np.linalg.norm(line[i] - ends[0]) for i in (0, -1)) < 1e-12
+
+
+def test_a_film_cut_through_falls_in_two():
+    sim = cut_strip()
+    free, s = sim.cracks.free, sim.state
+    free.tips.clear()
+    free.notch(s, (0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
+    quality = cut_quality(capture(sim, **WHERE))
+    assert len(quality.pieces) == 2
+    assert sum(piece.area for piece in quality.pieces) == pytest.approx(6.0 * 3.2)
+    assert quality.pieces[1].area == pytest.approx(6.0 * 0.6, rel=1e-2)
+
+
+@pytest.mark.parametrize("material", [None, DAMAGING], ids=["linear", "damaging"])
+def test_a_frame_is_that_of_its_exposure_however_far_the_run_has_gone_on(material):
+    sim = cut_strip(material=material)
+    while sim.cables.n_joint_made < 2:
+        sim.step()
+    exposure = Exposure.of(sim, **WHERE)
+    at_once = exposure.frame()
+    n_quad = sim.state.n_quad
+    while sim.state.n_quad < n_quad + 4:
+        sim.step()
+    later = exposure.frame()
+    for field in fields(later):
+        one, other = getattr(later, field.name), getattr(at_once, field.name)
+        if isinstance(one, Mapping):
+            continue
+        assert np.array_equal(one, other), field.name
+    for name, numbers in later.quad_history.items():
+        np.testing.assert_array_equal(numbers, at_once.quad_history[name])
+
+
+def test_ends_of_cracks(cut):
+    ends = CrackEnds.of(cut, cut.mesh.boundary_nodes())
+    np.testing.assert_allclose(ends.director, [[0.0, 0.0, 1.0]], atol=1e-12)
+    assert ends.heading(0)[0] > 0.9
+    while not (cut.state.cable.status[: cut.state.n_cable] == JOINTED).any():
+        cut.step()
+    ((length, zone, ahead, spare),) = CutFront(cut, 1e-3).rows(cut)
+    assert 0.0 < zone < length < cut.state.crack_length
+    assert ahead == pytest.approx(6.0 - cut.cracks.free.at_tips(cut.mesh.nodes)[0, 0], abs=1e-3)
+    assert spare > 0.5
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Folder of a whole run, and its simulation."""
+    to = tmp_path_factory.mktemp("run")
+    sim = cut_strip()
+    Case("strip", sim, 2.2e-4).run(to, n_snapshot=2, n_frame=4, pvd=True, progress=False)
+    return to, sim
+
+
+def test_frames_come_back_from_the_files(folder):
+    to, sim = folder
+    results = sc.read(to)
+    frame, now = results.frame(-1), capture(sim, **WHERE)
+    np.testing.assert_array_equal(frame.quads, now.quads)
+    np.testing.assert_array_equal(frame.crack_edges, now.crack_edges)
+    np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
+    assert (is_corner(frame.quads).sum(axis=1) != 4).any()
+    grid = grid_of(frame)
+    *_, last = sorted(to.glob("strip_frames/*.vtu"))
+    mesh = meshio.read(last)
+    assert sum(len(block.data) for block in mesh.cells) == len(grid.types)
+    polygons = [block.data for block in mesh.cells if block.type == "polygon"]
+    assert sum(map(len, polygons)) == (grid.types == POLYGON).sum() > 0
+
+
+def test_records_of_a_run_with_cuts(folder):
+    to, sim = folder
+    results = sc.read(to)
+    assert len(results.splits["time"]) == len(sim.state.splits) > 4
+    assert set(results.splits["node"]) == {-1}
+    assert set(results.splits["kind"]) <= {"criterion", "blade"}
+    np.testing.assert_allclose(results.splits["Y"], 0.0, atol=0.08)
+    assert results.history["crack_length"][-1] == pytest.approx(sim.state.crack_length)
+    assert results.summary["n_copy"] == sim.state.n_quad - sim.mesh.n_quad
+    texts = " ".join(line["text"] for line in results.summary["verdict"])
+    assert "imprint" not in texts
+    assert "row of mesh edges" not in texts
