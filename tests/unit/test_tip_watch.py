@@ -5,7 +5,9 @@ import pytest
 
 from free_strip import cut_strip, slanted_strip
 from shellcut.fracture.blade_drive import BladeDrive
-from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.chord_ends import parts_quad
+from shellcut.fracture.crack_path import CrackPath, common_side
+from shellcut.fracture.quad_polygon import WHOLE, shape_functions
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
 from shellcut.mesh.mesh import Mesh
@@ -104,3 +106,25 @@ def test_same_beside_other_cracks():
             sim.step()
             kinds += rules.compare(free.tips) if sim.state.step % 10 == 4 else []
     assert len(kinds) > 20
+
+
+def test_chords_part_whole_quads_as_the_rules_say():
+    sim, rng, said = cut_strip(mesh=jittered(3)), np.random.default_rng(8), []
+    s, path = sim.state, Rules(sim).path
+    whole = np.flatnonzero(s.quad.share[: s.n_quad] == 1.0)
+    s.node.x[: s.n_node, 2] = 0.1 * np.sin(s.node.x[: s.n_node, 0])
+    for _ in range(3000):
+        row = int(rng.choice(whole))
+        place = tuple(np.clip(rng.uniform(-1.03, 1.03, 2), -0.999, 0.999).tolist())
+        angle = rng.choice([0.0, 0.5 * np.pi, rng.uniform(0.0, np.pi)]) + rng.normal() * 0.02
+        b = np.array([np.cos(angle), np.sin(angle), rng.uniform(-0.2, 0.2)])
+        mine = parts_quad(
+            s.node.x, s.node.t, s.quads, row, *place, tuple(b.tolist()), path.size(row)
+        )
+        t = np.array(shape_functions(place)) @ s.node.t[s.quads[row]]
+        trace = np.cross(t, b) / np.linalg.norm(np.cross(t, b))
+        ends = [path.segment(s, row, place, sign * trace) for sign in (-1.0, 1.0)]
+        rules = None not in ends and common_side(WHOLE, *(end.exit for end in ends)) is None
+        assert mine == rules
+        said.append(rules)
+    assert 200 < sum(said) < 2950

@@ -105,31 +105,28 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     return node
 
 
-def tie(state: State, k: int, areas: Floats, density: float) -> None:
-    """Tie a flank point to the nodes that its copy has now.
+def tie(state: State, areas: Floats, density: float) -> None:
+    """Tie all flank points to the nodes that their copies have now.
 
-    Its contact area is a quarter of its quad's, but no larger than lets its penalty spring swing
-    no faster than that of a whole node: m_P / (4 rho h).
+    The contact area of one is a quarter of its quad's, but no larger than lets its penalty spring
+    swing no faster than that of a whole node: m_P / (4 rho h).
 
     Parameters
     ----------
     state : State
         Written.
-    k : int
-        Which flank point.
     areas : ndarray, shape (n_row,)
         Of whole quads [mm²].
     density : float
         rho h [t/mm²].
     """
     f, n = state.flank, state.node
-    row, node = int(f.row[k]), int(f.node[k])
-    f.nodes[k] = state.quads[row]
-    n.take_quads(node, [row])
-    used = f.weight[k] > 0.0
-    mass = 1.0 / (f.weight[k, used] ** 2 / n.mass[f.nodes[k, used]]).sum()
+    row, node = f.row[: f.count], f.node[: f.count]
+    f.nodes[: f.count] = state.quads[row]
+    n.quads[node, 0], n.n_quad_at[node] = row, 1
+    mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
-    n.contact_area[node] = min(0.25 * areas[row], 0.25 * mass / density)
+    n.contact_area[node] = np.minimum(0.25 * areas[row], 0.25 * mass / density)
 
 
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:

@@ -8,6 +8,8 @@ flank is left alone; a blade that crosses an earlier cut begins anew in the row 
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
@@ -16,10 +18,11 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
 from shellcut.state import KnownTopology, State
-from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
-from shellcut.tool.pose import Pose, to_body
+from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
+from shellcut.tool.pose import Pose, to_body, turn
 
-from .quad_polygon import CORNERS, Point
+from .chord_ends import parts_quad
+from .quad_polygon import Point
 
 # A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives it.
 _NEAR_A_TIP = 2.0
@@ -49,7 +52,7 @@ class Pierce:
         self._high = np.array([one.max(axis=(0, 1)) + size for one in ends])
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
-        self._place = np.zeros((n_most, 3))
+        self._place = np.zeros((n_most, 2))
         self._known = KnownTopology()
         self._whole = self._first = np.zeros(0, np.int64)
         self._find = bound_once(_pierced)
@@ -59,7 +62,8 @@ class Pierce:
     ) -> list[tuple[int, Point, int]]:
         """Return the whole rows that an edge goes through, where, and which segment.
 
-        The edge runs between the flanks of its own cut: rows at a flank are left out.
+        The edge runs between the flanks of its own cut: rows at a flank are left out, and those
+        that its mid-plane would not part (:mod:`.chord_ends`).
 
         Parameters
         ----------
@@ -77,6 +81,7 @@ class Pierce:
         row, segment, place = self._row, self._segment, self._place
         n_found = self._find(
             state.node.x,
+            state.node.t,
             state.quads,
             self._whole,
             self._first,
@@ -90,7 +95,10 @@ class Pierce:
             segment,
             place,
         )
-        return [(int(row[k]), _in_square(place[k]), int(segment[k])) for k in range(n_found)]
+        return [
+            (int(row[k]), (float(place[k, 0]), float(place[k, 1])), int(segment[k]))
+            for k in range(n_found)
+        ]
 
     def _follow(self, state: State) -> None:
         """Find the whole rows, and of these the ones without a node at a flank."""
@@ -98,14 +106,6 @@ class Pierce:
         self._whole = np.flatnonzero((state.quad.share[: state.n_quad] >= 1.0) & ~halved)
         self._first = state.quads[self._whole, 0].astype(np.int64)
         self._known.take(state)
-
-
-def _in_square(place: Floats) -> Point:
-    """Return xi, eta of a point given by its triangle (0: corners 0 1 2; 1: 0 2 3) and weights."""
-    corners = np.array(CORNERS)[[0, 1, 2] if place[0] == 0.0 else [0, 2, 3]]
-    weights = np.array([1.0 - place[1] - place[2], place[1], place[2]])
-    xi, eta = weights @ corners
-    return float(xi), float(eta)
 
 
 @inline
@@ -125,6 +125,7 @@ def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, f
 @kernel
 def _pierced(
     x: Floats,
+    t: Floats,
     quads: Ints,
     whole: Ints,
     first: Ints,
@@ -141,7 +142,7 @@ def _pierced(
     """Write the rows that edges go through, their segments and the places in them; return how many.
 
     whole, first : (n,), rows and their first nodes.  low, high : (n_body, 3), boxes around the
-    edges.  row, segment : (n_most,).  place : (n_most, 3), triangle and two weights.
+    edges.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)
     segments, body = edges.segments, edges.body
@@ -159,11 +160,11 @@ def _pierced(
                     continue
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
-                triangle = 0.0
                 hit, w1, w2 = _weights(start, end, corner, second, third)
+                xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
                 if not hit:
-                    triangle = 1.0
                     hit, w1, w2 = _weights(start, end, corner, third, fourth)
+                    xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
                 if not hit:
                     continue
                 far = True
@@ -171,8 +172,9 @@ def _pierced(
                 for tip in range(tips.shape[0]):
                     gap = sub(load(tips, tip), here)
                     far = far and dot(gap, gap) > _NEAR_A_TIP**2 * area[e]
-                if far:
+                plane = turn(segment_part(segments, k, NORMAL), pose)
+                if far and parts_quad(x, t, quads, e, xi, eta, plane, sqrt(area[e])):
                     row[n_found], segment[n_found] = e, k
-                    place[n_found, 0], place[n_found, 1], place[n_found, 2] = triangle, w1, w2
+                    place[n_found, 0], place[n_found, 1] = xi, eta
                     n_found += 1
     return n_found

@@ -122,9 +122,6 @@ class SegmentCables:
 
         areas : (n_row,), of the whole quads [mm²].
         """
-        f = state.flank
-        for k in range(f.count):
-            tie(state, k, areas, self._density)
         asleep = []
         for one in self._sleeping:
             minus, plus = (
@@ -137,12 +134,13 @@ class SegmentCables:
             if minus == plus:
                 asleep.append(one)
             else:
-                self._make(state, one, areas)
+                self._make(state, one)
         self._sleeping = asleep
+        tie(state, areas, self._density)
 
-    def _make(self, state: State, one: _Sleeping, areas: Any) -> None:
+    def _make(self, state: State, one: _Sleeping) -> None:
         ends = [
-            self._add_end(state, row, place, inward, areas)
+            self._add_end(state, row, place, inward)
             for row, place, inward in (
                 (one.row_minus, one.place_minus, one.inward_minus),
                 (one.row_plus, one.place_plus, one.inward_plus),
@@ -165,13 +163,12 @@ class SegmentCables:
         # The force that a new cable is about to exert: at zero opening it has done no work yet.
         c.traction[k] = self._law.strength
 
-    def _add_end(self, state: State, row: int, place: Point, inward: Point, areas: Any) -> int:
+    def _add_end(self, state: State, row: int, place: Point, inward: Point) -> int:
         point = add_flank_point(state, row, place, inward)
         f = state.flank
         k = f.count - 1
-        tie(state, k, areas, self._density)
         used = f.weight[k] > _UNUSED
-        key = (*f.nodes[k][used].tolist(), *np.round(f.weight[k][used], 9).tolist())
+        key = (*f.nodes[k][used].tolist(), *(round(w, 9) for w in f.weight[k][used].tolist()))
         # A corner is a node itself.
         state.node.real[point] = used.sum() > 1 and key not in self._touched
         self._touched.add(key)
