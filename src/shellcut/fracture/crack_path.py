@@ -226,6 +226,17 @@ class CrackPath:
         found = (self.segment(state, row, entry, direction) for row, entry in self.rows_ahead(tip))
         return next((one for one in found if one is not None), None)
 
+    def _may_break(self, row: int, start: int, end: int) -> bool:
+        """Return whether a crack may run along a side: whole film on both sides of it."""
+        ring = self.ring(row)
+        a, b = ring[start], ring[end]
+        beside = [r for r, _ in self._topology.corners_at(a) if b in self.ring(r)]
+        return (
+            len({self._topology.parent(r) for r in beside}) == 2
+            and not self._topology.is_broken(a, b)
+            and not self._topology.crossings(a, b)
+        )
+
     def tip_at(self, end: Segment, heading: Floats, length: float, rows: list[int]) -> Tip | None:
         """Return the tip at the end of a segment that has just cut its row into ``rows``.
 
@@ -272,7 +283,8 @@ class CrackPath:
             on = common_side(polygon, entry, end)
             if on is None:
                 return Segment(row, entry, end, side, corner)
-            if corner >= 0 and on != FLANK and corner_at(entry) >= 0:
+            start = corner_at(entry)
+            if corner >= 0 and start >= 0 and on != FLANK and self._may_break(row, start, corner):
                 return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
         if side == FLANK:
             exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
