@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from free_strip import cut_strip
+from free_strip import NOTCH, cut_strip, slanted_strip
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
+from shellcut.models import guillotine
 from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.recording.recorder import Recorder
+from shellcut.simulation.hooks import StopWhen
 from test_checkpoint import differing, numbers_of
 
 LAYERED = ShellMaterial(
@@ -68,3 +73,54 @@ def test_a_film_with_more_cuts_from_the_start_is_refused(tmp_path):
     save_checkpoint(bare, tmp_path / "bare.h5")
     with pytest.raises(CheckpointError):
         load_checkpoint(cut_strip(), tmp_path / "bare.h5")
+
+
+def short_guillotine(**options):
+    """A guillotine on a mesh of the user's own that ignores the path."""
+    options.setdefault("fracture", Fracture(path="free"))
+    return guillotine(
+        mesh=slanted_strip(),
+        notch=NOTCH,
+        travel=3.0,
+        speed=2e4,
+        law=CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3),
+        **options,
+    )
+
+
+def test_a_guillotine_through_quads_is_not_imprinted_and_has_its_notch():
+    case = short_guillotine()
+    free = case.simulation.cracks.free
+    assert case.imprint is None
+    np.testing.assert_array_equal(case.simulation.mesh.nodes, slanted_strip().nodes)
+    np.testing.assert_allclose(free.at_tips(case.simulation.mesh.nodes), [[1.2, 0, 0]], atol=1e-9)
+    assert case.simulation.state.crack_length == 0.0
+    whole = guillotine(mesh=slanted_strip(), notch=0.0, fracture=Fracture(path="free")).simulation
+    assert whole.state.n_quad == whole.mesh.n_quad
+
+
+def test_an_interrupted_run_leaves_the_files_of_the_uninterrupted_one(tmp_path):
+    case = short_guillotine()
+    options = {"n_snapshot": 0, "n_frame": 5, "progress": False}
+    case.run(tmp_path / "whole", **options)
+    first = short_guillotine()
+    sim, stop = first.simulation, 0.6 * first.duration
+    recorder = Recorder(
+        sim,
+        tmp_path / "parts",
+        until=first.duration,
+        name="guillotine",
+        check=first.check,
+        **options,
+    )
+    sim.run(first.duration, [recorder, StopWhen(lambda: sim.state.time > stop)])
+    assert sim.state.n_quad > sim.mesh.n_quad + 4
+    assert sim.cables.n_joint_made > 0
+    again = short_guillotine()
+    again.run(tmp_path / "parts", resume=True, **options)
+    assert differing(case.simulation, again.simulation) == []
+    for name in ("history.csv", "splits.csv"):
+        assert (tmp_path / "parts" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    one, other = (sc.read(tmp_path / name) for name in ("whole", "parts"))
+    np.testing.assert_array_equal(one.frame(-1).points, other.frame(-1).points)
+    np.testing.assert_array_equal(one.frame(-1).quads, other.frame(-1).quads)

@@ -4,8 +4,8 @@ Pictures and result files show of a copy what it holds, not its virtual nodes. A
 polygon at a corner of the quad is the node there; any other is a point of its own, interpolated
 from the copy's nodes. Two copies in neighbouring quads share a point on their common side if they
 share both its nodes: where a crack is closed the drawing is, too. Where one of two neighbours has
-a point on their side that the other has not, the other gets it, so that outlines meet point by
-point.
+a point on their side that the other has not, the other gets one there, and so do the two flanks of
+a crack: outlines meet point by point.
 
 Crack edges are found as along edges of the mesh: two edges with one polygon each that were one
 before the cut.
@@ -22,7 +22,7 @@ from shellcut.state import State
 
 from .cut_topology import CutTopology
 from .quad_fans import flanks_among
-from .quad_polygon import FLANK, Point, along_side, corner_at, shape_functions
+from .quad_polygon import FLANK, Point, along_side, corner_at, on_side, shape_functions
 
 # Places on one side, or in one quad, closer than this are one, in its parametric length.
 _SAME = 1e-6
@@ -90,8 +90,8 @@ class _Outlines:
         self._reference: list[int] = []
         self._points = _Places(self._drawn.size)
         self._references = _Places(n)
-        # Points on the sides between two nodes, as fractions of the way from the lower one.
-        self._on: dict[tuple[int, int], dict[int, float]] = {}
+        # Places on sides of the mesh, as fractions of the way from the lower origin of its nodes.
+        self._on: dict[tuple[int, int], list[float]] = {}
         self._in_quad: dict[int, list[Point]] = {}
 
     def film(self) -> DrawnFilm:
@@ -121,12 +121,13 @@ class _Outlines:
         )
 
     def _touched(self) -> set[int]:
-        """Return the rows that have a side with points on it."""
-        n, rows = self._state.node, set()
-        for a, b in self._on:
-            at_a, at_b = (set(n.quads[k, : n.n_quad_at[k]].tolist()) for k in (a, b))
-            rows |= at_a & at_b
-        return rows
+        """Return the rows that have a side with places on it."""
+        n = self._state.n_node
+        ends = self._state.node.origin[self._state.quads]
+        sides = np.sort(np.stack([ends, np.roll(ends, -1, axis=1)], axis=2), axis=2)
+        keys = [i * n + j for i, j in self._on]
+        touched = np.isin(sides @ np.array([n, 1]), keys).any(axis=1)
+        return set(np.flatnonzero(touched).tolist())
 
     def _outline(self, row: int) -> list[int]:
         """Return the points around a row, those that its neighbours have on its sides too."""
@@ -141,12 +142,12 @@ class _Outlines:
                     if s is not None:
                         between.append((s, self._point(row, place)))
             else:
-                a, b = ring[side], ring[(side + 1) % 4]
+                a, b = (int(self._state.node.origin[ring[k % 4]]) for k in (side, side + 1))
                 low, high = along_side(side, start), along_side(side, end)
-                for point, s in self._on.get((min(a, b), max(a, b)), {}).items():
+                for s in self._on.get((min(a, b), max(a, b)), ()):
                     along = s if a < b else 1.0 - s
                     if low + _SAME < along < high - _SAME:
-                        between.append((along, point))
+                        between.append((along, self._point(row, on_side(side, along))))
             outline += [self._point(row, start), *(point for _, point in sorted(set(between)))]
         return list(dict.fromkeys(outline))
 
@@ -171,8 +172,10 @@ class _Outlines:
         if i > j:
             i, j, of_reference = j, i, 1.0 - s
         weights = (1.0 - s, s, 0.0, 0.0)
+        n_reference = self._references.count
         point = self._numbered((a, b), (s,), [a, b, a, a], weights, (i, j), (of_reference,))
-        self._on.setdefault((a, b), {})[point] = s
+        if self._references.count > n_reference:
+            self._on.setdefault((i, j), []).append(of_reference)
         return point
 
     def _numbered(

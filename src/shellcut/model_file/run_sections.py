@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw, Unloading
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Candidates, Fracture, Measure, StressPlace
+from shellcut.fracture.criterion import Candidates, Fracture, Measure, Path, StressPlace
 from shellcut.loads.loads import (
     EdgeTraction,
     Gravity,
@@ -100,6 +100,10 @@ class FractureSection(Section):
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
+    path: str = key(
+        choice(*get_args(Path)),
+        "of cracks: along edges of the mesh, or free through its quads",
+    )
 
 
 @section("time", of=Stepping)

@@ -15,7 +15,7 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import with_path
+from .imprinted_path import needs_path, with_path
 
 
 def free_cut(
@@ -41,7 +41,8 @@ def free_cut(
     duration : float
         End of the run [s].
     imprint : bool
-        Put the path of the cutting edges into the mesh; the result is ``Case.imprint``.
+        Put the path of the cutting edges into the mesh, unless cracks go through quads
+        (``fracture.path``); the result is ``Case.imprint``.
     notch : float
         Length of a cut along the path, from the blade's start [mm]; needs ``imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
@@ -62,8 +63,11 @@ def free_cut(
         raise ValueError(f"duration must be a positive time in s, got {duration!r}")
     if not (np.isfinite(notch) and notch >= 0):
         raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
+    imprint = imprint and needs_path(options.get("fracture"))
     if notch and not imprint:
-        raise ValueError("a notch follows the imprinted path: give notch=0 or imprint=True")
+        raise ValueError(
+            "a notch follows the imprinted path: give notch=0, or imprint=True and path = 'edges'"
+        )
     section = material or ShellMaterial.homogeneous()
     result = with_path(mesh, tool, motion, duration, section, law) if imprint else None
     film = mesh if result is None else result.mesh

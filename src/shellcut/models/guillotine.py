@@ -25,7 +25,7 @@ from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import with_path
+from .imprinted_path import needs_path, with_path
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -84,10 +84,12 @@ def guillotine(
         strip's end, on y = 0.
     imprint : bool
         Put the blade's path into a mesh of your own; otherwise a line of its edges must lie on
-        y = 0. The result is ``Case.imprint``.
+        y = 0, or cracks go through quads (``fracture.path``), and nothing is put into the mesh.
+        The result is ``Case.imprint``.
     length, width, notch : float
         Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. In a
-        mesh of your own the notch ends at the last node of the path within ``notch``; 0 for none.
+        mesh of your own the notch ends at the last node of the path within ``notch``, or through
+        quads at the first side of the mesh at or beyond it; 0 for none.
     travel : float, optional
         Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip,
         2.5 mm with the paper's law.
@@ -121,8 +123,10 @@ def guillotine(
     film = notched_strip(length, width, size, notch) if mesh is None else mesh
     cables = law or CohesiveLaw()
     blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed, law=cables)
-    result = None
-    if mesh is not None and imprint:
+    result, through_quads = None, not needs_path(options.get("fracture"))
+    if mesh is not None and through_quads:
+        pass  # the crack makes its own way
+    elif mesh is not None and imprint:
         result = with_path(mesh, blade, motion, duration, section, cables)
         film = _notched(result.mesh, result.chains[0], notch)
     elif mesh is not None:
@@ -138,6 +142,8 @@ def guillotine(
         law=cables,
         **options,
     )
+    if mesh is not None and through_quads and notch > 0.0:
+        _notch_through_quads(simulation, notch)
     check_length(simulation, duration)
     return Case("guillotine", simulation, duration, result)
 
@@ -152,6 +158,15 @@ def blade_before(
     way = extent - _LEFT * law.opening_u if travel is None else travel
     duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
+
+
+def _notch_through_quads(simulation: Simulation, notch: float) -> None:
+    assert simulation.cracks is not None
+    assert simulation.cracks.free is not None
+    x = simulation.mesh.nodes[:, 0]
+    begin = float(x.min())
+    start, end = (np.array([at, 0.0, 0.0]) for at in (begin - float(np.ptp(x)), begin + notch))
+    simulation.cracks.free.notch(simulation.state, start, end)
 
 
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:

@@ -1,13 +1,19 @@
-"""Imprint the blade's path in a model's mesh."""
+"""Imprint the blade's path in a model's mesh, where cracks follow its edges."""
 
 from __future__ import annotations
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
 from shellcut.imprinting import ImprintError, ImprintResult, blade_path, imprint
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
+
+
+def needs_path(fracture: Fracture | None) -> bool:
+    """Return whether cracks follow edges, so that the blade's path must be a line of them."""
+    return fracture is None or fracture.path == "edges"
 
 
 def with_path(

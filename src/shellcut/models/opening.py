@@ -28,7 +28,7 @@ from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import with_path
+from .imprinted_path import needs_path, with_path
 
 
 def opening_test(
@@ -56,8 +56,8 @@ def opening_test(
     angle_deg, duration : float
         Angle [degrees] and time [s] of the whole motion.
     imprint : bool
-        Put the path of the cutting edges into the mesh, unless a line of edges lies there; the
-        result is ``Case.imprint``.
+        Put the path of the cutting edges into the mesh, unless a line of edges lies there, or
+        cracks go through quads (``fracture.path``); the result is ``Case.imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
@@ -82,7 +82,9 @@ def opening_test(
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
     section = material or ShellMaterial.homogeneous()
-    result = with_path(film, cutter, motion, duration, section, law) if imprint else None
+    result = None
+    if imprint and needs_path(options.get("fracture")):
+        result = with_path(film, cutter, motion, duration, section, law)
     simulation = Simulation(
         result.mesh if result else film,
         section,
