@@ -8,7 +8,7 @@ to an array across a split (:class:`KnownTopology`).
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -52,10 +52,18 @@ class _Table:
     """Arrays with one row per entity, the first ``count`` of them in use."""
 
     count: int
+    _arrays: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def _names(cls) -> tuple[str, ...]:
+        """Return the names of the arrays: all fields but the count."""
+        if not cls._arrays:
+            cls._arrays = tuple(f.name for f in fields(cls) if f.name != "count")
+        return cls._arrays
 
     def reserve(self, extra: int) -> None:
         """Make room for ``extra`` more rows, doubling the arrays if necessary."""
-        arrays = [f.name for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)]
+        arrays = self._names()
         capacity = getattr(self, arrays[0]).shape[0]
         if self.count + extra <= capacity:
             return
@@ -72,10 +80,9 @@ class _Table:
         """Append a copy of ``row`` and return its id."""
         self.reserve(1)
         new = self.count
-        for f in fields(self):
-            array = getattr(self, f.name)
-            if isinstance(array, np.ndarray):
-                array[new] = array[row]
+        for name in self._names():
+            array = getattr(self, name)
+            array[new] = array[row]
         self.count += 1
         return new
 
@@ -83,20 +90,14 @@ class _Table:
         """Append a row of zeros and return its id."""
         self.reserve(1)
         new = self.count
-        for f in fields(self):
-            array = getattr(self, f.name)
-            if isinstance(array, np.ndarray):
-                array[new] = 0
+        for name in self._names():
+            getattr(self, name)[new] = 0
         self.count += 1
         return new
 
     def saved(self) -> dict[str, Any]:
         """Return the rows in use of every array, by name."""
-        return {
-            f.name: getattr(self, f.name)[: self.count]
-            for f in fields(self)
-            if isinstance(getattr(self, f.name), np.ndarray)
-        }
+        return {name: getattr(self, name)[: self.count] for name in self._names()}
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Load the rows of :meth:`saved`, at least as many entities as there are now."""

@@ -182,7 +182,10 @@ class CutTopology:
 
     def _overlap(self, row: int, side: int, beside: int, other_side: int) -> bool:
         """Return whether two rows in neighbouring quads overlap on their common side."""
-        one, other = span(self.polygon(row), side), span(self.polygon(beside), other_side)
+        mine, yours = self.polygon(row), self.polygon(beside)
+        if mine is WHOLE and yours is WHOLE:
+            return True
+        one, other = span(mine, side), span(yours, other_side)
         if one is None or other is None:
             return False
         # Both quads are counter-clockwise: what one goes up the other goes down.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -170,7 +171,7 @@ class ShellMaterial:
         self, points_per_layer: int = POINTS_PER_LAYER
     ) -> tuple[Floats, Floats, list[Material]]:
         """Return positions xi^3 [mm], weights [mm] and materials of the thickness quadrature."""
-        place, weight = np.polynomial.legendre.leggauss(points_per_layer)
+        place, weight = _gauss_points(points_per_layer)
         z, w, materials = [], [], []
         bottom = -0.5 * self.thickness
         for layer in self.layers:
@@ -180,3 +181,10 @@ class ShellMaterial:
             materials += [layer.material] * points_per_layer
             bottom += layer.thickness
         return np.concatenate(z), np.concatenate(w), materials
+
+
+@cache
+def _gauss_points(n: int) -> tuple[Floats, Floats]:
+    """Return places and weights of Gauss-Legendre quadrature from -1 to 1; not to be written."""
+    place, weight = np.polynomial.legendre.leggauss(n)
+    return place, weight

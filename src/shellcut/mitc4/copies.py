@@ -21,7 +21,6 @@ from dataclasses import replace
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Numbers
-from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import aligned_zeros
@@ -29,7 +28,6 @@ from shellcut.numerics.lanes import aligned_zeros
 from .blocks import QuadBlocks
 from .element import N_FLAT_PRODUCT, N_STRAIN
 from .quad_strains import LinearTables, PointTables, write_products
-from .section import full_stiffness
 from .thickness_points import full_frames
 
 MORE_BLOCKS = 8
@@ -86,8 +84,8 @@ def fill_place(
     slot: int,
     parent: int,
     share: float,
+    stiffness: Floats,
     mesh: Mesh,
-    material: ShellMaterial,
     blocks: QuadBlocks,
     linear: LinearTables,
     points: PointTables,
@@ -103,8 +101,10 @@ def fill_place(
         Quad of the mesh.
     share : float
         w.
-    mesh, material : Mesh, ShellMaterial
-        Reference surface and layers.
+    stiffness : ndarray, shape (136,)
+        Of the whole quad (:func:`.section.full_stiffness`).
+    mesh : Mesh
+        Reference surface.
     blocks, linear, points : QuadBlocks, LinearTables, PointTables
         Written.
     lane_kind : Lane
@@ -114,10 +114,10 @@ def fill_place(
     at = b - linear.n_flat
     nodes = mesh.quads[parent]
     blocks.filled[b, lane] = True
-    X, T = mesh.nodes[nodes][None], mesh.directors[nodes][None]
     linear.full_reference[at, :, lane] = _reference(nodes, mesh, linear, lane_kind)
-    linear.full_stiffness[at, :, lane] = share * full_stiffness(X, T, material)[0]
+    linear.full_stiffness[at, :, lane] = share * stiffness
     if points.rule.place.size:
+        X, T = mesh.nodes[nodes][None], mesh.directors[nodes][None]
         frames = full_frames(X, T, points.rule).reshape(4, points.rule.place.size, -1).copy()
         frames[..., -1] *= share  # the volume that a point stands for
         points.full_frame[at, :, lane] = frames.ravel()

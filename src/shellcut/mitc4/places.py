@@ -20,7 +20,10 @@ from shellcut.state import State
 from .blocks import QuadBlocks
 from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
 from .quad_strains import LinearTables, PointTables
-from .section import lumped_mass
+from .section import full_stiffness
+
+# Quads whose stiffness is computed at a time.
+_PATCH = 32
 
 
 class Places:
@@ -34,6 +37,8 @@ class Places:
         Of the whole quads.
     lane_kind : Lane
         In which the tables are.
+    mass : ndarray, shape (n_quad, 4)
+        Of the corners of whole quads [t].
     """
 
     def __init__(
@@ -44,8 +49,11 @@ class Places:
         tables: LinearTables,
         points: PointTables,
         lane_kind: Lane,
+        mass: Floats,
     ) -> None:
         self._mesh, self._material, self._lane_kind = mesh, material, lane_kind
+        self._mass = mass.copy()
+        self._stiffness: dict[int, Floats] = {}
         self.blocks, self.tables, self.points = blocks, tables, points
         self.n_whole = blocks.quad.shape[0]
         """Number of blocks before those of copies."""
@@ -67,9 +75,7 @@ class Places:
 
     def mass_of(self, state: State, row: int) -> Floats:
         """Return the corners' shares in the mass of a copy [t], shape (4,)."""
-        nodes = self._mesh.quads[state.quad.parent[row]]
-        X, T = self._mesh.nodes[nodes][None], self._mesh.directors[nodes][None]
-        return np.asarray(state.quad.mass_share[row] * lumped_mass(X, T, self._material)[0][0])
+        return np.asarray(state.quad.mass_share[row] * self._mass[state.quad.parent[row]])
 
     def restore(self, state: State, slot: SmallIds) -> None:
         """Take the places of a run that has made copies, for its ``state``.
@@ -95,13 +101,27 @@ class Places:
             self.blocks.quad[b, lane:] = row
             self._fill(state, row)
 
+    def _stiffness_of(self, quad: int) -> Floats:
+        """Return the stiffness of a whole quad of the mesh, shape (136,).
+
+        That of some quads takes no longer than that of one, and a crack goes on to neighbours.
+        They are always the same ones: a sum may depend on their number in its last bit.
+        """
+        patch = quad // _PATCH
+        if patch not in self._stiffness:
+            nodes = self._mesh.quads[patch * _PATCH : (patch + 1) * _PATCH]
+            X, T = self._mesh.nodes[nodes], self._mesh.directors[nodes]
+            self._stiffness[patch] = full_stiffness(X, T, self._material)
+        return np.asarray(self._stiffness[patch][quad % _PATCH])
+
     def _fill(self, state: State, row: int) -> None:
+        parent = int(state.quad.parent[row])
         fill_place(
             int(self.blocks.slot[row]),
-            int(state.quad.parent[row]),
+            parent,
             float(state.quad.share[row]),
+            self._stiffness_of(parent),
             self._mesh,
-            self._material,
             self.blocks,
             self.tables,
             self.points,

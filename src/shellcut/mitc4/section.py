@@ -101,7 +101,7 @@ def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     """
     plane, _ = _integrated_laws(material)
     points = gauss_geometry(X, T)
-    volume = [np.einsum("ei,ei->e", np.cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
+    volume = [np.einsum("ei,ei->e", _cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
     return np.asarray(plane[0, 0] / 2**14 / np.stack(volume, axis=1) ** 3)
 
 
@@ -154,7 +154,7 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
     h = np.zeros((len(X), 8, 8))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):
         G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
-        volume = weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0)
+        volume = weight * np.einsum("ei,ei->e", _cross(G1, G2), T0)
         C = np.zeros((5, 5))
         C[:3, :3] = layer.plane_stress()
         C[3:, 3:] = material.shear_factor * layer.transverse_shear()
@@ -185,9 +185,9 @@ def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, 
     """
     mass, area = np.zeros((len(X), 4)), np.zeros(len(X))
     for n, A1, A2, _, T1, T2 in gauss_geometry(X, T):
-        area += np.linalg.norm(np.cross(A1, A2), axis=1)
+        area += np.linalg.norm(_cross(A1, A2), axis=1)
         for z, weight, layer in zip(*material.thickness_points(), strict=True):
-            normal = np.cross(A1 + z * T1, A2 + z * T2)
+            normal = _cross(A1 + z * T1, A2 + z * T2)
             surface = weight * np.linalg.norm(normal, axis=1)  # [Frangi2010] (20)
             mass += layer.density * surface[:, None] * n
     return mass, area
@@ -219,14 +219,22 @@ def frame_components(G1: Floats, G2: Floats, G3: Floats) -> tuple[Floats, Floats
     ê_1 is normal to G_2 and G_3, hence along G^1, so ê_2 · G^1 = ê_3 · G^1 = 0.
     """
     e3 = G3 / np.linalg.norm(G3, axis=1, keepdims=True)
-    e1 = np.cross(G2, e3)
+    e1 = _cross(G2, e3)
     e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
-    e2 = np.cross(e3, e1)
+    e2 = _cross(e3, e1)
     contra = np.linalg.inv(np.stack([G1, G2, G3], axis=2))  # rows G^1, G^2, G^3
     return (
         np.einsum("eki,eni->enk", contra, np.stack([e1, e2, e3], axis=1)),
         np.stack([e1, e2], axis=1),
     )
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Return a x b of rows : (n, 3); np.cross takes four times as long for a few rows."""
+    product = np.empty_like(a)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        product[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
+    return product
 
 
 def _upper(matrix: Floats) -> Floats:

@@ -104,7 +104,7 @@ class MITC4Shell:
         self._reference = Surface.of(mesh)
         blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
         tables = build_tables(mesh, material, blocks, self._whole)
-        self._places = Places(mesh, material, blocks, *tables, self._whole)
+        self._places = Places(mesh, material, blocks, *tables, self._whole, self.mass)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated with points at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
