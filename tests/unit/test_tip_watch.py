@@ -1,12 +1,14 @@
 """The kernels that watch crack tips find what the rules find, tip by tip."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from free_strip import cut_strip, slanted_strip
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.chord_ends import parts_quad
-from shellcut.fracture.crack_path import CrackPath, common_side
+from shellcut.fracture.crack_path import CrackPath, Tip, common_side
 from shellcut.fracture.quad_polygon import WHOLE, shape_functions
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
@@ -106,6 +108,21 @@ def test_same_beside_other_cracks():
             sim.step()
             kinds += rules.compare(free.tips) if sim.state.step % 10 == 4 else []
     assert len(kinds) > 20
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_same_along_sides_and_where_they_are_broken(broken):
+    sim = cut_strip(mesh=slanted_strip(0.0))
+    rules, X = Rules(sim), sim.mesh.nodes
+    line = np.flatnonzero(np.abs(X[:, 1]) < 1e-9)
+    line = line[np.argsort(X[line, 0])].tolist()
+    if broken:
+        for a, b in pairwise(line):
+            rules.topology.break_side(a, b)
+    heading = np.array([1.0, 0.0, 0.0])
+    tips = [Tip((n, n), 0.0, -1, heading, 0.3) for n in line[3:10]]
+    kinds = rules.compare(tips)
+    assert any(along for _, along, _ in kinds) != broken
 
 
 def test_chords_part_whole_quads_as_the_rules_say():

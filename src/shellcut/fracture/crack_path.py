@@ -226,7 +226,7 @@ class CrackPath:
         found = (self.segment(state, row, entry, direction) for row, entry in self.rows_ahead(tip))
         return next((one for one in found if one is not None), None)
 
-    def _may_break(self, row: int, start: int, end: int) -> bool:
+    def may_break(self, row: int, start: int, end: int) -> bool:
         """Return whether a crack may run along a side: whole film on both sides of it."""
         ring = self.ring(row)
         a, b = ring[start], ring[end]
@@ -284,7 +284,7 @@ class CrackPath:
             if on is None:
                 return Segment(row, entry, end, side, corner)
             start = corner_at(entry)
-            if corner >= 0 and start >= 0 and on != FLANK and self._may_break(row, start, corner):
+            if corner >= 0 and start >= 0 and on != FLANK and self.may_break(row, start, corner):
                 return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
         if side == FLANK:
             exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])

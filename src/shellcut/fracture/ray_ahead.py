@@ -67,8 +67,6 @@ class RowsAhead(NamedTuple):
     """sqrt(quad area) [mm]."""
     entry: Annotated[Floats, "(n_ahead, 2)"]
     """Place of the tip."""
-    at_corner: Annotated[Bools, "(n_ahead,)"]
-    """Whether that is a corner of the quad."""
     first: Annotated[Ints, "(n_ahead,)"]
     """First point of the polygon after the entry, counter-clockwise."""
     J: Annotated[Floats, "(n_ahead, 3)"]
@@ -82,6 +80,8 @@ class RowsAhead(NamedTuple):
     """Corner of the quad at each point, -1 if none."""
     common: Annotated[Ints, "(n_ahead, most)"]
     """On which side both entry and point are, -2 if on no common edge."""
+    breaks: Annotated[Bools, "(n_ahead, most)"]
+    """Whether a crack may run to that point along a side."""
     on_edge: Annotated[Bools, "(n_ahead, most)"]
     """Whether the entry is on the edge from each point to the next."""
     crossing: Annotated[Ints, "(n_ahead, most, 2)"]
@@ -125,7 +125,6 @@ def rows_ahead(
         nodes=state.quads[rows].astype(np.int64),
         size=sizes[rows],
         entry=np.array([entry for _, entry in every]),
-        at_corner=np.array([corner_at(entry) >= 0 for _, entry in every]),
         first=np.zeros(n, np.int64),
         J=np.array([_relative_density(state, topology, row) for row in rows.tolist()]),
         n_point=np.zeros(n, np.int64),
@@ -133,6 +132,7 @@ def rows_ahead(
         side=np.zeros((n, most), np.int64),
         corner=np.zeros((n, most), np.int64),
         common=np.zeros((n, most), np.int64),
+        breaks=np.zeros((n, most), np.bool_),
         on_edge=np.zeros((n, most), np.bool_),
         crossing=np.zeros((n, most, 2), np.int64),
         known=np.zeros(0),
@@ -140,7 +140,7 @@ def rows_ahead(
     )
     known: list[tuple[float, bool]] = []
     for k, (row, entry) in enumerate(every):
-        _fill(found, k, topology, path.ring(row), row, entry, known)
+        _fill(found, k, topology, path, row, entry, known)
     return table, found._replace(
         known=np.array([s for s, _ in known]),
         can_meet=np.array([can for _, can in known], np.bool_),
@@ -156,13 +156,13 @@ def _fill(
     table: RowsAhead,
     k: int,
     topology: CutTopology,
-    ring: list[int],
+    path: CrackPath,
     row: int,
     entry: Point,
     known: list[tuple[float, bool]],
 ) -> None:
     """Write the polygon of row k of the table; append the crossings on it to ``known``."""
-    polygon = topology.polygon(row)
+    polygon, ring, start = topology.polygon(row), path.ring(row), corner_at(entry)
     points, n = polygon.points, len(polygon.points)
     table.n_point[k] = n
     for j in range(n):
@@ -171,6 +171,8 @@ def _fill(
         table.point[k, j], table.side[k, j] = points[j], side
         table.corner[k, j] = corner_at(points[j])
         table.common[k, j] = _NO_SIDE if common is None else common
+        if common not in (None, FLANK) and start >= 0 and table.corner[k, j] not in (-1, start):
+            table.breaks[k, j] = path.may_break(row, start, int(table.corner[k, j]))
         table.on_edge[k, j] = is_on(entry, points[j], after)
         if table.on_edge[k, j] and np.hypot(*np.subtract(after, entry)) > AWAY:
             table.first[k] = (j + 1) % n
@@ -279,10 +281,9 @@ def _through(
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
-        on = ahead.common[k, j]
-        beside = ahead.corner[k, j] >= 0 and on != FLANK and ahead.at_corner[k]
-        if on == _NO_SIDE or beside:
-            aimed.way[i, 1] = AT_POINT if on == _NO_SIDE else ALONG_SIDE
+        through = ahead.common[k, j] == _NO_SIDE
+        if through or ahead.breaks[k, j]:
+            aimed.way[i, 1] = AT_POINT if through else ALONG_SIDE
             aimed.way[i, 2], aimed.way[i, 3] = j, 0
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
             return True
