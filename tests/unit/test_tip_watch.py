@@ -9,12 +9,14 @@ from free_strip import cut_strip, slanted_strip
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.chord_ends import parts_quad
 from shellcut.fracture.crack_path import CrackPath, Tip, common_side
+from shellcut.fracture.pierce import Pierce
 from shellcut.fracture.quad_polygon import WHOLE, shape_functions
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.pose import Pose
 
 
 class Rules:
@@ -145,3 +147,17 @@ def test_chords_part_whole_quads_as_the_rules_say():
         assert mine == rules
         said.append(rules)
     assert 200 < sum(said) < 2950
+
+
+def test_list_of_near_rows_never_changes_what_is_pierced():
+    sim, rng, found = cut_strip(), np.random.default_rng(2), 0
+    s, edges = sim.state, CuttingEdges.of(sim.tool)
+    size = float(np.sqrt(sim.shell.area.max()))
+    kept, none = Pierce(edges, size), np.zeros((0, 3))
+    for time in np.linspace(0.0, 2.6e-4, 60):
+        s.node.x[: s.n_node] += rng.uniform(-0.02, 0.02, (s.n_node, 3))
+        pose = Pose.of(*sim.motion.pose(time))
+        rows = kept.found(s, pose, none, sim.shell.area)
+        assert rows == Pierce(edges, size).found(s, pose, none, sim.shell.area)
+        found += len(rows)
+    assert found > 20

@@ -19,7 +19,7 @@ from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
-from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.pose import Pose, to_body, to_space, turn
 
 from .chord_ends import parts_quad
 from .quad_polygon import Point
@@ -55,6 +55,9 @@ class Pierce:
         self._place = np.zeros((n_most, 2))
         self._known = KnownTopology()
         self._whole = self._first = np.zeros(0, np.int64)
+        self._near_rows = self._near_first = np.zeros(0, np.int64)
+        self._x_listed, self._pose_listed = np.zeros((0, 3), order="F"), Pose.at_origin()
+        self._drift = bound_once(_drift)
         self._find = bound_once(_pierced)
 
     def found(
@@ -78,19 +81,22 @@ class Pierce:
         """
         if not self._known.is_of(state):
             self._follow(state)
+            self._list(state, pose)
+        x, boxes = state.node.x, (self._low, self._high)
+        if self._drift(x, self._x_listed, pose, self._pose_listed, *boxes) > self._size:
+            self._list(state, pose)
         row, segment, place = self._row, self._segment, self._place
         n_found = self._find(
-            state.node.x,
+            x,
             state.node.t,
             state.quads,
-            self._whole,
-            self._first,
+            self._near_rows,
+            self._near_first,
             area,
             tips,
             pose,
             self._edges,
-            self._low,
-            self._high,
+            *boxes,
             row,
             segment,
             place,
@@ -107,6 +113,16 @@ class Pierce:
         self._first = state.quads[self._whole, 0].astype(np.int64)
         self._known.take(state)
 
+    def _list(self, state: State, pose: Pose) -> None:
+        """List the rows that can come into the boxes before nodes and tool drift by ``size``."""
+        p = pose.to_body(state.node.x[self._first])
+        near = np.zeros(len(p), np.bool_)
+        for low, high in zip(self._low - self._size, self._high + self._size, strict=True):
+            near |= ((low < p) & (p < high)).all(axis=1)
+        self._near_rows, self._near_first = self._whole[near], self._first[near]
+        self._x_listed = state.node.x[: state.n_node].copy(order="F")
+        self._pose_listed = pose.copied()
+
 
 @inline
 def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
@@ -120,6 +136,32 @@ def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, f
     w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
     w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
     return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
+
+
+@kernel
+def _drift(
+    x: Floats, x_listed: Floats, pose: Pose, pose_listed: Pose, low: Floats, high: Floats
+) -> float:
+    """Return by how much nodes and boxes together have moved at most [mm].
+
+    x : (n_node, 3) now.  x_listed : before.  low, high : (n_body, 3), in the body frame.
+    """
+    pose, pose_listed = borrowed(pose), borrowed(pose_listed)
+    nodes = 0.0
+    for i in range(x_listed.shape[0]):
+        gap = sub(load(x, i), load(x_listed, i))
+        nodes = max(nodes, dot(gap, gap))
+    tool = 0.0
+    for b in range(low.shape[0]):
+        for corner in range(8):
+            p = (
+                high[b, 0] if corner & 1 else low[b, 0],
+                high[b, 1] if corner & 2 else low[b, 1],
+                high[b, 2] if corner & 4 else low[b, 2],
+            )
+            gap = sub(to_space(p, pose), to_space(p, pose_listed))
+            tool = max(tool, dot(gap, gap))
+    return sqrt(nodes) + sqrt(tool)
 
 
 @kernel
