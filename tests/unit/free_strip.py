@@ -21,7 +21,7 @@ def slanted_strip(slope=0.15):
     return Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
 
 
-def cut_strip(*, material=None, mesh=None, **options):
+def cut_strip(*, material=None, mesh=None, notched=True, **options):
     """Return the strip with a notch through its quads and a blade before it."""
     options.setdefault("fracture", Fracture(path="free", check_every=5))
     simulation = Simulation(
@@ -33,5 +33,6 @@ def cut_strip(*, material=None, mesh=None, **options):
         law=CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3),
         **options,
     )
-    simulation.cracks.free.notch(simulation.state, (-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
+    if notched:
+        simulation.cracks.free.notch(simulation.state, (-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
     return simulation

@@ -9,7 +9,7 @@ import pytest
 
 import shellcut as sc
 from damaging_film import Damaging
-from free_strip import NOTCH, cut_strip
+from free_strip import NOTCH, cut_strip, slanted_strip
 from shellcut.frame import is_corner, sides_of
 from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.models.case import Case
@@ -172,3 +172,16 @@ def test_records_of_a_run_with_cuts(folder):
     texts = " ".join(line["text"] for line in results.summary["verdict"])
     assert "imprint" not in texts
     assert "row of mesh edges" not in texts
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.15], ids=["along sides", "through quads"])
+def test_cuts_that_cross_leave_four_pieces_that_meet_point_by_point(slope):
+    sim = cut_strip(mesh=slanted_strip(slope), notched=False)
+    for start, end in (((-1.0, 0.0, 0.0), (6.0, 0.0, 0.0)), ((3.1, -2.0, 0.0), (3.1, 1.6, 0.0))):
+        sim.cracks.free.notch(sim.state, start, end)
+    frame = capture(sim, **WHERE)
+    quality = cut_quality(frame)
+    areas = sorted(piece.area for piece in quality.pieces)
+    np.testing.assert_allclose(areas, [2.9 * 1.6, 2.9 * 1.6, 3.1 * 1.6, 3.1 * 1.6], rtol=2e-3)
+    assert sum(areas) == pytest.approx(6.0 * 3.2, rel=1e-12)
+    assert quality.crack_length == pytest.approx(6.0 + 3.2, rel=2e-3)
