@@ -96,7 +96,7 @@ def test_swapped_fields_of_the_cables_are_refused(run):
 
 def test_swapped_fields_of_the_contact_are_refused(run):
     tables = run.contact._tables
-    swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.mass))
+    swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.contact_mass))
     call = bound_once(penalty_contact._add_contact_forces)
     with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):
         call(run.pose, run.pose, 1e-9, swapped, np.zeros((1, 6)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -33,23 +33,13 @@ from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
+from .work import Work, linear_work
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
 
 Precision: TypeAlias = Literal["double", "single"]
-
-
-class Work(NamedTuple):
-    """Energies of one evaluation of the shell's forces, for the ledger."""
-
-    strain_energy: float
-    """Stored energy at t_n [N·mm]."""
-    damping: float
-    """Work of the damping stress since t_{n-1} [N·mm]."""
-    dissipated: float
-    """Energy dissipated by the material since t_{n-1} [N·mm]."""
 
 
 class MITC4Shell:
@@ -235,7 +225,7 @@ class MITC4Shell:
         p0, p1, p2 = in_order(np.concatenate([sums, of_copies]) if places.n_copy else sums)
         if self.has_points:
             return Work(p0, 0.5 * rho * p1, p2)
-        return _linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
+        return linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
 
     def _damping(self, state: State) -> QuadStep:
         """Return the strains and the damping of the step that has led to t_n."""
@@ -337,14 +327,6 @@ class MITC4Shell:
         )
         return force
 
-    def most_strained_quad(self, state: State) -> int:
-        """Return the quad with the largest change of edge length, or one that is not finite."""
-        X, x = state.node.X[state.quads], state.node.x[state.quads]
-        with np.errstate(all="ignore"):  # the lengths themselves may overflow
-            length = [np.linalg.norm(np.roll(v, -1, axis=1) - v, axis=2) for v in (X, x)]
-            change = np.abs(length[1] / length[0] - 1.0).max(axis=1)
-        return int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
-
     def stress(self, state: State, quads: Ints, *, place: str = "mid") -> Floats:
         """Return the Cauchy stress tensor at the centre of some quads [MPa].
 
@@ -382,21 +364,10 @@ class MITC4Shell:
 
         Parameters
         ----------
-        x, t : ndarray, shape (n_node, 3)
-            Positions [mm] and directors before the motion.
-        quads : ndarray of int, shape (n_quad, 4)
-            Present node ids.
+        x, t, quads, which, place
+            As of :meth:`shellcut.mitc4.centre_stress.CentreStress.linear`.
         displacement, rotation : ndarray, shape (n_node, 3)
             The motion of the nodes [mm], and the spin vectors of the directors [rad].
-        which : ndarray of int, shape (n,)
-            The quads asked for.
-        place : {"mid", "top", "bottom"}
-            Height of the stress.
-
-        Returns
-        -------
-        ndarray, shape (n, 3, 3)
-            Components in space.
         """
         assert self._centre_stress is not None, "statics takes linear materials only"
         turn = np.cross(rotation, t)
@@ -475,15 +446,3 @@ class MITC4Shell:
             tangent=tangent,
         )
         return tangent
-
-
-def _linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
-    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see :mod:`.forces`."""
-    a_last, b_last = state.strain_forms
-    step, step_before = p0 - p1, p1 - p2
-    c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
-    d = (step_before - b_last) / (1.0 + rho)
-    b = step - rho * c
-    a = p0 - rho * b
-    state.strain_forms = a, b
-    return Work(0.5 * a, 0.5 * rho * (c + d), 0.0)

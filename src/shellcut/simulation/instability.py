@@ -168,7 +168,7 @@ class StabilityGuard:
         )
 
     def _worst_quad(self, s: State) -> str:
-        quad = self._shell.most_strained_quad(s)
+        quad = s.most_strained_quad()
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
 

@@ -152,7 +152,7 @@ def _largest(rows: Floats) -> float:
 
 
 def _flown_apart(state: State, shell: MITC4Shell, step: int, strain: float) -> str:
-    quad = shell.most_strained_quad(state)
+    quad = state.most_strained_quad()
     x, y, z = state.node.X[state.quads[quad]].mean(axis=0)
     cause = (
         "the displacement it was given strains the film beyond all measure"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, NoReturn
 
@@ -18,7 +18,7 @@ from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
-from shellcut.loads.loads import EdgeTraction, Load, LoadSet, Pressure
+from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
@@ -32,6 +32,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
+from .input_checks import negative, not_with_free_path, without_partner
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .relaxation import find_rest
@@ -111,9 +112,9 @@ class Simulation:
         threads: int | None = None,
     ) -> None:
         problems = [
-            *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
-            *_without_partner(tool, motion, law, contact, fracture),
-            *_not_with_free_path(fracture, tool, supports, loads),
+            *negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
+            *without_partner(tool, motion, law, contact, fracture),
+            *not_with_free_path(fracture, tool, supports, loads),
         ]
         if problems:
             raise ValueError("; ".join(problems))
@@ -416,43 +417,3 @@ class Simulation:
     def _place_tool(self) -> None:
         if self.motion is not None:
             self.pose = Pose.of(*self.motion.pose(self.state.time))
-
-
-def _negative(**numbers: float) -> Iterator[str]:
-    for name, value in numbers.items():
-        if not value >= 0:
-            yield f"{name} must be a number that is not negative, got {value!r}"
-
-
-def _without_partner(
-    tool: Tool | None,
-    motion: Motion | None,
-    law: CohesiveLaw | None,
-    contact: Contact | None,
-    fracture: Fracture | None,
-) -> Iterator[str]:
-    """Yield what is given without what it needs."""
-    if (tool is None) != (motion is None):
-        yield "tool and motion go together: give both or none"
-    if law is None and fracture is not None:
-        yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
-    if tool is None and contact is not None:
-        yield "contact needs a tool to be in contact with: give tool and motion too"
-
-
-def _not_with_free_path(
-    fracture: Fracture | None, tool: Tool | None, supports: Sequence[Support], loads: Sequence[Load]
-) -> Iterator[str]:
-    """Yield what cracks through quads cannot do yet."""
-    if fracture is None or fracture.path != "free":
-        return
-    if tool is not None and any(support.velocity or support.spin for support in supports):
-        yield (
-            "Fracture.path = 'free' with a tool takes supports that rest, got one that moves: "
-            "leave out its velocity and spin, or take path='edges'"
-        )
-    if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
-        yield (
-            "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "
-            "traction: a cut quad would not share it yet; take path='edges'"
-        )

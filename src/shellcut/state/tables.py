@@ -1,20 +1,19 @@
-"""State: every array that changes in time.
+"""Tables of nodes, quads, flank points and cables: an array a property, a row an entity.
 
 A split or a new cable appends rows; rows are never renumbered. Arrays are allocated with spare rows
-and doubled when full, so kernels receive them whole together with a count. Do not keep a reference
-to an array across a split (:class:`KnownTopology`).
+and doubled when full, so kernels receive them whole together with a count.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
-from .arrays import Bools, Floats, Ints, SmallIds, SmallInts
-from .numerics.jit import inline_or_plain
-from .numerics.lanes import aligned_zeros
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
+from shellcut.numerics.jit import inline_or_plain
+from shellcut.numerics.lanes import aligned_zeros
 
 _Numbers = TypeVar("_Numbers", float, Floats)
 
@@ -294,176 +293,3 @@ class CableTable(_Table):
     """Time of birth [s], shape (n,)."""
     end_time: Floats
     """Time at which it broke [s], zero while it lives, shape (n,)."""
-
-
-@dataclass(frozen=True)
-class SplitRecord:
-    """Record of one split."""
-
-    time: float
-    """[s]"""
-    node: int
-    twin: int
-    place: tuple[float, float, float]
-    """Position at the split [mm]."""
-    reference: tuple[float, float, float]
-    """Reference position [mm]."""
-    kind: str
-    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`; or ``NOTCH``."""
-    measure: float
-    """Value of the criterion; a split is due at 1."""
-    force_jump: float
-    """Magnitude of the difference between the node's load and the new cable's force [N]."""
-    rows: tuple[int, int] = (-1, -1)
-    """Quads or copies to the right and left of a cut; node and twin are -1 then."""
-
-
-@dataclass
-class State:
-    """Everything that changes in time; mesh, sections and tool are constant."""
-
-    node: NodeTable
-    cable: CableTable
-    quad: QuadTable
-    flank: FlankTable
-    strain: Floats
-    """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, width)."""
-    strain_before: Floats
-    """Strains of the evaluation before, likewise."""
-    history: Floats
-    """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, width)."""
-    strain_forms: tuple[float, float] = (0.0, 0.0)
-    """A and B of :mod:`shellcut.mitc4.forces` at the last evaluation [N·mm]."""
-    time: float = 0.0
-    """t_n [s]."""
-    dt: float = 0.0
-    """Length of the step that led to t_n [s]."""
-    step: int = 0
-    revision: int = 0
-    """Number of splits; identifies the topology."""
-    crack_length: float = 0.0
-    """Sum of the half-edges that have or had a cable [mm]."""
-    split_log: list[SplitRecord] = field(default_factory=list)
-    """Every split, in order."""
-
-    @property
-    def n_node(self) -> int:
-        """Number of nodes in use."""
-        return self.node.count
-
-    @property
-    def n_quad(self) -> int:
-        """Number of quads and copies."""
-        return self.quad.count
-
-    @property
-    def quads(self) -> SmallIds:
-        """Node ids of every quad and copy, rewired at a split, shape (n_quad, 4)."""
-        return self.quad.nodes[: self.quad.count]
-
-    @property
-    def splits(self) -> list[SplitRecord]:
-        """Every split of the run, in order: those of the log that made no notch beforehand."""
-        return [record for record in self.split_log if record.kind != NOTCH]
-
-    @property
-    def n_cable(self) -> int:
-        """Number of cables ever made."""
-        return self.cable.count
-
-    def quads_at_nodes(self) -> QuadsAtNodes:
-        """Return which quads are at which node now."""
-        return QuadsAtNodes(
-            quads=self.quads,
-            centre=self.quad.centre[: self.n_quad],
-            at=self.node.quads,
-            n_at=self.node.n_quad_at,
-        )
-
-    def saved(self) -> dict[str, Any]:
-        """Return the state as arrays and numbers by name, in nested dictionaries."""
-        splits = [asdict(record) for record in self.split_log]
-        saved = {f.name: getattr(self, f.name) for f in fields(self)}
-        return saved | {
-            "node": self.node.saved(),
-            "cable": self.cable.saved(),
-            "quad": self.quad.saved(),
-            "flank": self.flank.saved(),
-            "strain_forms": np.array(self.strain_forms),
-            "split_log": {
-                f.name: np.array([split[f.name] for split in splits]) for f in fields(SplitRecord)
-            },
-        }
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Load :meth:`saved` of a state of the same mesh.
-
-        The arrays keep their addresses as long as they are large enough.
-        """
-        for name in ("strain", "strain_before", "history"):
-            blocks = getattr(self, name)
-            if len(blocks) != len(saved[name]):
-                blocks = aligned_zeros(saved[name].shape, blocks.dtype)
-                setattr(self, name, blocks)
-            blocks[:] = saved[name]
-        for name in ("time", "dt", "step", "revision", "crack_length"):
-            setattr(self, name, saved[name])
-        self.node.restore(saved["node"])
-        self.cable.restore(saved["cable"])
-        self.quad.restore(saved["quad"])
-        self.flank.restore(saved["flank"])
-        a, b = saved["strain_forms"].tolist()
-        self.strain_forms = a, b
-        splits = {name: column.tolist() for name, column in saved["split_log"].items()}
-        for name in ("place", "reference", "rows"):
-            splits[name] = [tuple(place) for place in splits[name]]
-        self.split_log = [
-            SplitRecord(**dict(zip(splits, row, strict=True)))
-            for row in zip(*splits.values(), strict=True)
-        ]
-
-
-class KnownTopology:
-    """The topology for which a part has built its tables: the one rule after a split.
-
-    A part asks :meth:`is_of` before it uses tables that a split would change. If the answer is no,
-    it builds them again and calls :meth:`take`; :meth:`new_splits` are the splits in between.
-    """
-
-    def __init__(self) -> None:
-        self._state: State | None = None
-        self.revision = -1
-        """Of the state, when it was taken last; goes into checkpoints."""
-
-    def is_of(self, state: State) -> bool:
-        """Return whether nothing has split since, and it is the same state."""
-        same = self._state is None or self._state is state
-        return same and self.revision == state.revision
-
-    def take(self, state: State) -> None:
-        """Remember the present topology."""
-        self._state, self.revision = state, state.revision
-
-    def new_splits(self, state: State) -> list[SplitRecord]:
-        """Return the splits since it was taken last; a revision counts the splits before it."""
-        return state.split_log[max(self.revision, 0) :]
-
-    def changed_quads(self, state: State) -> Ints:
-        """Return the quads that may have got other nodes since it was taken last, ascending."""
-        if self.revision > state.revision or (self._state is not None and self._state is not state):
-            return np.arange(len(state.quads))
-        # A split gives quads to its twin only; a later one may have passed them on to another twin.
-        # A cut changes the nodes of the copies on both its sides, and of those that share them.
-        node, new = state.node, self.new_splits(state)
-        cut = np.array([row for s in new for row in s.rows if row >= 0], np.int64)
-        twins = np.array([s.twin for s in new if s.twin >= 0], np.int64)
-        twins = np.union1d(twins, state.quads[cut])
-        at = np.arange(node.quads.shape[1]) < node.n_quad_at[twins, None]
-        return np.unique(node.quads[twins][at])
-
-    def restore(self, revision: int, state: State | None = None) -> None:
-        """Take over ``revision`` from a checkpoint.
-
-        Without ``state`` the next state asked about is the one meant.
-        """
-        self._state, self.revision = state, revision

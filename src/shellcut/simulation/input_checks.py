@@ -1,0 +1,54 @@
+"""What a Simulation refuses before it is built: sentences, all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.settings import Contact
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.loads import EdgeTraction, Load, Pressure
+from shellcut.loads.supports import Support
+from shellcut.tool.motion import Motion
+from shellcut.tool.tool import Tool
+
+
+def negative(**numbers: float) -> Iterator[str]:
+    """Yield which of some numbers are negative, or none at all."""
+    for name, value in numbers.items():
+        if not value >= 0:
+            yield f"{name} must be a number that is not negative, got {value!r}"
+
+
+def without_partner(
+    tool: Tool | None,
+    motion: Motion | None,
+    law: CohesiveLaw | None,
+    contact: Contact | None,
+    fracture: Fracture | None,
+) -> Iterator[str]:
+    """Yield what is given without what it needs."""
+    if (tool is None) != (motion is None):
+        yield "tool and motion go together: give both or none"
+    if law is None and fracture is not None:
+        yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
+    if tool is None and contact is not None:
+        yield "contact needs a tool to be in contact with: give tool and motion too"
+
+
+def not_with_free_path(
+    fracture: Fracture | None, tool: Tool | None, supports: Sequence[Support], loads: Sequence[Load]
+) -> Iterator[str]:
+    """Yield what cracks through quads cannot do yet."""
+    if fracture is None or fracture.path != "free":
+        return
+    if tool is not None and any(support.velocity or support.spin for support in supports):
+        yield (
+            "Fracture.path = 'free' with a tool takes supports that rest, got one that moves: "
+            "leave out its velocity and spin, or take path='edges'"
+        )
+    if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
+        yield (
+            "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "
+            "traction: a cut quad would not share it yet; take path='edges'"
+        )

@@ -1,0 +1,41 @@
+"""State of a film: all arrays that change in time, and the rule after a split.
+
+May import ``numerics`` and rows below.
+"""
+
+from .film import SplitRecord, State
+from .known_topology import KnownTopology
+from .tables import (
+    BROKEN,
+    JOINTED,
+    NOT_MET,
+    NOTCH,
+    RESERVE,
+    STRAIGHT,
+    CableTable,
+    FlankTable,
+    NodeTable,
+    QuadsAtNodes,
+    QuadTable,
+    columns,
+    local_edge_length,
+)
+
+__all__ = [
+    "BROKEN",
+    "JOINTED",
+    "NOTCH",
+    "NOT_MET",
+    "RESERVE",
+    "STRAIGHT",
+    "CableTable",
+    "FlankTable",
+    "KnownTopology",
+    "NodeTable",
+    "QuadTable",
+    "QuadsAtNodes",
+    "SplitRecord",
+    "State",
+    "columns",
+    "local_edge_length",
+]

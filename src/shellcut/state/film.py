@@ -1,0 +1,152 @@
+"""State: every array that changes in time, and the log of the splits.
+
+Do not keep a reference to an array across a split
+(:class:`shellcut.state.known_topology.KnownTopology`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, SmallIds
+from shellcut.numerics.lanes import aligned_zeros
+
+from .tables import NOTCH, CableTable, FlankTable, NodeTable, QuadsAtNodes, QuadTable
+
+
+@dataclass(frozen=True)
+class SplitRecord:
+    """Record of one split."""
+
+    time: float
+    """[s]"""
+    node: int
+    twin: int
+    place: tuple[float, float, float]
+    """Position at the split [mm]."""
+    reference: tuple[float, float, float]
+    """Reference position [mm]."""
+    kind: str
+    """``"criterion"`` or ``"blade"``, see :mod:`shellcut.fracture.criterion`; or ``NOTCH``."""
+    measure: float
+    """Value of the criterion; a split is due at 1."""
+    force_jump: float
+    """Magnitude of the difference between the node's load and the new cable's force [N]."""
+    rows: tuple[int, int] = (-1, -1)
+    """Quads or copies to the right and left of a cut; node and twin are -1 then."""
+
+
+@dataclass
+class State:
+    """Everything that changes in time; mesh, sections and tool are constant."""
+
+    node: NodeTable
+    cable: CableTable
+    quad: QuadTable
+    flank: FlankTable
+    strain: Floats
+    """Strains of the last force evaluation, in blocks of quads, shape (n_block, 16, width)."""
+    strain_before: Floats
+    """Strains of the evaluation before, likewise."""
+    history: Floats
+    """History of the thickness points, likewise, shape (n_block, 4 n_point n_history, width)."""
+    strain_forms: tuple[float, float] = (0.0, 0.0)
+    """A and B of :mod:`shellcut.mitc4.forces` at the last evaluation [N·mm]."""
+    time: float = 0.0
+    """t_n [s]."""
+    dt: float = 0.0
+    """Length of the step that led to t_n [s]."""
+    step: int = 0
+    revision: int = 0
+    """Number of splits; identifies the topology."""
+    crack_length: float = 0.0
+    """Sum of the half-edges that have or had a cable [mm]."""
+    split_log: list[SplitRecord] = field(default_factory=list)
+    """Every split, in order."""
+
+    @property
+    def n_node(self) -> int:
+        """Number of nodes in use."""
+        return self.node.count
+
+    @property
+    def n_quad(self) -> int:
+        """Number of quads and copies."""
+        return self.quad.count
+
+    @property
+    def quads(self) -> SmallIds:
+        """Node ids of every quad and copy, rewired at a split, shape (n_quad, 4)."""
+        return self.quad.nodes[: self.quad.count]
+
+    @property
+    def splits(self) -> list[SplitRecord]:
+        """Every split of the run, in order: those of the log that made no notch beforehand."""
+        return [record for record in self.split_log if record.kind != NOTCH]
+
+    @property
+    def n_cable(self) -> int:
+        """Number of cables ever made."""
+        return self.cable.count
+
+    def quads_at_nodes(self) -> QuadsAtNodes:
+        """Return which quads are at which node now."""
+        return QuadsAtNodes(
+            quads=self.quads,
+            centre=self.quad.centre[: self.n_quad],
+            at=self.node.quads,
+            n_at=self.node.n_quad_at,
+        )
+
+    def most_strained_quad(self) -> int:
+        """Return the quad with the largest change of edge length, or one that is not finite."""
+        X, x = self.node.X[self.quads], self.node.x[self.quads]
+        with np.errstate(all="ignore"):  # the lengths themselves may overflow
+            length = [np.linalg.norm(np.roll(v, -1, axis=1) - v, axis=2) for v in (X, x)]
+            change = np.abs(length[1] / length[0] - 1.0).max(axis=1)
+        return int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
+
+    def saved(self) -> dict[str, Any]:
+        """Return the state as arrays and numbers by name, in nested dictionaries."""
+        splits = [asdict(record) for record in self.split_log]
+        saved = {f.name: getattr(self, f.name) for f in fields(self)}
+        return saved | {
+            "node": self.node.saved(),
+            "cable": self.cable.saved(),
+            "quad": self.quad.saved(),
+            "flank": self.flank.saved(),
+            "strain_forms": np.array(self.strain_forms),
+            "split_log": {
+                f.name: np.array([split[f.name] for split in splits]) for f in fields(SplitRecord)
+            },
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Load :meth:`saved` of a state of the same mesh.
+
+        The arrays keep their addresses as long as they are large enough.
+        """
+        for name in ("strain", "strain_before", "history"):
+            blocks = getattr(self, name)
+            if len(blocks) != len(saved[name]):
+                blocks = aligned_zeros(saved[name].shape, blocks.dtype)
+                setattr(self, name, blocks)
+            blocks[:] = saved[name]
+        for name in ("time", "dt", "step", "revision", "crack_length"):
+            setattr(self, name, saved[name])
+        self.node.restore(saved["node"])
+        self.cable.restore(saved["cable"])
+        self.quad.restore(saved["quad"])
+        self.flank.restore(saved["flank"])
+        a, b = saved["strain_forms"].tolist()
+        self.strain_forms = a, b
+        splits = {name: column.tolist() for name, column in saved["split_log"].items()}
+        for name in ("place", "reference", "rows"):
+            splits[name] = [tuple(place) for place in splits[name]]
+        self.split_log = [
+            SplitRecord(**dict(zip(splits, row, strict=True)))
+            for row in zip(*splits.values(), strict=True)
+        ]
