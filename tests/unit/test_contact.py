@@ -31,7 +31,9 @@ def nodes_at(points, far=(50.0, 60.0, 70.0)):
     state.node.x[: state.n_node] = far
     state.node.x[:n] = points
     state.node.contact_area[:] = AREA
-    state.node.mass[:] = 1e-6  # t: too heavy to be thrown by what these tests look at
+    state.node.mass[:] = state.node.contact_mass[:] = (
+        1e-6  # t: too heavy to be thrown by what these tests look at
+    )
     state.node.x[state.n_node :] = np.nan
     state.dt = FOREVER
     return state
@@ -299,7 +301,7 @@ def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
         v = -speed * G_M / dt * outward
         start = np.array([-1.0, slope, 0.0]) - phase * dt * v
         state = nodes_at([start], far=[50.0, 1.0, 0.3])
-        state.node.mass[:] = mass
+        state.node.mass[:] = state.node.contact_mass[:] = mass
         state.dt = 0.0
         contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
         evaluate(contact, state)

@@ -9,7 +9,7 @@ its cables (:mod:`.segment_cables`).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,10 +31,32 @@ from .cut_topology import CutTopology
 from .free_direction import FreeDirection
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import FLANK, WHOLE, shape_functions
+from .quad_polygon import FLANK, UNUSED, WHOLE, Point, shape_functions
 from .segment_cables import SegmentCables
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
+
+
+class _Cut(NamedTuple):
+    """A segment that has been cut."""
+
+    rows: list[int]
+    """To its right and left."""
+    chords: list[tuple[Point, Point]]
+    """Its ends in the quad of each."""
+    heading: Floats
+    """Unit direction in the reference film, shape (3,)."""
+    length: float
+    """[mm]"""
+
+    def is_open(self, state: State, place: Point) -> bool:
+        """Return whether the flanks part at one of its ends, given in the quad of the first row."""
+        end = 0 if place == self.chords[0][0] else 1
+        minus, plus = (
+            set(state.quads[row][np.array(shape_functions(chord[end])) > UNUSED].tolist())
+            for row, chord in zip(self.rows, self.chords, strict=True)
+        )
+        return minus != plus
 
 
 class FreeCracks:
@@ -144,8 +166,8 @@ class FreeCracks:
             segment = self._path.segment_from(state, tip, way)
             if segment is None:
                 return
-            rows, heading, length = self._cut(state, segment, None, 0.0)
-            tip = self._path.tip_at(segment, heading, length, rows)
+            cut = self._cut(state, segment, None, 0.0)
+            tip = self._path.tip_at(segment, cut.heading, cut.length, cut.rows)
             if tip is not None and (self._path.reference_of(state, tip) - end) @ way > -1e-9:
                 self.tips.append(replace(tip, length=0.0, quad=tip.quad))
                 return
@@ -184,20 +206,32 @@ class FreeCracks:
     def _advance(self, state: State, tip: Tip, segment: Segment, kind: str, measure: float) -> None:
         """Run a crack on along a segment."""
         self.tips.remove(tip)
-        rows, heading, length = self._cut(state, segment, kind, measure)
-        after = self._path.tip_at(segment, heading, length, rows)
-        if after is not None:
-            self.tips.append(after)
+        cut = self._cut(state, segment, kind, measure)
+        self._end_at(state, segment, cut, cut.heading)
         self._cables.wake(state, self._shell.area)
+
+    def _end_at(self, state: State, segment: Segment, cut: _Cut, heading: Floats) -> None:
+        """Put a tip at the end of a segment that has been cut, if the crack is closed there.
+
+        Where it is open it has come to a rim or joined another crack, whose tip there is one no
+        more; on the flank of an earlier cut it goes on from the other flank.
+        """
+        if segment.side != FLANK and cut.is_open(state, segment.exit):
+            joined = self._path.ring(segment.row)[segment.corner] if segment.corner >= 0 else -1
+            self.tips = [t for t in self.tips if not (t.at_node and t.ends[0] == joined)]
+            return
+        tip = self._path.tip_at(segment, heading, cut.length, cut.rows)
+        if tip is not None:
+            self.tips.append(tip)
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
-        driven, cut = self._watch.driven_places(), set()
+        driven, done = self._watch.driven_places(), set()
         for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
             whole = self.topology.polygon(row)
             # The edge runs between the flanks of its own cut; and each quad is cut once a turn.
-            if state.node.halved[state.quads[row]].any() or whole != WHOLE or row in cut:
+            if state.node.halved[state.quads[row]].any() or whole != WHOLE or row in done:
                 continue
             t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
             trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
@@ -209,24 +243,16 @@ class FreeCracks:
             if common_side(whole, back.exit, ahead.exit) is not None:
                 continue
             chord = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
-            rows, heading, length = self._cut(state, chord, "blade", 0.0)
-            for end, way in ((back, -heading), (ahead, heading)):
-                tip = self._path.tip_at(end, way, length, rows)
-                # Behind a flank the blade comes from: nothing is to be cut there.
-                if tip is not None and not (end is back and end.side == FLANK):
-                    self.tips.append(tip)
-            cut |= set(rows)
+            cut = self._cut(state, chord, "blade", 0.0)
+            self._end_at(state, back, cut, -cut.heading)
+            self._end_at(state, ahead, cut, cut.heading)
+            done |= set(cut.rows)
             self._cables.wake(state, self._shell.area)
 
-    def _cut(
-        self, state: State, segment: Segment, kind: str | None, measure: float
-    ) -> tuple[list[int], Floats, float]:
+    def _cut(self, state: State, segment: Segment, kind: str | None, measure: float) -> _Cut:
         """Cut a row along a segment, or break a side; lay the cables and write it down.
 
         Without a kind it is a notch, which has no cables.
-
-        Returns the rows on both sides, the unit direction in the reference film, and the length
-        [mm].
         """
         topology, shell = self.topology, self._shell
         X = state.node.X[state.quads[segment.row]]
@@ -245,7 +271,7 @@ class FreeCracks:
         if kind is not None:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
-        return rows, (stop - start) / length, length
+        return _Cut(rows, chords, (stop - start) / length, length)
 
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""

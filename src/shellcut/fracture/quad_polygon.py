@@ -31,6 +31,9 @@ CORNERS: tuple[Point, ...] = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)
 # Of the corners: half the vectors from side to side, and the part that twists.
 _MODES = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0]])
 
+UNUSED = 1e-9
+"""Shape functions below this are round-off."""
+
 # Two points of the parametric square closer than this are one; far above round-off, and far below
 # any distance that the rules of snapping leave.
 _SAME = 1e-9

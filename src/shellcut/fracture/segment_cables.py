@@ -21,13 +21,10 @@ from shellcut.state import NOT_MET, State
 
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
-from .quad_polygon import Point, holds, shape_functions
+from .quad_polygon import UNUSED, Point, holds, shape_functions
 
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
-
-# Shape functions below this are round-off.
-_UNUSED = 1e-9
 
 
 @dataclass
@@ -125,7 +122,7 @@ class SegmentCables:
         asleep = []
         for one in self._sleeping:
             minus, plus = (
-                set(state.quads[row][np.array(shape_functions(place)) > _UNUSED].tolist())
+                set(state.quads[row][np.array(shape_functions(place)) > UNUSED].tolist())
                 for row, place in (
                     (one.row_minus, one.place_minus),
                     (one.row_plus, one.place_plus),
@@ -167,7 +164,7 @@ class SegmentCables:
         point = add_flank_point(state, row, place, inward)
         f = state.flank
         k = f.count - 1
-        used = f.weight[k] > _UNUSED
+        used = f.weight[k] > UNUSED
         key = (*f.nodes[k][used].tolist(), *(round(w, 9) for w in f.weight[k][used].tolist()))
         # A corner is a node itself.
         state.node.real[point] = used.sum() > 1 and key not in self._touched

@@ -31,10 +31,7 @@ from shellcut.state import BROKEN, State
 from .crack_path import Segment, Tip
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import density, divide, shape_functions, share_of
-
-# Shape functions below this are round-off.
-_UNUSED = 1e-9
+from .quad_polygon import UNUSED, density, divide, shape_functions, share_of
 
 WHOLE, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
@@ -122,7 +119,7 @@ class TrialCut:
         """Return the classes on both sides of a trial cut, at the corners that hold its tip."""
         ring = self._shell.mesh_quads[segment.row].tolist()
         weights = shape_functions(segment.entry)
-        corners = [c for c in range(4) if weights[c] > _UNUSED]
+        corners = [c for c in range(4) if weights[c] > UNUSED]
         rows, classes = self._tried(segment, [ring[c] for c in corners])
         pairs = []
         for c, groups in zip(corners, classes, strict=True):
@@ -170,7 +167,7 @@ class TrialCut:
         cables = []
         for k in np.flatnonzero(np.isin(f.row[: f.count], rows)).tolist():
             weight = float(f.weight[k, corner[rows == f.row[k]][0]])
-            if weight > _UNUSED:
+            if weight > UNUSED:
                 for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
                     cables.append((cable, end, weight))
         return Side(

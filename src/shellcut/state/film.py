@@ -131,8 +131,11 @@ class State:
         """
         for name in ("strain", "strain_before", "history"):
             blocks = getattr(self, name)
-            if len(blocks) != len(saved[name]):
-                blocks = aligned_zeros(saved[name].shape, blocks.dtype)
+            came = saved[name].shape
+            if came[1:] != blocks.shape[1:] or came[0] < len(blocks):
+                raise ValueError(f"{name} must have shape {blocks.shape}, or more rows, got {came}")
+            if came != blocks.shape:
+                blocks = aligned_zeros(came, blocks.dtype)
                 setattr(self, name, blocks)
             blocks[:] = saved[name]
         for name in ("time", "dt", "step", "revision", "crack_length"):

@@ -105,9 +105,14 @@ class _Table:
         self.count = count
         for name, rows in saved.items():
             array = getattr(self, name)
-            if array.shape[1:] != rows.shape[1:]:  # only the quads at nodes grow that way
-                array = np.zeros((len(array), *rows.shape[1:]), array.dtype)
+            if name == "quads" and rows.ndim == 2 and rows.shape[1] > array.shape[1]:
+                # Copies of cut quads have made more quads at a node than the mesh has.
+                array = np.zeros((len(array), rows.shape[1]), array.dtype)
                 setattr(self, name, array)
+            if rows.shape != (count, *array.shape[1:]):
+                raise ValueError(
+                    f"{name} must have shape {(count, *array.shape[1:])}, got {rows.shape}"
+                )
             array[:count] = rows
 
 
