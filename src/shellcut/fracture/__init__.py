@@ -1,7 +1,7 @@
 """When and where the film parts: criteria, candidate splits of a node, and the split itself.
 
-May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``split_node`` changes
-the topology.
+May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``split_node``
+and ``cut_state`` change the topology.
 """
 
 from .criterion import Fracture
