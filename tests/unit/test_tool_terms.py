@@ -17,8 +17,8 @@ class SpringForces(NamedTuple):
     wrench: np.ndarray
     node_work: float
 
-    def works(self, on_tool):
-        return {"contact_work": -(self.node_work + on_tool)}
+    def add_works(self, entries, on_tool):
+        entries["contact_work"] -= self.node_work + on_tool
 
 
 class Spring:

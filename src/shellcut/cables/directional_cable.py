@@ -87,9 +87,10 @@ class CableForces(NamedTuple):
     n_broken: int
     """Cables that broke at this evaluation."""
 
-    def works(self, _on_tool: float) -> dict[str, float]:
-        """Return by how much the ledger's entries grow."""
-        return {"cohesive_work": self.work, "cohesive_start_work": self.start_work}
+    def add_works(self, entries: dict[str, float], _on_tool: float) -> None:
+        """Add to the ledger's entries."""
+        entries["cohesive_work"] += self.work
+        entries["cohesive_start_work"] += self.start_work
 
 
 class CableSet:

@@ -96,12 +96,10 @@ class ContactForces(NamedTuple):
     deepest: float
     """Largest depth [mm]."""
 
-    def works(self, on_tool: float) -> dict[str, float]:
-        """Return the increments of the ledger's entries; ``on_tool`` is the work of the wrench."""
-        return {
-            "contact_work": -(self.node_work + on_tool),
-            "contact_absorbed": self.absorbed,
-        }
+    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
+        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
+        entries["contact_work"] -= self.node_work + on_tool
+        entries["contact_absorbed"] += self.absorbed
 
 
 class PenaltyContact:

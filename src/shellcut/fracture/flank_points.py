@@ -45,18 +45,15 @@ class FlankPoints:
 
     def place(self, state: State) -> None:
         """Bring all flank points to where their copies are."""
-        if state.flank.count:
-            self._interpolate(self._of(state), state.node.x)
+        self._interpolate(self._of(state), state.node.x)
 
     def move(self, state: State) -> None:
         """Give all flank points the velocities of their copies."""
-        if state.flank.count:
-            self._interpolate(self._of(state), state.node.velocity_half)
+        self._interpolate(self._of(state), state.node.velocity_half)
 
     def hand_on_forces(self, state: State) -> None:
         """Add the forces on all flank points to those of the nodes they are tied to."""
-        if state.flank.count:
-            self._hand_on(self._of(state), state.node.force_rows)
+        self._hand_on(self._of(state), state.node.force_rows)
 
     def _of(self, state: State) -> _Tied:
         if self._tied is None or not self._known.is_of(state):

@@ -218,7 +218,8 @@ class Simulation:
         s = self.state
         self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
-        self.flanks.place(s)
+        if s.flank.count:
+            self.flanks.place(s)
         s.step += 1  # 2 clock
         s.time += self._dt
         s.dt = self._dt
@@ -239,13 +240,15 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
-        self.flanks.hand_on_forces(s)
+        if s.flank.count:
+            self.flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
         kick = self.integrator.kick(self.state, dt_last, dt_next)
-        self.flanks.move(self.state)
+        if self.state.flank.count:
+            self.flanks.move(self.state)
         book = self.ledger
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation

@@ -30,8 +30,8 @@ class TouchForces(Protocol):
         """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
         ...
 
-    def works(self, on_tool: float) -> Mapping[str, float]:
-        """Return by how much entries of the ledger grow by this step, by their names [N·mm].
+    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
+        """Add what it has done in this step to entries of the ledger, by their names [N·mm].
 
         ``on_tool`` is the work of the wrench on the tool since t_{n-1}.
         """
@@ -119,8 +119,7 @@ class ToolTerms:
             )
         entries = vars(ledger)
         for forces, on_tool in zip(found, self._works.tolist(), strict=True):
-            for entry, work in forces.works(on_tool).items():
-                entries[entry] += work
+            forces.add_works(entries, on_tool)
 
     def close(self, state: State, ledger: Ledger) -> None:
         """Bring the entries of the ledger that are functions of the state up to t_n."""
