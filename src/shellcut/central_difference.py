@@ -25,6 +25,7 @@ import numpy as np
 
 from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.borrowed import borrowed
+from .numerics.held_table import Holder
 from .numerics.jit import always_inline, bound_once, kernel
 from .numerics.lane_instructions import WIDTH
 from .numerics.lanes import along, at, put_at, row_columns, total, zero
@@ -61,9 +62,11 @@ class _KickStep(NamedTuple):
     """Mass damping [1/s]."""
 
 
-class _KickNodes(NamedTuple):
-    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
+class _Nodes(NamedTuple):
+    """What the kernels need of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
 
+    x: Annotated[Floats, "(n_node, 3)"]
+    """Written by the drift, as is t."""
     t: Annotated[Floats, "(n_node, 3)"]
     force_rows: Annotated[Floats, "(n_node, 8)"]
     mass: Annotated[Floats, "(n_node,)"]
@@ -72,7 +75,7 @@ class _KickNodes(NamedTuple):
     support: Annotated[Bools, "(n_node, 6)"]
     support_rate: Annotated[Floats, "(n_node, 6)"]
     velocity_half: Annotated[Floats, "(n_node, 3)"]
-    """Written from here on."""
+    """Written by the kick, as is all from here on."""
     spin_half: Annotated[Floats, "(n_node, 3)"]
     reaction: Annotated[Floats, "(n_node, 6)"]
 
@@ -101,8 +104,9 @@ class CentralDifference:
         self.damping_alpha = float(damping_alpha)
         self._workers = workers or Workers(0)
         self._known = KnownTopology()
-        self._supported = _Supported(node=np.zeros(0, np.int64), first=np.zeros(1, np.int64))
-        self._nodes: _KickNodes | None = None
+        self._supported: _Supported | None = None
+        self._nodes: _Nodes | None = None
+        self._hold_supported, self._hold_nodes = Holder(), Holder()
         self._kick, self._drift = bound_once(_kick), bound_once(_drift)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
@@ -112,7 +116,7 @@ class CentralDifference:
             self._collect(state)
         dt = 0.5 * (dt_last + dt_next)
         step = _KickStep(dt_last=float(dt_last), dt=dt, alpha=self.damping_alpha)
-        sums = np.zeros((self._supported.first.size - 1, 4))
+        sums = np.zeros((-(-count // NODE_CHUNK), 4))
 
         def part(thread: int) -> None:
             self._kick(thread, stride, count, step, self._nodes, self._supported, sums)
@@ -124,20 +128,23 @@ class CentralDifference:
 
     def drift(self, state: State, dt: float) -> None:
         """Take positions and directors from t_n to t_{n+1}."""
-        n, stride, dt = state.node, self._workers.count, float(dt)
+        count, stride, dt = state.n_node, self._workers.count, float(dt)
+        if not self._known.is_of(state):
+            self._collect(state)
 
         def part(thread: int) -> None:
-            self._drift(thread, stride, n.count, dt, n.velocity_half, n.spin_half, n.x, n.t)
+            self._drift(thread, stride, count, dt, self._nodes)
 
         self._workers.run(part)
 
     def _collect(self, state: State) -> None:
-        """Lay out what the kernel takes, good until the next split."""
+        """Lay out what the kernels take, good until the next split."""
         n = state.node
         ids = np.flatnonzero(n.supported[: n.count])
         chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
-        self._supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
-        self._nodes = _KickNodes(**{name: getattr(n, name) for name in _KickNodes._fields})
+        supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
+        nodes = _Nodes(**{name: getattr(n, name) for name in _Nodes._fields})
+        self._supported, self._nodes = self._hold_supported(supported), self._hold_nodes(nodes)
         self._known.take(state)
 
 
@@ -155,7 +162,7 @@ def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> Non
 
 @always_inline
 def _kick_nodes(
-    n: int, lane: int | None, step: _KickStep, nodes: _KickNodes
+    n: int, lane: int | None, step: _KickStep, nodes: _Nodes
 ) -> tuple[Number, Number, Number]:
     """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
     dt, alpha, mirror = step.dt, step.alpha, step.dt_last == 0.0
@@ -211,7 +218,7 @@ def _kick_supported(
     m: float,
     force: Vec3,
     before: Vec3,
-    nodes: _KickNodes,
+    nodes: _Nodes,
 ) -> tuple[Vec3, float, float, float]:
     """Return a supported node's velocity after the kick, m v·v', the damping's sum and the work.
 
@@ -252,7 +259,7 @@ def _kick(
     stride: int,
     n_node: int,
     step: _KickStep,
-    nodes: _KickNodes,
+    nodes: _Nodes,
     supported: _Supported,
     sums: Floats,
 ) -> None:
@@ -303,37 +310,21 @@ def _kick(
 
 
 @always_inline
-def _drift_nodes(
-    n: int,
-    lane: int | None,
-    dt: float,
-    velocity: Floats,
-    spin: Floats,
-    x: Floats,
-    t: Floats,
-) -> None:
-    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
-    _put_node_vector(x, n, lane, add_scaled(_node_vector(x, n, lane), dt, v))
-    turned = rotate_director(_node_vector(t, n, lane), scale(dt, w))
-    _put_node_vector(t, n, lane, turned)
+def _drift_nodes(n: int, lane: int | None, dt: float, nodes: _Nodes) -> None:
+    v, w = _node_vector(nodes.velocity_half, n, lane), _node_vector(nodes.spin_half, n, lane)
+    _put_node_vector(nodes.x, n, lane, add_scaled(_node_vector(nodes.x, n, lane), dt, v))
+    turned = rotate_director(_node_vector(nodes.t, n, lane), scale(dt, w))
+    _put_node_vector(nodes.t, n, lane, turned)
 
 
 @kernel
-def _drift(
-    first: int,
-    stride: int,
-    n_node: int,
-    dt: float,
-    velocity: Floats,
-    spin: Floats,
-    x: Floats,
-    t: Floats,
-) -> None:
-    """Advance x and t : (n_node, 3) by dt, of every stride-th chunk."""
+def _drift(first: int, stride: int, n_node: int, dt: float, nodes: _Nodes) -> None:
+    """Advance positions and directors by dt, of every stride-th chunk."""
     align_stack()
+    nodes = borrowed(nodes)
     for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         for n in range(start, stop - WIDTH + 1, WIDTH):
-            _drift_nodes(n, None, dt, velocity, spin, x, t)
+            _drift_nodes(n, None, dt, nodes)
         for n in range(stop - (stop - start) % WIDTH, stop):
-            _drift_nodes(n, 0, dt, velocity, spin, x, t)
+            _drift_nodes(n, 0, dt, nodes)

@@ -25,6 +25,7 @@ from shellcut.loads.supports import Support
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
+from shellcut.numerics.kernel_tables import HeldTable
 from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from shellcut.recording.cut_front import CutFront
 from shellcut.recording.recorder import Recorder, RunEnded
@@ -95,12 +96,14 @@ def differing(a, b):
 
 
 # Follows from the state whenever it is asked for, at the latest at the next step.
-_CACHES = {"_tables", "_partings", "_table", "_nodes", "_pool"}
+_CACHES = {"_tables", "_partings", "_table", "_nodes", "_held", "_pool"}
 
 
 def numbers_of(thing, path="sim", seen=None):
     """Return every array and number that can be reached from an object, by its path."""
     seen = set() if seen is None else seen
+    if isinstance(thing, HeldTable):
+        thing = thing.table
     if isinstance(thing, (bool, int, float, str, np.ndarray)):
         return {path: np.array(thing)}
     if not isinstance(thing, tuple):  # whether two places share one is of no meaning

@@ -1,6 +1,9 @@
 """How kernels are compiled."""
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +90,44 @@ def test_python_is_told_that_a_function_is_only_for_kernels():
         with pytest.raises(TypeError, match="_tripled is inlined into kernels, Python cannot call"):
             _tripled(2.0)
         assert _tripled_sum(np.array([2.0])) == 6.0
+
+
+_OF_A_VERSION = """
+from typing import NamedTuple
+
+import numpy as np
+from shellcut.numerics.jit import bound, kernel
+
+
+class {name}(NamedTuple):
+    length: object
+
+
+@kernel
+def longest(rods):
+    return rods.length.max()
+
+
+rods = {name}(np.arange(3.0))
+print(bound(longest, rods)(rods) if {bound} else longest(rods), len(longest.stats.cache_misses))
+"""
+
+
+@pytest.mark.parametrize("is_bound", [True, False])
+def test_a_cache_of_an_older_version_is_written_anew(tmp_path, is_bound):
+    """Numba cannot open it where the class of a table has another name by now."""
+    found, source = [], tmp_path / "of_a_version.py"
+    for name in ("Bars", "Rods", None):
+        if name:
+            source.write_text(_OF_A_VERSION.format(name=name, bound=is_bound))
+        done = subprocess.run(
+            [sys.executable, "-c", f"import {source.stem}"],
+            cwd=tmp_path,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        found.append(done.stdout.split())
+    assert found == [["2.0", "1"], ["2.0", "1"], ["2.0", "0"]]

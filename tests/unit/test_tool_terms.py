@@ -9,7 +9,7 @@ from naive import cases
 from notched_strip import cutting
 from shellcut.simulation.ledger import Ledger
 from shellcut.simulation.stable_step import StableStep, Stepping
-from shellcut.simulation.tool_terms import ToolTerms, work_on_tool
+from shellcut.simulation.tool_terms import ToolTerms, WorkBook, work_on_tool
 from shellcut.tool.motion import StraightMotion
 
 
@@ -134,8 +134,7 @@ def test_work_of_the_tool_is_the_trapezoid_of_wrench_and_twist():
             spin=spin[k],
             velocity=velocity[k],
             dt=0.1 * (k + 1),
-            last=last,
-            works=works,
+            book=WorkBook(last=last, works=works),
         )
         moved = 0.1 * (k + 1) * np.concatenate([velocity[k], spin[k]])
         for term in range(2):

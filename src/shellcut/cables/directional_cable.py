@@ -46,6 +46,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State, local_edge_length
@@ -116,6 +117,7 @@ class CableSet:
         self._edges = CuttingEdges.of(tool)
         self._known = KnownTopology()
         self._tables: CableTables | None = None
+        self._hold = Holder()
         self._call = bound_once(_add_cable_forces)
         self._energies_of = bound_once(_energies)
         self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
@@ -150,7 +152,7 @@ class CableSet:
         """Lay out what the kernel takes, good until the next split."""
         c, n = state.cable, state.node
         self._known.take(state)
-        self._tables = CableTables(
+        tables = CableTables(
             n_cable=c.count,
             directional=self.directional,
             law=self._parameters,
@@ -158,6 +160,7 @@ class CableSet:
             nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
             cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
         )
+        self._tables = self._hold(tables)
 
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by the law [N·mm].

@@ -37,6 +37,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
@@ -140,6 +141,7 @@ class PenaltyContact:
         self._lookups = Lookups.none_yet(self.near.ids)
         self._pose: Pose | None = None
         self._tables: ContactTables | None = None
+        self._hold = Holder()
         self._call = bound_once(_add_contact_forces)
         self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
@@ -211,7 +213,7 @@ class PenaltyContact:
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
         n = state.node
-        self._tables = ContactTables(
+        tables = ContactTables(
             tool=ContactTool(
                 grid=self.grid.arrays,
                 reach=self.grid.reach,
@@ -224,6 +226,7 @@ class PenaltyContact:
             nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
+        self._tables = self._hold(tables)
 
 
 @inline

@@ -9,6 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Numbers
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import bound_once
 from shellcut.numerics.lane_instructions import SIXTEEN, Lane
 from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
@@ -108,6 +109,8 @@ class MITC4Shell:
             if start[0] < start[-1]
         ]
         self._present: PointQuads | None = None
+        self._held: Quads | PointQuads | None = None
+        self._hold = Holder()
         self._add_copies = bound_once(add_full_point_quads if self.has_points else add_full_quads)
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
@@ -200,11 +203,11 @@ class MITC4Shell:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
         threads, damping = self._workers.count, self._damping(state)
         damped, rho = damping.damped, damping.rho
-        sums, of_copies = np.zeros((self.blocks.n_strip, 3)), np.zeros((1, 3))
+        sums = np.zeros((self.blocks.n_strip, 3))
         rows = state.node.force_rows
-        present, points = self._quads_of(state), self.has_points
-        step = PointStep(damping, state.history, state.dt) if points else damping
-        quads = present if points else present.quads
+        self._quads_of(state)
+        quads = self._held
+        step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(min(2, len(sums))):
@@ -219,10 +222,12 @@ class MITC4Shell:
         if places.n_copy:
             used = -(-places.n_copy // self.blocks.width)
             start = np.array([places.n_whole, places.n_whole + used])
+            of_copies = np.zeros((1, 3))
             self._add_copies(0, 1, start, quads, step, rows, of_copies, self._lane)
+            sums = np.concatenate([sums, of_copies])
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
-        p0, p1, p2 = in_order(np.concatenate([sums, of_copies]) if places.n_copy else sums)
+        p0, p1, p2 = in_order(sums)
         if self.has_points:
             return Work(p0, 0.5 * rho * p1, p2)
         return linear_work(state, p0, p1, p2, rho) if damped else Work(0.5 * p0, 0.0, 0.0)
@@ -240,6 +245,7 @@ class MITC4Shell:
         if self._present is None or not self._known.is_of(state):
             self.blocks.rewire(state.quads, self._known.changed_quads(state))
             self._present = self._at(state.node.x, state.node.t)
+            self._held = self._hold(self._present if self.has_points else self._present.quads)
             self._known.take(state)
         return self._present
 

@@ -2,7 +2,8 @@
 
 An array that is taken out of a table inside a kernel counts its references, 5 ns each time and in
 every round of a loop; a term of the tool touches dozens of arrays for each node or cable. A kernel
-therefore begins with ``tables = borrowed(tables)``.
+therefore begins with ``tables = borrowed(tables)``. The same line reads a table that has been laid
+out beforehand (:mod:`shellcut.numerics.held_table`).
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for those who write them.
@@ -12,8 +13,9 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
+from llvmlite import ir
 from numba.core import cgutils, types
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, models, overload, register_model
 
 T = TypeVar("T")
 
@@ -26,21 +28,45 @@ def borrowed(table: T) -> T:
     return table
 
 
+class HeldType(types.Type):
+    """Numba's type of the address of a table of a certain kind."""
+
+    def __init__(self, kind: Any) -> None:
+        self.kind = kind
+        super().__init__(name=f"Held({kind})")
+
+
+@register_model(HeldType)
+class _HeldModel(models.OpaqueModel):
+    """A pointer."""
+
+
 @overload(borrowed)
 def _borrowed_in_kernel(table):
+    if isinstance(table, HeldType):
+        return lambda table: _read(table)
     return lambda table: _borrowed(table)
 
 
 @intrinsic
 def _borrowed(_typing, table):
     def code(context, builder, signature, arguments):
-        return _without_owner(context, builder, signature.args[0], arguments[0])
+        return without_owner(context, builder, signature.args[0], arguments[0])
 
     return table(table), code
 
 
-def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    """Return an array or tuple without the pointers to the owners of its memory."""
+@intrinsic
+def _read(_typing, held):
+    def code(context, builder, signature, arguments):
+        kind = context.get_value_type(signature.return_type)
+        return builder.load(builder.bitcast(arguments[0], ir.PointerType(kind)))
+
+    return held.kind(held), code
+
+
+def without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Return code for an array or tuple without the pointers to the owners of its memory."""
     if isinstance(kind, types.Array):
         array = context.make_array(kind)(context, builder, value)
         for owner in ("meminfo", "parent"):
@@ -48,7 +74,7 @@ def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
         return array._getvalue()
     if isinstance(kind, types.BaseTuple):
         fields = [
-            _without_owner(context, builder, field, builder.extract_value(value, i))
+            without_owner(context, builder, field, builder.extract_value(value, i))
             for i, field in enumerate(kind)
         ]
         return context.make_tuple(builder, kind, fields)

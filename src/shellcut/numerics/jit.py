@@ -50,8 +50,28 @@ _INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, **_
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
-    compiled: Callable[P, R] = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
-    return compiled
+    compiled: Any = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
+    if hasattr(compiled, "compile"):
+        compiled.compile = _despite_an_older_cache(compiled, compiled.compile)
+    return cast("Callable[P, R]", compiled)
+
+
+def _despite_an_older_cache(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap the compilation of a kernel, which may have a cache that Numba cannot open.
+
+    The index of a cache names the classes of the tables among the arguments. If an older version
+    has written it, and one of them has another name by now, Numba fails before it sees that the
+    cache is out of date.
+    """
+
+    def compile_anew(types: object) -> Any:
+        try:
+            return compile_(types)
+        except (AttributeError, ImportError):
+            compiled.recompile()  # empties the cache; there is nothing in memory to compile yet
+            return compile_(types)
+
+    return compile_anew
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:

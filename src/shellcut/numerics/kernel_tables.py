@@ -37,6 +37,20 @@ class _Wanted(NamedTuple):
         return f"an array{kind} of shape ({lengths})"
 
 
+class HeldTable(int):
+    """Address of a table that is laid out for kernels; it keeps the arrays alive.
+
+    An int, because a kernel gets at the value of one in a single call.
+    """
+
+    table: Any
+    """As it was given."""
+    kind: Any
+    """Numba's type of it."""
+    memory: Any
+    """In which it lies, an array of bytes."""
+
+
 def check_tables(arguments: Iterable[object]) -> None:
     """Refuse arguments with a table that holds a wrong array in some field.
 
@@ -46,7 +60,8 @@ def check_tables(arguments: Iterable[object]) -> None:
         Naming table and field.
     """
     known: dict[str, tuple[int, str]] = {}
-    for table in arguments:
+    for argument in arguments:
+        table = argument.table if isinstance(argument, HeldTable) else argument
         if _is_table(table):
             _check_table(table, known)
 

@@ -9,11 +9,13 @@ through the list, sums the wrenches and works out the work of the tool.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import bound_once, kernel
 from shellcut.state import State
 from shellcut.tool.motion import Motion
@@ -93,6 +95,7 @@ class ToolTerms:
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
         self._last = np.zeros((len(self._terms) + 1, 6))
         self._works = np.zeros(len(self._terms))
+        self._book = Holder()(WorkBook(last=self._last, works=self._works))
         self._work_on_tool = bound_once(work_on_tool)
 
     def __iter__(self) -> Iterator[ToolTerm]:
@@ -114,8 +117,7 @@ class ToolTerms:
                 _rows(spin),
                 _rows(velocity),
                 state.dt,
-                self._last,
-                self._works,
+                self._book,
             )
         entries = vars(ledger)
         for forces, on_tool in zip(found, self._works.tolist(), strict=True):
@@ -138,21 +140,29 @@ class ToolTerms:
             term.restore(state, pose, saved[term.name])
 
 
+class WorkBook(NamedTuple):
+    """What the kernel writes."""
+
+    last: Annotated[Floats, "(n_sum, 6)"]
+    """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n."""
+    works: Annotated[Floats, "(n_term,)"]
+    """Of each term over the step [N·mm]."""
+
+
 @kernel
 def work_on_tool(
     wrenches: tuple[Floats, ...],
     spin: Floats,
     velocity: Floats,
     dt: float,
-    last: Floats,
-    works: Floats,
+    book: WorkBook,
 ) -> float:
-    """Return the work on the tool over a step [N·mm]; write that of each term to works : (n_term,).
+    """Return the work on the tool over a step [N·mm]; write that of each term.
 
     wrenches : of each term (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.  spin,
-    velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.  last : (n_term + 1, 6), the
-    sums over the teeth at t_{n-1}, of each term and of all; replaced by those at t_n.
+    velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.
     """
+    last, works = borrowed(book)
     n_term = len(wrenches)
     works[:] = 0.0
     work = 0.0

@@ -1,0 +1,127 @@
+"""Tables that are laid out for kernels once, and then passed as one address.
+
+At a call from Python Numba unpacks every array of a table: 40 ns each while it is in the cache, and
+several times that within a step, when the film's own arrays have pushed the Python objects out. The
+tables of contact, cables and nodes hold a hundred arrays, the same ones until the next split. Their
+owner lays them out once with a :class:`Holder`, and the kernel, which begins with
+``tables = borrowed(tables)`` in any case, reads them from there.
+"""
+
+# Numba's extension calls are typed for users of intrinsics, not for those who write them.
+# mypy: disable-error-code="no-untyped-call,no-untyped-def,call-arg,var-annotated,arg-type,misc"
+
+from __future__ import annotations
+
+from typing import Any, TypeVar, cast
+
+import numba as nb
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import NativeValue, intrinsic, typeof_impl, unbox
+
+from .borrowed import HeldType, without_owner
+from .jit import bound, kernel
+from .kernel_tables import HeldTable, check_tables
+
+T = TypeVar("T")
+
+
+class Holder:
+    """Lay out tables for kernels, one after the other, all of the same types.
+
+    Examples
+    --------
+    >>> from typing import Annotated, NamedTuple
+    >>> from shellcut.arrays import Floats
+    >>> class Rod(NamedTuple):
+    ...     length: Annotated[Floats, "(n,)"]
+    >>> held = Holder()(Rod(length=np.ones(3)))
+    >>> type(held).__name__, held.table.length.sum()
+    ('HeldTable', 3.0)
+    """
+
+    def __init__(self) -> None:
+        self._kind: Any = None
+        self._lay_out: Any = None
+        self._size = 0
+
+    def __call__(self, table: T) -> T:
+        """Return a table as kernels take it in place of ``table``.
+
+        The arrays may change their contents, not their place: the owner holds a table anew when it
+        has replaced one of them.
+
+        Raises
+        ------
+        TypeError
+            If an array is in the wrong field, or of another type than in the first table.
+        """
+        if not hasattr(_lay_out, "compile"):  # Numba is switched off: kernels are plain functions
+            return table
+        kind = nb.typeof(table)
+        plain = _plain(table)
+        if self._kind is None:
+            check_tables([table])
+            self._kind, self._size = kind, bound(_size, plain)(plain)
+            self._lay_out = bound(_lay_out, plain, np.zeros(0, np.uint8))
+        if kind != self._kind:
+            raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
+        memory = np.zeros(self._size, np.uint8)
+        self._lay_out(plain, memory)
+        held = HeldTable(memory.ctypes.data)
+        held.table, held.kind, held.memory = table, kind, memory
+        return cast("T", held)
+
+
+def _plain(table: Any) -> Any:
+    """Return a table and those within it as plain tuples, which lie in memory as they do.
+
+    What is compiled for a table, and kept in Numba's cache, then does not name its class: a cache
+    that names a class which a newer version has renamed cannot be opened.
+    """
+    return tuple(map(_plain, table)) if isinstance(table, tuple) else table
+
+
+@typeof_impl.register(HeldTable)
+def _type_of(value, _context):
+    return HeldType(value.kind)
+
+
+@unbox(HeldType)
+def _unbox(_type, value, context):
+    return NativeValue(context.pyapi.long_as_voidptr(value))
+
+
+@intrinsic
+def _write(_typing, table, memory):
+    def code(context, builder, signature, arguments):
+        kind, memory_kind = signature.args
+        place = context.make_array(memory_kind)(context, builder, arguments[1]).data
+        value = without_owner(context, builder, kind, arguments[0])
+        builder.store(value, builder.bitcast(place, ir.PointerType(value.type)))
+        return context.get_dummy_value()
+
+    return types.void(table, memory), code
+
+
+@intrinsic
+def _size_of(_typing, table):
+    def code(context, builder, signature, _arguments):
+        size = context.get_abi_sizeof(context.get_value_type(signature.args[0]))
+        return cgutils.intp_t(size)
+
+    return types.intp(table), code
+
+
+@kernel
+def _size(table: Any) -> int:
+    """Return the bytes that a table takes [1]."""
+    size: int = _size_of(table)
+    return size
+
+
+@kernel
+def _lay_out(table: Any, memory: Any) -> None:
+    """Write a table, without the owners of its arrays, to memory : (size,) bytes."""
+    _write(table, memory)
