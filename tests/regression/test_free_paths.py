@@ -43,7 +43,7 @@ def line(rng):
         fracture=sc.Fracture(path="free"),
     )
     ahead = np.array([1.0, 0.0, 0.0])
-    sim.cracks.free.notch(sim.state, start - 1.5 * ahead, start + 2.0 * ahead)
+    sim.notch(start - 1.5 * ahead, start + 2.0 * ahead)
     return sim, 8.0 / 6000.0
 
 

@@ -34,5 +34,5 @@ def cut_strip(*, material=None, mesh=None, notched=True, **options):
         **options,
     )
     if notched:
-        simulation.cracks.free.notch(simulation.state, (-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
+        simulation.notch((-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
     return simulation

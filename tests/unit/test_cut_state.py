@@ -99,3 +99,24 @@ def test_random_cuts_conserve_everything(kind, material, precision, round_off):
     scale = {name: np.abs(value).max() for name, value in before.items()}
     for name, value in after.items():
         np.testing.assert_allclose(value, before[name], atol=round_off * scale[name], err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["flat", "curved"])
+def test_frequencies_of_all_parts_stay_below_their_bounds(kind):
+    # A sliver has more mass than film, the other part less: its frequency rises at every cut.
+    sim = film(kind, "double")
+    s, rng = sim.state, RNG(5)
+    topology = CutTopology(sim.mesh.quads, s.node.quads, s.node.n_quad_at)
+    for _ in range(60):
+        random_cut(sim, topology, rng)
+    frequencies = sim.shell.frequencies
+    frequencies.follow(s.node.x, s.node.t, s.quads)
+    bound = frequencies.squared.copy()
+    sim.shell.evaluate_frequencies(s, np.arange(s.n_quad))
+    exact = frequencies.squared
+    ratio = s.quad.share[: s.n_quad] / s.quad.mass_share[: s.n_quad]
+    assert ratio.max() > 1.02
+    assert ratio.min() < 0.8
+    assert (bound >= exact * (1.0 - 1e-9)).all()
+    # They grow with the strains since the last evaluation.
+    assert (bound <= exact * 1.2).all()

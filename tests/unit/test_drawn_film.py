@@ -94,9 +94,8 @@ def test_crack_is_as_long_as_the_cuts(cut):
 
 def test_a_film_cut_through_falls_in_two():
     sim = cut_strip()
-    free, s = sim.cracks.free, sim.state
-    free.tips.clear()
-    free.notch(s, (0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
+    sim.cracks.free.tips.clear()
+    sim.notch((0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
     quality = cut_quality(capture(sim, **WHERE))
     assert len(quality.pieces) == 2
     assert sum(piece.area for piece in quality.pieces) == pytest.approx(6.0 * 3.2)
@@ -178,7 +177,7 @@ def test_records_of_a_run_with_cuts(folder):
 def test_cuts_that_cross_leave_four_pieces_that_meet_point_by_point(slope):
     sim = cut_strip(mesh=slanted_strip(slope), notched=False)
     for start, end in (((-1.0, 0.0, 0.0), (6.0, 0.0, 0.0)), ((3.1, -2.0, 0.0), (3.1, 1.6, 0.0))):
-        sim.cracks.free.notch(sim.state, start, end)
+        sim.notch(start, end)
     frame = capture(sim, **WHERE)
     quality = cut_quality(frame)
     areas = sorted(piece.area for piece in quality.pieces)

@@ -104,7 +104,7 @@ def test_same_beside_other_cracks():
         free = sim.cracks.free
         for x in rng.uniform(1.0, 1.8, 3):
             slant = rng.uniform(-0.4, 0.4)
-            free.notch(sim.state, (x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))
+            sim.notch((x - slant, -2.0, 0.0), (x + slant, rng.uniform(0.0, 1.2), 0.0))
         rules = Rules(sim)
         for _ in range(60):
             sim.step()

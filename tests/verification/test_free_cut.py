@@ -53,7 +53,7 @@ def guillotine(mesh):
     start = mesh.nodes[:, 0].min()
     # A hair off the line of nodes where there is one: the notch must not care.
     y = 1e-7
-    sim.cracks.free.notch(sim.state, (start - 1.0, y, 0.0), (start + NOTCH, y, 0.0))
+    sim.notch((start - 1.0, y, 0.0), (start + NOTCH, y, 0.0))
     return sim, duration
 
 

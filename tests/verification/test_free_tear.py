@@ -40,7 +40,7 @@ def torn(size, moved):
         damping_alpha=2000.0,
     )
     middle, rim = LENGTH / 2, -WIDTH / 2
-    sim.cracks.free.notch(sim.state, (middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
+    sim.notch((middle - 0.3, rim - 0.3, 0.0), (middle + 1.5, rim + 1.5, 0.0))
     while sim.state.time < 6e-4 and sim.cracks.free.tips:
         sim.step()
     return sim

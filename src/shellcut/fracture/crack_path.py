@@ -54,9 +54,6 @@ AWAY = 1e-6
 # Outside that square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
 
-# Outside that square: written for a tip that lies on no flank.
-_NOWHERE = (2.0, 2.0)
-
 
 @dataclass(eq=False)
 class Tip:

@@ -6,8 +6,8 @@ momentum, angular momentum, kinetic and strain energy of the film stay as they w
 
 A sliver would be so light that the cables at its flank set the time step. So a part gets
 ``LEAST_MASS`` of what is cut at least, and the other that much less: no mass is made, the sliver's
-is that of film a hair's breadth further, and the largest frequency of the other part grows by the
-square root of 1 / (1 - LEAST_MASS), 2.6 %.
+is that of film a hair's breadth further. The largest frequency of the other part grows by the
+square root of 1 / (1 - LEAST_MASS), 2.6 %, that of the sliver falls.
 
 A node without film at its corner is *virtual*: nothing holds it, nothing touches it. Which of the
 classes keeps the old node makes no difference to the solution; it is the first one with film, so
@@ -64,16 +64,13 @@ def cut_row(
     parent = topology.parent(row)
     corners = shell.mesh_quads[parent]
     J = density(state.node.X[corners])
-    assert state.quad.append_copy(row) == new
-    shares = [share_of(topology.polygon(copy), J) for copy in (row, new)]
+    polygons = topology.polygon(row), topology.polygon(new)
+    right, left = (share_of(polygon, J) for polygon in polygons)
+    light = min(max(right / (right + left), LEAST_MASS), 1.0 - LEAST_MASS)
     mass = state.quad.mass_share[row]
-    light = min(max(shares[0] / sum(shares), LEAST_MASS), 1.0 - LEAST_MASS)
-    state.quad.mass_share[[row, new]] = mass * light, mass * (1.0 - light)
-    for copy in (row, new):
-        polygon = topology.polygon(copy)
-        state.quad.share[copy] = share_of(polygon, J)
-        state.quad.centre[copy] = shape_functions(centre_of(polygon))
-    shell.cut(state, row, new)
+    state.quad.append_copy(row)
+    state.quad.centre[[row, new]] = [shape_functions(centre_of(polygon)) for polygon in polygons]
+    shell.cut(state, row, new, (right, left), (mass * light, mass * (1.0 - light)))
     _write_down(state, segment, (row, new), kind, measure)
     renew_nodes(state, shell, topology, corners.tolist())
     return new

@@ -36,6 +36,9 @@ from .segment_cables import SegmentCables
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
 
+_ON_SIDE = 1e-9
+"""Of a segment's length: a notch that ends closer than this before a side or node ends there."""
+
 
 class _Cut(NamedTuple):
     """A segment that has been cut."""
@@ -139,22 +142,10 @@ class FreeCracks:
                 self._advance(state, tip, segment, "criterion", measure)
 
     def notch(self, state: State, start: Floats, end: Floats) -> None:
-        """Cut the film beforehand along a straight line from its rim, without cables.
+        """Cut the film along a straight line from its rim, see :meth:`.Simulation.notch`.
 
-        Parameters
-        ----------
-        state : State
-            At the start; written.
-        start, end : array_like, shape (3,)
-            Outside the rim or on it, and where the notch ends [mm]: at the first side of the mesh,
-            or node, that the line meets there or beyond.
-
-        Raises
-        ------
-        ValueError
-            If the line does not begin at the rim.
+        start, end : (3,) [mm].
         """
-        start, end = np.asarray(start, float), np.asarray(end, float)
         way = (end - start) / np.linalg.norm(end - start)
         tip: Tip | None = self._path.rim_tip(state, start, end)
         if tip is None:
@@ -168,8 +159,11 @@ class FreeCracks:
                 return
             cut = self._cut(state, segment, None, 0.0)
             tip = self._path.tip_at(segment, cut.heading, cut.length, cut.rows)
-            if tip is not None and (self._path.reference_of(state, tip) - end) @ way > -1e-9:
-                self.tips.append(replace(tip, length=0.0, quad=tip.quad))
+            if tip is None:
+                return
+            short = (end - self._path.reference_of(state, tip)) @ way
+            if short < _ON_SIDE * cut.length:
+                self.tips.append(replace(tip, length=0.0))
                 return
 
     def _may_be_due(self, state: State) -> Bools:
@@ -227,11 +221,11 @@ class FreeCracks:
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
-        driven, done = self._watch.driven_places(), set()
+        driven = self._watch.driven_places()
         for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
             whole = self.topology.polygon(row)
-            # The edge runs between the flanks of its own cut; and each quad is cut once a turn.
-            if state.node.halved[state.quads[row]].any() or whole != WHOLE or row in done:
+            # The edge runs between the flanks of its own cut, which has halved nodes or quads.
+            if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
             t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
             trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
@@ -246,7 +240,6 @@ class FreeCracks:
             cut = self._cut(state, chord, "blade", 0.0)
             self._end_at(state, back, cut, -cut.heading)
             self._end_at(state, ahead, cut, cut.heading)
-            done |= set(cut.rows)
             self._cables.wake(state, self._shell.area)
 
     def _cut(self, state: State, segment: Segment, kind: str | None, measure: float) -> _Cut:

@@ -33,7 +33,7 @@ from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, density, divide, shape_functions, share_of
 
-WHOLE, RIGHT, LEFT = 0, 1, 2
+UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
 
 
@@ -47,7 +47,7 @@ class Side(NamedTuple):
     nodes: Ints
     """The node there now, shape (n,)."""
     part: Ints
-    """WHOLE, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
+    """UNCUT, RIGHT or LEFT: what of the row belongs to it, shape (n,)."""
     cables: tuple[tuple[int, int, float], ...]
     """Cable, its end, and how much of its force goes with the class."""
 
@@ -174,6 +174,6 @@ class TrialCut:
             rows=rows,
             corner=corner,
             nodes=state.quads[rows, corner].astype(np.int64),
-            part=np.array([parts.get(row, WHOLE) for row, _ in members]),
+            part=np.array([parts.get(row, UNCUT) for row, _ in members]),
             cables=tuple(cables),
         )

@@ -4,8 +4,8 @@ A crack that crosses a quad replaces it by copies that hold a share w of it each
 damping, mass and inertia of a copy are those of the *whole* quad, at the copy's own nodes, times w
 ([Song2006]). At the cut all copies move as the quad did, and the shares sum to one, so that
 nothing changes: neither strain energy nor forces, nor mass, momentum or angular momentum of the
-film. Stiffness and mass of a copy scale alike, so its largest frequency is that of the quad,
-however small the share.
+film. Where stiffness and mass of a copy scale alike, its largest frequency is that of the quad,
+however small the share; a sliver gets more mass than that (:mod:`shellcut.fracture.cut_state`).
 
 For the kernels a copy is one more quad of the general kind, with a stiffness times w, also where
 the whole quad was flat. Copies stand in blocks of their own after all others; they are taken last,

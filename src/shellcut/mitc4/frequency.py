@@ -139,14 +139,24 @@ class QuadFrequencies:
         self._evaluated[which] = self._bounds(x, t, which)
         self.squared[which] = self._evaluated[which]
 
-    def add_copy(self, row: int) -> None:
-        """Take a copy of a row after all others: stiffness and mass of copies scale alike.
+    def cut(self, row: int, growth: Floats) -> None:
+        """Take the two parts of a row that has been cut; the new one comes after all others.
 
-        Its frequency is that of the whole quad, as far as it is known.
+        Parameters
+        ----------
+        row : int
+            Quad or copy.
+        growth : ndarray, shape (2,)
+            Stiffness over mass of the part that keeps the row and of the new one, relative to that
+            of the row before. The stiffness of a copy is that of its quad times a number, so that
+            its omega² grows as much.
         """
         self._row = np.append(self._row, np.int32(0))
-        self._evaluated = np.append(self._evaluated, self._evaluated[row])
-        self.squared = np.append(self.squared, self.squared[row])
+        for name in ("_evaluated", "squared"):
+            before = getattr(self, name)
+            after = np.append(before, growth[1] * before[row])
+            after[row] *= growth[0]
+            setattr(self, name, after)
         if self._row[row]:
             self._row[-1] = len(self._strain)
             self._strain = np.concatenate([self._strain, self._strain[self._row[row]][None]])

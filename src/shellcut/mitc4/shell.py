@@ -9,12 +9,11 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Numbers
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import bound_once
 from shellcut.numerics.lane_instructions import SIXTEEN, Lane
 from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
 from shellcut.numerics.threads import Workers, in_order
-from shellcut.state import KnownTopology, State
+from shellcut.state import State
 
 from .blocks import QuadBlocks, build_blocks
 from .centre_stress import CentreStress, FaceStresses
@@ -29,7 +28,8 @@ from .point_forces import (
     write_point_corner_forces,
 )
 from .point_output import PointOutput
-from .quad_strains import LinearTables, PointQuads, PointStep, PointTables, Quads, QuadStep
+from .present_quads import PresentQuads
+from .quad_strains import LinearTables, PointQuads, PointStep, PointTables, QuadStep
 from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
@@ -108,14 +108,11 @@ class MITC4Shell:
             for kernel, start in zip(kernels, starts, strict=True)
             if start[0] < start[-1]
         ]
-        self._present: PointQuads | None = None
-        self._held: Quads | PointQuads | None = None
-        self._hold = Holder()
         self._add_copies = bound_once(add_full_point_quads if self.has_points else add_full_quads)
         self._write_corner_forces = bound_once(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
-        self._known = KnownTopology()
+        self._present = PresentQuads(self._places)
         self._centre_stress = CentreStress(mesh, material) if material.is_linear else None
         self._point_output = (
             None if material.is_linear else PointOutput(material, self.blocks, self.points)
@@ -205,8 +202,7 @@ class MITC4Shell:
         damped, rho = damping.damped, damping.rho
         sums = np.zeros((self.blocks.n_strip, 3))
         rows = state.node.force_rows
-        self._quads_of(state)
-        quads = self._held
+        quads = self._present.held(state)
         step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
@@ -237,28 +233,18 @@ class MITC4Shell:
         rho = self.damping_beta / state.dt if state.dt > 0 else 0.0
         return QuadStep(self.damping_beta > 0.0, rho, state.strain, state.strain_before)
 
-    def _quads_of(self, state: State) -> PointQuads:
-        """Return the quads of a state as kernels take them.
-
-        ``State.quads`` says which nodes a quad has; the blocks follow it here, after every split.
-        """
-        if self._present is None or not self._known.is_of(state):
-            self.blocks.rewire(state.quads, self._known.changed_quads(state))
-            self._present = self._at(state.node.x, state.node.t)
-            self._held = self._hold(self._present if self.has_points else self._present.quads)
-            self._known.take(state)
-        return self._present
-
-    def _at(self, x: Floats, t: Floats) -> PointQuads:
-        """Return the quads as they stand in the blocks, their nodes at any place."""
-        quads = Quads(x, t, self.blocks.corner, self.blocks.chain, self.tables)
-        return PointQuads(quads, self.points)
-
-    def cut(self, state: State, row: int, new: int) -> None:
+    def cut(
+        self,
+        state: State,
+        row: int,
+        new: int,
+        shares: tuple[float, float],
+        mass_shares: tuple[float, float],
+    ) -> None:
         """Give the two copies of a cut quad what they hold of it.
 
-        Mass and stiffness by their shares in the state; strains and history are copied. Their nodes
-        are as they were: :mod:`shellcut.fracture` assigns new ones.
+        Mass and stiffness by their shares, which are written to the state; strains and history are
+        copied. Their nodes are as they were: :mod:`shellcut.fracture` assigns new ones.
 
         Parameters
         ----------
@@ -266,9 +252,14 @@ class MITC4Shell:
             With both rows in ``state.quad``.
         row, new : int
             What was cut and keeps one part, and the row of the other part, the last one.
+        shares, mass_shares : tuple of two floats
+            What each holds of the whole quad of the mesh and of its mass.
         """
         self._take_rows(state)
-        self.frequencies.add_copy(row)
+        quad, both = state.quad, [row, new]
+        before = quad.share[row] / quad.mass_share[row]
+        quad.share[both], quad.mass_share[both] = shares, mass_shares
+        self.frequencies.cut(row, quad.share[both] / quad.mass_share[both] / before)
         self._places.cut(state, row, new)
         for copy in (row, new):
             self.mass[copy] = self._places.mass_of(state, copy)
@@ -287,8 +278,7 @@ class MITC4Shell:
         for row in np.flatnonzero(state.quad.mass_share[: state.n_quad] < 1.0).tolist():
             self.mass[row] = self._places.mass_of(state, row)
         self._take_tables(state)
-        self._known = KnownTopology()
-        self._present = None
+        self._present.forget()
 
     def _take_rows(self, state: State) -> None:
         """Make room for the copies that have come to the state."""
@@ -327,7 +317,7 @@ class MITC4Shell:
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            self._quads_of(state),
+            self._present.of(state),
             PointStep(self._damping(state), state.history, state.dt),
             force,
         )
@@ -352,7 +342,7 @@ class MITC4Shell:
             Components in space.
         """
         if self._point_output is not None:
-            return self._point_output.cauchy(state, self._quads_of(state), quads, place)
+            return self._point_output.cauchy(state, self._present.of(state), quads, place)
         assert self._centre_stress is not None
         return self._centre_stress.cauchy(state.node.x, state.node.t, state.quads, quads, place)
 
@@ -382,7 +372,7 @@ class MITC4Shell:
     def face_stresses(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
         if self._point_output is not None:
-            return self._point_output.faces(state, self._quads_of(state))
+            return self._point_output.faces(state, self._present.of(state))
         assert self._centre_stress is not None
         return self._centre_stress.faces(state.node.x, state.node.t, state.quads)
 
@@ -408,7 +398,7 @@ class MITC4Shell:
         bent : ndarray, shape (n, 16), optional
             Part of the strains that is subtracted for the stresses in the stiffness.
         """
-        return self._tangents_at(self._quads_of(state), quads, bent)
+        return self._tangents_at(self._present.of(state), quads, bent)
 
     def tangent_product(
         self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
@@ -423,7 +413,7 @@ class MITC4Shell:
         slot = self.blocks.slot
         add_tangent_products(
             slot=slot,
-            quads=self._quads_of(state).quads,
+            quads=self._present.of(state).quads,
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
             dx=np.asfortranarray(displacement),
             dt=np.asfortranarray(turn),
@@ -433,11 +423,11 @@ class MITC4Shell:
 
     def evaluate_frequencies(self, state: State, quads: Ints) -> None:
         """Evaluate the frequencies of some quads anew, at the present positions and directors."""
-        self._quads_of(state)
+        self._present.of(state)
         self.frequencies.evaluate(state.node.x, state.node.t, state.quads, quads)
 
     def _tangents(self, x: Floats, t: Floats, quads: Ints) -> Floats:
-        return self._tangents_at(self._at(x, t), quads)
+        return self._tangents_at(self._present.at(x, t), quads)
 
     def _tangents_at(self, present: PointQuads, quads: Ints, bent: Floats | None = None) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))

@@ -123,13 +123,11 @@ def guillotine(
     film = notched_strip(length, width, size, notch) if mesh is None else mesh
     cables = law or CohesiveLaw()
     blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed, law=cables)
-    result, through_quads = None, not needs_path(options.get("fracture"))
-    if mesh is not None and through_quads:
-        pass  # the crack makes its own way
-    elif mesh is not None and imprint:
+    result, along_edges = None, needs_path(options.get("fracture"))
+    if mesh is not None and along_edges and imprint:
         result = with_path(mesh, blade, motion, duration, section, cables)
         film = _notched(result.mesh, result.chains[0], notch)
-    elif mesh is not None:
+    elif mesh is not None and along_edges:
         off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
         on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
         film = _notched(mesh, on_line[np.argsort(mesh.nodes[on_line, 0])], notch)
@@ -142,8 +140,9 @@ def guillotine(
         law=cables,
         **options,
     )
-    if mesh is not None and through_quads and notch > 0.0:
-        _notch_through_quads(simulation, notch)
+    if mesh is not None and not along_edges and notch > 0.0:
+        begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
+        simulation.notch((begin - extent, 0.0, 0.0), (begin + notch, 0.0, 0.0))
     check_length(simulation, duration)
     return Case("guillotine", simulation, duration, result)
 
@@ -158,15 +157,6 @@ def blade_before(
     way = extent - _LEFT * law.opening_u if travel is None else travel
     duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
-
-
-def _notch_through_quads(simulation: Simulation, notch: float) -> None:
-    assert simulation.cracks is not None
-    assert simulation.cracks.free is not None
-    x = simulation.mesh.nodes[:, 0]
-    begin = float(x.min())
-    start, end = (np.array([at, 0.0, 0.0]) for at in (begin - float(np.ptp(x)), begin + notch))
-    simulation.cracks.free.notch(simulation.state, start, end)
 
 
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
@@ -158,7 +159,7 @@ class Simulation:
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
-        self.flanks = FlankPoints()
+        self._flanks = FlankPoints()
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
         self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
@@ -219,7 +220,7 @@ class Simulation:
         self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
         if s.flank.count:
-            self.flanks.place(s)
+            self._flanks.place(s)
         s.step += 1  # 2 clock
         s.time += self._dt
         s.dt = self._dt
@@ -241,14 +242,14 @@ class Simulation:
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
         if s.flank.count:
-            self.flanks.hand_on_forces(s)
+            self._flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
 
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
         kick = self.integrator.kick(self.state, dt_last, dt_next)
         if self.state.flank.count:
-            self.flanks.move(self.state)
+            self._flanks.move(self.state)
         book = self.ledger
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation
@@ -330,6 +331,32 @@ class Simulation:
             self.ledger = Ledger()
             self.time_step.forget()
             self._start()
+
+    def notch(self, start: npt.ArrayLike, end: npt.ArrayLike) -> None:
+        """Cut the film before the run along a straight line from its rim, without cables.
+
+        For cracks that go through quads, ``Fracture(path="free")``; along edges :meth:`Mesh.cut`
+        cuts the mesh.
+
+        Parameters
+        ----------
+        start, end : array_like, shape (3,)
+            Outside the rim or on it, and where the notch ends [mm]: at the first side of the mesh,
+            or node, that the line meets there or beyond.
+
+        Raises
+        ------
+        ValueError
+            If cracks go along edges, the run has begun, or the line does not begin at the rim.
+        """
+        if self.cracks is None or self.cracks.free is None:
+            raise ValueError(
+                'cracks must go through quads, Fracture(path="free"), for a notch through them; '
+                "a crack along edges is cut into the mesh: Mesh.cut(nodes)"
+            )
+        if self.state.step:
+            raise ValueError(f"notch the film before the run, not after {self.state.step} steps")
+        self.cracks.free.notch(self.state, np.asarray(start, float), np.asarray(end, float))
 
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.

@@ -1,0 +1,33 @@
+"""The nodal force of a trial cut under a uniform stress: the stress times the length it opens."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.mesh.structured import rectangle
+
+SIZE, STRETCH = 0.5, 0.004
+
+
+@pytest.mark.parametrize("rise", [0.1, 0.37, 0.5, 0.9])
+def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
+    """The crack runs along rows of equal quads, ``rise`` of an edge above the row's lower side."""
+    mesh = rectangle(5.0, 4.0, size=SIZE)
+    film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
+    law = sc.CohesiveLaw()
+    sim = sc.Simulation(mesh, film, law=law, fracture=sc.Fracture(path="free"))
+    rim, y = mesh.nodes[:, 0].min(), rise * SIZE
+    sim.notch((rim - 1.0, y, 0.0), (rim + 2.2, y, 0.0))
+    n, free = sim.state.node, sim.cracks.free
+    n.x[: n.count, 1] = (1.0 + STRETCH) * n.X[: n.count, 1]  # the notch's flanks stay closed
+    (tip,) = free.tips
+    tip.length = SIZE  # of the notch behind the tip, which opens with the segment ahead
+    segment = free._path.segment_from(sim.state, tip, tip.heading)
+    # First Piola-Kirchhoff stress: force over reference length and thickness.
+    strain = STRETCH + 0.5 * STRETCH**2
+    stress = (1.0 + STRETCH) * 1678.0 / (1.0 - 0.3**2) * strain
+    # Round-off of the products of the quads' strains with their stiffness.
+    assert free._trial.measure(sim.state, tip, segment) == pytest.approx(
+        stress / law.strength, rel=1e-9
+    )
+    assert np.isclose(tip.s, rise) or np.isclose(1.0 - tip.s, rise)
