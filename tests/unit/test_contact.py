@@ -411,7 +411,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
             )
         ]
         forces, result = evaluate(contact, state)
-        lasts, within = contact._tables.near.lasts, contact._tables.near.within
+        lasts, within = contact._tables.table.near.lasts, contact._tables.table.near.within
         remembered += np.count_nonzero(within & (lasts > 0.0))
         after = [
             state.node.contact_side.copy(),

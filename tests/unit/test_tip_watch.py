@@ -38,8 +38,8 @@ class Rules:
         for i, (tip, (x, t, length)) in enumerate(zip(tips, at, strict=True)):
             segment = measure = None
             if driven.edge_of[i] >= 0:
-                meeting = self.drive.at_meeting(x, length, driven, i, self.sim.motion, state.time)
-                edge, off, then = meeting
+                edge = int(driven.edge_of[i])
+                off, then = self.drive.beyond(x, length, edge, self.sim.motion, state.time)
                 ways = self.drive.directions(edge, off, t, length, tip.heading, then)
                 segments = (self.path.segment_from(state, tip, way) for way in ways)
                 segment = next((one for one in segments if one is not None), None)

@@ -1,16 +1,18 @@
 """Which crack tips a cutting edge drives, and in which direction.
 
 A tip belongs to the segment of an edge before which it lies, near the mid-plane, or that has passed
-it. It runs towards the trace of that blade's mid-plane in the sheet, a little ahead. A tip that the
+it. It runs to where the edge will be when it has come an edge length beyond the tip. A tip that the
 edge has passed goes on whatever the force there ([METHOD2] 12, rule 6).
 
-A crack may open some edge lengths ahead of the edge, and a blade that turns has turned by the time
-it gets there: a tip 2 mm ahead on a circle of 9.4 mm would leave it by 0.2 mm. The mid-plane is
-therefore that of the pose in which the edge will meet the tip; the motion is prescribed.
+The motion is prescribed, so that this pose is known. On a circle of radius R the present mid-plane
+would lead a tip that lies a way a ahead of the edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and
+the mid-plane at the tip still by L²/2R in a segment of length L. Aimed at a point of the path, a
+segment ends within L²/8R of it.
 """
 
 from __future__ import annotations
 
+from math import copysign
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,7 @@ from shellcut.tool.cutting_edge import (
     BACK,
     CUT_DEPTH,
     NORMAL,
+    START,
     CuttingEdges,
     in_the_blade,
     segment_part,
@@ -38,12 +41,12 @@ _REACH = 0.5
 _AHEAD = 20.0
 
 
-# Turns in finding when an edge meets a tip, and how near is near enough, in local edge lengths.
-MEETINGS = 3
-MET = 0.05
-
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 LOOK_AHEAD = (1.0, 2.0, 4.0)
+
+# Turns in finding when an edge will be at the first of these, and how near is near enough.
+TURNS = 3
+NEAR = 0.05
 
 
 class Driven(NamedTuple):
@@ -79,46 +82,48 @@ class BladeDrive:
         self._near_edge(x, size, pose, self.edges, *found)
         return found
 
-    def at_meeting(
-        self, x: Floats, size: float, driven: Driven, i: int, motion: Motion, time: float
-    ) -> tuple[int, float, Pose]:
-        """Return segment, distance off the mid-plane and pose when the edge will meet a tip.
+    def beyond(
+        self,
+        x: Floats,
+        size: float,
+        edge: int,
+        motion: Motion,
+        time: float,
+        reach: float = LOOK_AHEAD[0],
+    ) -> tuple[float, Pose]:
+        """Return the pose when an edge will be beyond a point, and how far off that lies then [mm].
 
         Parameters
         ----------
         x : ndarray, shape (3,)
-            Of the tip [mm].
+            The point [mm].
         size : float
             Local edge length there [mm].
-        driven : Driven
-            At the present pose.
-        i : int
-            Which of its tips.
+        edge : int
+            Segment of the edge that is before the point or has passed it.
         motion : Motion
             Of the tool.
         time : float
             Now [s].
+        reach : float
+            How far beyond, in local edge lengths; negative for when it was before the point.
         """
-        pose = Pose.of(*motion.pose(time))
-        edge, off, depth = int(driven.edge_of[i]), float(driven.off[i]), float(driven.depth[i])
-        later = time
-        for _ in range(MEETINGS):
-            if depth >= -MET * size:
+        pose, later = Pose.of(*motion.pose(time)), time
+        segment = self.edges.segments[edge]
+        for _ in range(TURNS):
+            gap = pose.to_body(x[None])[0] - segment[START]
+            left = reach * size - float(gap @ segment[BACK])
+            if copysign(left, left * reach) <= NEAR * size:
                 break
             spin, velocity = motion.twist(later)
             speed = (velocity + np.cross(spin, x - pose.translation)) @ (
-                pose.rotation @ self.edges.segments[edge, BACK]
+                pose.rotation @ segment[BACK]
             )
             if speed >= 0.0:  # the edge goes away from it, or rests
                 break
-            later += depth / speed
-            then = Pose.of(*motion.pose(later))
-            found = self.of(x[None], np.array([size]), then)
-            if found.edge_of[0] < 0:
-                break
-            pose, edge = then, int(found.edge_of[0])
-            off, depth = float(found.off[0]), float(found.depth[0])
-        return edge, off, pose
+            later -= left / speed
+            pose = Pose.of(*motion.pose(later))
+        return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
 
     def directions(
         self, segment: int, off: float, t: Floats, size: float, heading: Floats, pose: Pose
@@ -130,8 +135,10 @@ class BladeDrive:
 
         Parameters
         ----------
-        segment, off : int, float
-            Of :class:`Driven`.
+        segment : int
+            That drives it.
+        off : float
+            Signed distance of the tip from its mid-plane [mm].
         t : ndarray, shape (3,)
             Director at the tip.
         size : float

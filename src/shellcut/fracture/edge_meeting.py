@@ -1,6 +1,6 @@
-"""The poses in which cutting edges will meet the tips that they drive: all tips at once.
+"""The poses in which cutting edges will be beyond the tips that they drive: all tips at once.
 
-The same rule as :meth:`.blade_drive.BladeDrive.at_meeting`, which a test compares with this.
+The same rule as :meth:`.blade_drive.BladeDrive.beyond`, which a test compares with this.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, kernel
-from shellcut.numerics.vec3 import cross, load, sub
-from shellcut.tool.cutting_edge import BACK, CuttingEdges, segment_part
+from shellcut.numerics.vec3 import cross, dot, load, sub
+from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges, segment_part
 from shellcut.tool.motion import Motion
 
-from .blade_drive import MEETINGS, MET, nearest_edge
+from .blade_drive import LOOK_AHEAD, NEAR, TURNS, nearest_edge
 
 
 class Meetings(NamedTuple):
-    """Edges and tips: who meets whom, where and when."""
+    """Edges and tips: which drives which, and the pose when it will be beyond it."""
 
     edge_of: Annotated[Ints, "(n_tip,)"]
-    """Segment that drives the tip, -1 if none; the one that will meet it, once that is found."""
+    """Segment that drives the tip, -1 if none."""
     off: Annotated[Floats, "(n_tip,)"]
     """Signed distance of the tip from its mid-plane then [mm]."""
     passed: Annotated[Bools, "(n_tip,)"]
@@ -46,7 +46,7 @@ class _Tried(NamedTuple):
 
 
 class EdgeMeetings:
-    """Finds which edges meet which tips.
+    """Finds which edges drive which tips, and when they will be beyond them.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class EdgeMeetings:
         )
 
     def find(self, x: Floats, size: Floats, time: float) -> Meetings:
-        """Return who meets tips at x : (n_tip, 3), size : (n_tip,) [mm]; good until the next."""
+        """Return this for tips at x : (n_tip, 3), size : (n_tip,) [mm]; good until the next."""
         if len(x) != len(self.found.time):
             self._allocate(len(x))
         found, tried, motion = self.found, self._tried, self._motion
@@ -83,14 +83,14 @@ class EdgeMeetings:
         tried.spin[:], tried.velocity[:] = motion.twist(time)
         found.time[:], found.seeking[:] = time, True
         count = self._try_poses(x, size, self.edges, tried, found, True, True)
-        for k in range(MEETINGS):
+        for k in range(TURNS):
             if not count:
                 break
             for i, later in enumerate(found.time.tolist()):
                 if found.seeking[i]:
                     tried.rotation[i], tried.translation[i] = motion.pose(later)
                     tried.spin[i], tried.velocity[i] = motion.twist(later)
-            more = k < MEETINGS - 1
+            more = k < TURNS - 1
             count = self._try_poses(x, size, self.edges, tried, found, False, more)
         return found
 
@@ -123,26 +123,29 @@ def _try_poses(
             R[i, 0, 1] * gap[0] + R[i, 1, 1] * gap[1] + R[i, 2, 1] * gap[2],
             R[i, 0, 2] * gap[0] + R[i, 1, 2] * gap[1] + R[i, 2, 2] * gap[2],
         )
-        edge, off, depth, passed = nearest_edge(p, size[i], edges)
         if present:
-            found.passed[i] = passed
-        if edge < 0 and not present:
+            found.edge_of[i], found.off[i], depth, found.passed[i] = nearest_edge(p, size[i], edges)
+        edge = found.edge_of[i]
+        if edge < 0:
             continue
-        found.edge_of[i], found.off[i] = edge, off
+        k = segment_part(edges.segments, edge, BACK)
+        if not present:
+            d = sub(p, segment_part(edges.segments, edge, START))
+            found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
         for a in range(3):
             for b in range(3):
                 found.rotation[i, a, b] = R[i, a, b]
-        if edge < 0 or not more or depth >= -MET * size[i]:
+        left = LOOK_AHEAD[0] * size[i] - depth
+        if not more or left <= NEAR * size[i]:
             continue
         turning = cross(load(tried.spin, i), gap)
         v = load(tried.velocity, i)
-        k = segment_part(edges.segments, edge, BACK)
         speed = 0.0
         for a in range(3):
             back = R[i, a, 0] * k[0] + R[i, a, 1] * k[1] + R[i, a, 2] * k[2]
             speed += (v[a] + turning[a]) * back
         if speed < 0.0:
-            found.time[i] += depth / speed
+            found.time[i] -= left / speed
             found.seeking[i] = True
             count += 1
     return count

@@ -18,7 +18,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, State
-from shellcut.tool.cutting_edge import NORMAL, CuttingEdges
+from shellcut.tool.cutting_edge import BACK, CuttingEdges
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -184,7 +184,8 @@ class FreeCracks:
             if not (went_on or due[i]):
                 continue
             tip, (x, t, length) = seen[i]
-            edge, off, then = drive.at_meeting(x, length, driven, i, self._motion, state.time)
+            edge = int(driven.edge_of[i])
+            off, then = drive.beyond(x, length, edge, self._motion, state.time)
             ways = drive.directions(edge, off, t, length, tip.heading, then)
             found = (self._path.segment_from(state, tip, way) for way in ways)
             segment = next((one for one in found if one is not None), None)
@@ -227,11 +228,9 @@ class FreeCracks:
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
-            t = np.array(shape_functions(place)) @ state.node.t[state.quads[row]]
-            trace = np.cross(t, pose.rotation @ drive.edges.segments[edge, NORMAL])
-            trace /= np.linalg.norm(trace)
-            back = self._path.segment(state, row, place, -trace)
-            ahead = self._path.segment(state, row, place, trace)
+            back, ahead = (
+                self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0)
+            )
             if back is None or ahead is None:
                 continue
             if common_side(whole, back.exit, ahead.exit) is not None:
@@ -241,6 +240,21 @@ class FreeCracks:
             self._end_at(state, back, cut, -cut.heading)
             self._end_at(state, ahead, cut, cut.heading)
             self._cables.wake(state, self._shell.area)
+
+    def _towards(
+        self, state: State, row: int, place: Point, edge: int, drive: BladeDrive, reach: float
+    ) -> Segment | None:
+        """Return the segment from a place in a row to where an edge will be, or was before."""
+        weights, nodes = np.array(shape_functions(place)), state.quads[row]
+        x, t, size = (
+            weights @ state.node.x[nodes],
+            weights @ state.node.t[nodes],
+            self._path.size(row),
+        )
+        off, then = drive.beyond(x, size, edge, self._motion, state.time, reach)
+        ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
+        way, *_ = drive.directions(edge, off, t / np.linalg.norm(t), size, ahead, then)
+        return self._path.segment(state, row, place, way)
 
     def _cut(self, state: State, segment: Segment, kind: str | None, measure: float) -> _Cut:
         """Cut a row along a segment, or break a side; lay the cables and write it down.
