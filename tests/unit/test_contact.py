@@ -151,6 +151,28 @@ def test_fan_decides_the_side_where_the_nearest_face_is_wrong(sign):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
+def test_a_lip_that_comes_in_through_the_far_face_starts_without_load(sign):
+    # Up to a tenth of an edge over the mid-plane it still belongs to its quads' side. The wedge is
+    # twice as thick as the lip is far over: all of this is set aside, and none of it presses.
+    slope, way = np.tan(np.radians(10.0)), 2e-6  # the blade goes on by so much [mm]
+    for edges, own_side in ((0.095, True), (0.105, False)):
+        gap = edges * EDGE
+        state, node = film_beside(sign, gap=gap, behind=gap / slope - 0.5 * way)
+        state.dt = 0.0
+        contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+        evaluate(contact, state)
+        n = state.node
+        assert n.contact_side[node] == 0  # beside the far face still
+        forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([way, 0.0, 0.0])))
+        assert n.contact_side[node] == (sign if own_side else -sign)
+        depth = 2.0 * gap * np.cos(np.radians(10.0)) if own_side else 0.0
+        assert n.contact_depth[node] == pytest.approx(depth, abs=way)
+        assert n.contact_offset[node] == pytest.approx(depth, abs=way)
+        # If that depth pressed, it would do so with 30 N; half the way gives 1e-11 N, f is cubic.
+        assert np.linalg.norm(forces[node]) < 1e-9
+
+
+@pytest.mark.parametrize("sign", [1, -1])
 def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
     mesh = rectangle(2.0, 0.8, n_x=5, n_y=2)
     node = 2 + 6

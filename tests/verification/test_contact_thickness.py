@@ -2,6 +2,13 @@
 
 Thick films push with hundreds of newtons; where a tooth ends their nodes spring off it at 100 m/s,
 as far in a step as a thin film is thick, and hit it again. Thin ones flutter.
+
+A node's depth has two parts with a bound each. What *presses* is the balance of film and penalty:
+to be held against the thickness of the tool. What is *set aside* as a jump is geometry: the lip of
+a cut that has fluttered over the mid-plane by s before the edge comes meets the far face of the
+wedge first, as far in front of its own face as the wedge is thick there, 2 s. Such a node takes its
+own side up to s = 0.1 edges (``_UNDECIDED`` of the contact), so that this part follows the mesh,
+and which lip lies how far over is chance: any change of the round-off changes it.
 """
 
 from dataclasses import dataclass
@@ -11,20 +18,50 @@ import pytest
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.models import guillotine, opening_test
 from shellcut.simulation.simulation import Simulation
+from shellcut.state import local_edge_length
 from shellcut.tool.shapes import straight_blade
+
+# Discretisation: 0.1 edges of the film on either side of the mid-plane, and a tenth more for curved
+# flanks and the way of a step. Measured 0.19 at most, in 60 openings of 74 µm of 200 MPa that
+# differ in round-off or in the step.
+MOST_SET_ASIDE = 1.1 * 2.0 * 0.1
+
+
+class Depths:
+    """Hook that keeps the largest of both parts of the depth of any node at any step."""
+
+    def __init__(self) -> None:
+        self.pressed = 0.0
+        """Depth that presses [mm]."""
+        self.aside = 0.0
+        """Depth set aside, over the local edge length."""
+
+    def due(self, _sim: Simulation) -> bool:
+        return True
+
+    def __call__(self, sim: Simulation) -> None:
+        n = sim.state.node
+        depth, aside = n.contact_depth[: n.count], n.contact_offset[: n.count]
+        self.pressed = max(self.pressed, (depth - aside).max())
+        size = local_edge_length(n.contact_area[: n.count])
+        self.aside = max(self.aside, (aside / size).max())
+
+    def close(self) -> None: ...
 
 
 @dataclass(frozen=True)
 class Shares:
-    """What contact came to, over the tool's work, and how deep nodes went over its thickness."""
+    """What contact came to: over the tool's work, its thickness, and the edges of the film."""
 
     held: float
     absorbed: float
     imbalance: float
     depth: float
+    pressed: float
+    aside: float
 
 
-def shares(sim: Simulation) -> Shares:
+def shares(sim: Simulation, depths: Depths) -> Shares:
     ledger = sim.close_ledger()
     assert sim.tool is not None
     return Shares(
@@ -32,6 +69,8 @@ def shares(sim: Simulation) -> Shares:
         ledger.relative(ledger.contact_absorbed),
         ledger.relative(ledger.imbalance),
         sim.contact.deepest / sim.tool.half_thickness(),
+        depths.pressed / sim.tool.half_thickness(),
+        depths.aside,
     )
 
 
@@ -43,12 +82,13 @@ def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> Non
     film = ShellMaterial.homogeneous(thickness=thickness)
     case = guillotine(0.8, length=9.6, width=4.8, notch=1.6, travel=6.0, tool=blade, material=film)
     sim = case.simulation
-    sim.run(case.duration)
-    found = shares(sim)
+    depths = Depths()
+    sim.run(case.duration, [depths])
+    found = shares(sim, depths)
     # The step is that of the film, not of its contact: 1.4e-7 s whatever the thickness.
     assert sim.state.time / sim.state.step == pytest.approx(1.4e-7, rel=0.06)
     # Discretisation. Measured 0.05 to 0.16 of V / A, which is 0.135 mm, and -0.35 to +0.34 % of the
-    # work; the imbalance is largest in the thickest, 0.42 %.
+    # work; the imbalance is largest in the thickest, 0.44 %. Nothing is set aside.
     assert found.depth < 0.2
     assert abs(found.held) < 6e-3
     assert abs(found.absorbed) < 1e-3
@@ -69,12 +109,15 @@ def test_the_opening_of_any_film(thickness: float, young: float) -> None:
     film = ShellMaterial.homogeneous(thickness=thickness, young=young)
     case = opening_test("quick", material=film)
     sim = case.simulation
-    sim.run(case.duration)
-    found = shares(sim)
+    depths = Depths()
+    sim.run(case.duration, [depths])
+    found = shares(sim, depths)
     assert len(sim.state.split_log) == 72
-    # V / A of a tooth is 0.205 mm. Measured 0.014 to 0.17 of it; -0.35 to +0.24 % of the work, of
-    # which absorbed jumps are 0.12 % at most.
-    assert found.depth < 0.25
+    # Discretisation. V / A of a tooth is 0.205 mm. Measured 0.014 to 0.18 of it pressed, and in 60
+    # runs of 74 µm of 200 MPa 0.07 to 0.13, while the whole depth is 0.08 to 0.74 by chance.
+    assert found.pressed < 0.25
+    assert found.aside < MOST_SET_ASIDE
+    # -0.35 to +0.24 % of the work, of which absorbed jumps are 0.13 % at most.
     assert abs(found.held) < 6e-3
     assert abs(found.absorbed) < 3e-3
     assert abs(found.imbalance) < 6e-3
