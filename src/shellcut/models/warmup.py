@@ -50,4 +50,6 @@ def warmup(
         )
         case.simulation.run(case.duration)
     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))
-    Canvas((1, 1)).draw(np.zeros((0, 3, 3)), np.ones(3))
+    canvas = Canvas((1, 1))
+    canvas.draw(np.zeros((0, 3, 3)), np.ones(3))
+    canvas.blend(canvas, 0.5)
