@@ -37,6 +37,7 @@ from .quad_polygon import (
     holds,
     on_side,
     shape_functions,
+    side_at,
     side_of,
     span,
 )
@@ -153,17 +154,10 @@ class CrackPath:
         """Return the rows into which a crack may run from its tip, and the tip's place in each."""
         topology = self._topology
         if tip.flank is not None:
-            return [
-                (row, tip.flank)
-                for row in topology.rows_of(tip.quad)
-                if row not in tip.behind and side_of(topology.polygon(row), tip.flank) is not None
-            ]
+            touching = self.rows_at(tip.quad, tip.flank)
+            return [(row, place) for row, place in touching if row not in tip.behind]
         if tip.at_node:
-            return [
-                (row, CORNERS[corner])
-                for row, corner in topology.corners_at(tip.ends[0])
-                if has_corner(topology.polygon(row), corner)
-            ]
+            return self._rows_at_node(tip.ends[0])
         found = []
         a, b = tip.ends
         for row, corner in topology.corners_at(a):
@@ -176,6 +170,36 @@ class CrackPath:
             if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
                 found.append((row, on_side(side, s)))
         return found
+
+    def rows_at(self, quad: int, place: Point) -> list[tuple[int, Point]]:
+        """Return the rows whose film touches a place on the boundary of a row, and where it is.
+
+        The place is one of a quad of the mesh, whose own rows come first; at a corner and on a side
+        those of its neighbours touch it too.
+        """
+        topology, ring = self._topology, self.ring(quad)
+        corner, side = corner_at(place), side_at(place)
+        if corner >= 0:
+            every = self._rows_at_node(ring[corner])
+            return sorted(every, key=lambda at: topology.parent(at[0]) != quad)
+        mine = [(row, place) for row in topology.rows_of(quad)]
+        if side >= 0:
+            a, b, s = ring[side], ring[(side + 1) % 4], along_side(side, place)
+            mine += [
+                (row, on_side((at - 1) % 4, 1.0 - s))
+                for row, at in topology.corners_at(a)
+                if topology.parent(row) != quad and self.ring(row)[(at - 1) % 4] == b
+            ]
+        return [(row, at) for row, at in mine if side_of(topology.polygon(row), at) is not None]
+
+    def _rows_at_node(self, node: int) -> list[tuple[int, Point]]:
+        """Return the rows whose film reaches a node of the mesh, and the corner there."""
+        topology = self._topology
+        return [
+            (row, CORNERS[corner])
+            for row, corner in topology.corners_at(node)
+            if has_corner(topology.polygon(row), corner)
+        ]
 
     def place_of(self, state: State, tip: Tip) -> tuple[Floats, Floats, float] | None:
         """Return position [mm], director and local edge length [mm] of a tip.
@@ -234,17 +258,15 @@ class CrackPath:
             and not self._topology.crossings(a, b)
         )
 
-    def tip_at(self, end: Segment, heading: Floats, length: float, rows: list[int]) -> Tip | None:
-        """Return the tip at the end of a segment that has just cut its row into ``rows``.
+    def tip_at(self, end: Segment, heading: Floats, length: float) -> Tip | None:
+        """Return the tip at the end of a segment that has just been cut; None at a rim.
 
-        None at a rim.
+        Where that has come to an earlier crack :mod:`.tip_across` finds it.
         """
         ring, quad = self.ring(end.row), self._topology.parent(end.row)
         if end.corner >= 0:
             node = ring[end.corner]
             tip = Tip((node, node), 0.0, quad, heading, length)
-        elif end.side == FLANK:
-            tip = Tip((-1, -1), 0.0, quad, heading, length, end.exit, tuple(rows))
         else:
             a, b = ring[end.side], ring[(end.side + 1) % 4]
             s = along_side(end.side, end.exit)

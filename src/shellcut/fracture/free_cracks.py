@@ -31,8 +31,9 @@ from .cut_topology import CutTopology
 from .free_direction import FreeDirection
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
-from .quad_polygon import FLANK, UNUSED, WHOLE, Point, shape_functions
+from .quad_polygon import FLANK, WHOLE, Point, shape_functions
 from .segment_cables import SegmentCables
+from .tip_across import nodes_at, tip_across
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
 
@@ -56,10 +57,20 @@ class _Cut(NamedTuple):
         """Return whether the flanks part at one of its ends, given in the quad of the first row."""
         end = 0 if place == self.chords[0][0] else 1
         minus, plus = (
-            set(state.quads[row][np.array(shape_functions(chord[end])) > UNUSED].tolist())
+            nodes_at(state, row, chord[end])
             for row, chord in zip(self.rows, self.chords, strict=True)
         )
         return minus != plus
+
+    def way(self, state: State, heading: Floats) -> Floats:
+        """Return its unit direction in space, the way that ``heading`` points, shape (3,)."""
+        row, (start, stop) = next(
+            (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
+        )
+        along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
+        way = along @ state.node.x[state.quads[row]]
+        sign = np.copysign(1.0, self.heading @ heading)
+        return np.asarray(sign * way / np.linalg.norm(way))
 
 
 class FreeCracks:
@@ -158,7 +169,7 @@ class FreeCracks:
             if segment is None:
                 return
             cut = self._cut(state, segment, None, 0.0)
-            tip = self._path.tip_at(segment, cut.heading, cut.length, cut.rows)
+            tip = self._path.tip_at(segment, cut.heading, cut.length)
             if tip is None:
                 return
             short = (end - self._path.reference_of(state, tip)) @ way
@@ -209,13 +220,15 @@ class FreeCracks:
         """Put a tip at the end of a segment that has been cut, if the crack is closed there.
 
         Where it is open it has come to a rim or joined another crack, whose tip there is one no
-        more; on the flank of an earlier cut it goes on from the other flank.
+        more: it goes on from the other flank.
         """
-        if segment.side != FLANK and cut.is_open(state, segment.exit):
+        if segment.side == FLANK or cut.is_open(state, segment.exit):
             joined = self._path.ring(segment.row)[segment.corner] if segment.corner >= 0 else -1
             self.tips = [t for t in self.tips if not (t.at_node and t.ends[0] == joined)]
-            return
-        tip = self._path.tip_at(segment, heading, cut.length, cut.rows)
+            way = cut.way(state, heading)
+            tip = tip_across(state, self.topology, self._path, segment, heading, way)
+        else:
+            tip = self._path.tip_at(segment, heading, cut.length)
         if tip is not None:
             self.tips.append(tip)
 

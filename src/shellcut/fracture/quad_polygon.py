@@ -91,6 +91,13 @@ def corner_at(point: Point) -> int:
     return next((c for c in range(4) if _distance(point, CORNERS[c]) < _SAME), -1)
 
 
+def side_at(point: Point) -> int:
+    """Return the side of the quad on which a point lies, -1 if none; of two the first."""
+    return next(
+        (k for k in range(4) if _distance(point, on_side(k, along_side(k, point))) < _SAME), -1
+    )
+
+
 def side_of(polygon: Polygon, point: Point) -> int | None:
     """Return the side on which a point of a polygon's boundary lies, FLANK or None."""
     for a, b, side in zip(polygon.points, _turned(polygon), polygon.sides, strict=True):
