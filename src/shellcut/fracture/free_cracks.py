@@ -169,7 +169,7 @@ class FreeCracks:
             if segment is None:
                 return
             cut = self._cut(state, segment, None, 0.0)
-            tip = self._path.tip_at(segment, cut.heading, cut.length)
+            tip = self._tip_after(state, segment, cut, cut.heading)
             if tip is None:
                 return
             short = (end - self._path.reference_of(state, tip)) @ way
@@ -217,20 +217,23 @@ class FreeCracks:
         self._cables.wake(state, self._shell.area)
 
     def _end_at(self, state: State, segment: Segment, cut: _Cut, heading: Floats) -> None:
-        """Put a tip at the end of a segment that has been cut, if the crack is closed there.
+        """Put a tip where the crack goes on from the end of a segment that has been cut."""
+        tip = self._tip_after(state, segment, cut, heading)
+        if tip is not None:
+            self.tips.append(tip)
 
-        Where it is open it has come to a rim or joined another crack, whose tip there is one no
-        more: it goes on from the other flank.
+    def _tip_after(self, state: State, segment: Segment, cut: _Cut, heading: Floats) -> Tip | None:
+        """Return the tip at the end of a segment that has been cut, None at a rim.
+
+        Where the crack is open there it has come to a rim or to another crack, whose tip there is
+        one no more: it goes on from the other flank.
         """
         if segment.side == FLANK or cut.is_open(state, segment.exit):
             joined = self._path.ring(segment.row)[segment.corner] if segment.corner >= 0 else -1
             self.tips = [t for t in self.tips if not (t.at_node and t.ends[0] == joined)]
             way = cut.way(state, heading)
-            tip = tip_across(state, self.topology, self._path, segment, heading, way)
-        else:
-            tip = self._path.tip_at(segment, heading, cut.length)
-        if tip is not None:
-            self.tips.append(tip)
+            return tip_across(state, self.topology, self._path, segment, heading, way)
+        return self._path.tip_at(segment, heading, cut.length)
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
