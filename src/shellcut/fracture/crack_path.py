@@ -52,8 +52,6 @@ the side away from them."""
 # Of the parametric square: far above round-off.
 AWAY = 1e-6
 
-# Outside that square: written for a tip that lies on no flank.
-_NOWHERE = (2.0, 2.0)
 
 
 @dataclass(eq=False)
@@ -223,16 +221,25 @@ class CrackPath:
         return np.asarray(a + tip.s * (b - a))
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
-        """Return a tip on the rim where a line between two points first crosses it, flat films."""
+        """Return a tip on the rim where a line between two points first crosses it.
+
+        Seen along the film's normal there: on a curved film the line leaves the sheet, and a side
+        of the rim is crossed from which it is nearer than the side is long.
+        """
         way = end - start
         best, found = np.inf, None
         for a, b in boundary_edges(state).tolist():
             A, B = state.node.X[[a, b]]
-            base = np.stack([way, A - B], axis=1)
-            (ahead, s), *_ = np.linalg.lstsq(base, A - start, rcond=None)
-            miss = np.linalg.norm(base @ (ahead, s) - (A - start))
-            on_it = miss < AWAY * np.linalg.norm(A - B) and -AWAY < s < 1.0 + AWAY
-            if on_it and -AWAY < ahead < min(best, 1.0):
+            size, n = float(np.linalg.norm(A - B)), state.node.t[a] + state.node.t[b]
+            n /= np.linalg.norm(n)
+            in_sheet = np.stack([way, A - B, A - start], axis=1)
+            in_sheet -= np.outer(n, n @ in_sheet)
+            base, gap = in_sheet[:, :2], in_sheet[:, 2]
+            (ahead, s), *_ = np.linalg.lstsq(base, gap, rcond=None)
+            miss = np.linalg.norm(base @ (ahead, s) - gap)
+            on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
+            height = abs((A + s * (B - A) - start - ahead * way) @ n)
+            if on_it and height < size and -AWAY < ahead < min(best, 1.0):
                 best, unit = ahead, way / np.linalg.norm(way)
                 at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
                 if at_end is not None:

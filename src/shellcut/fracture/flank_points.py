@@ -16,12 +16,15 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, kernel
 from shellcut.state import KnownTopology, State
 
-from .quad_polygon import Point, shape_functions
+from .quad_polygon import UNUSED, Point, shape_functions
+
+# Of weights: places on a side that agree so far are one; far above round-off.
+_DIGITS = 9
 
 
 class _Tied(NamedTuple):
@@ -105,6 +108,9 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
 def tie(state: State, areas: Floats, density: float) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
+    Of several at one place contact sees the first, and its film is that of the first two: which
+    side of the blade a sliver lies on shows in the copy beyond the side.
+
     The contact area of one is a quarter of its quad's, but no larger than lets its penalty spring
     swing no faster than that of a whole node: m_P / (4 rho h).
 
@@ -121,9 +127,36 @@ def tie(state: State, areas: Floats, density: float) -> None:
     row, node = f.row[: f.count], f.node[: f.count]
     f.nodes[: f.count] = state.quads[row]
     n.quads[node, 0], n.n_quad_at[node] = row, 1
+    n.real[node], again = _seen_by_contact(f.nodes[: f.count], f.weight[: f.count])
+    first, other = again
+    n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
     n.contact_area[node] = np.minimum(0.25 * areas[row], 0.25 * mass / density)
+
+
+def _seen_by_contact(nodes: Ints, weight: Floats) -> tuple[Bools, tuple[Ints, Ints]]:
+    """Return which flank points contact sees, and pairs of a point and the next at its place.
+
+    Where a crack crosses a side, the copies of both quads have a point at the same place, tied to
+    the same two nodes: the first one is touched for both. A corner is a node itself.
+
+    nodes, weight : (n_point, 4).
+    """
+    used = weight > UNUSED
+    seen = used.sum(axis=1) > 1
+    on_side = np.flatnonzero(used.sum(axis=1) == 2)
+    ends = nodes[on_side][used[on_side]].reshape(-1, 2)
+    at = weight[on_side][used[on_side]].reshape(-1, 2)
+    low = np.argmin(ends, axis=1)
+    every = np.arange(len(ends))
+    a, b, s = ends[every, low], ends[every, 1 - low], at[every, low]
+    order = np.lexsort((on_side, np.round(s, _DIGITS), b, a))
+    a, b, s = a[order], b[order], np.round(s[order], _DIGITS)
+    again = np.flatnonzero((a[1:] == a[:-1]) & (b[1:] == b[:-1]) & (s[1:] == s[:-1])) + 1
+    seen[on_side[order[again]]] = False
+    of_first = seen[on_side[order[again - 1]]]
+    return seen, (on_side[order[again - 1]][of_first], on_side[order[again]][of_first])
 
 
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:

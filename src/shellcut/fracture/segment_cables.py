@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.state import NOT_MET, State
 
@@ -70,8 +71,6 @@ class SegmentCables:
     def __init__(self, law: CohesiveLaw, thickness: float, density: float) -> None:
         self._law, self._thickness, self._density = law, thickness, density
         self._sleeping: list[_Sleeping] = []
-        # Places that contact sees: a crossing of a side is one, though two quads have it.
-        self._touched: set[tuple[float, ...]] = set()
 
     def lay(self, rows: list[int], chords: list[tuple[Point, Point]], length: float) -> None:
         """Lay two cables across a new segment; they sleep.
@@ -137,7 +136,7 @@ class SegmentCables:
 
     def _make(self, state: State, one: _Sleeping) -> None:
         ends = [
-            self._add_end(state, row, place, inward)
+            add_flank_point(state, row, place, inward)
             for row, place, inward in (
                 (one.row_minus, one.place_minus, one.inward_minus),
                 (one.row_plus, one.place_plus, one.inward_plus),
@@ -160,35 +159,14 @@ class SegmentCables:
         # The force that a new cable is about to exert: at zero opening it has done no work yet.
         c.traction[k] = self._law.strength
 
-    def _add_end(self, state: State, row: int, place: Point, inward: Point) -> int:
-        point = add_flank_point(state, row, place, inward)
-        f = state.flank
-        k = f.count - 1
-        used = f.weight[k] > UNUSED
-        key = (*f.nodes[k][used].tolist(), *(round(w, 9) for w in f.weight[k][used].tolist()))
-        # A corner is a node itself.
-        state.node.real[point] = used.sum() > 1 and key not in self._touched
-        self._touched.add(key)
-        return point
-
-    def saved(self) -> dict[str, Any]:
-        """Return the sleeping cables and the places that contact sees, as rows of numbers."""
+    def saved(self) -> Floats:
+        """Return the sleeping cables as rows of numbers."""
         rows = [np.hstack([np.ravel(value) for value in astuple(one)]) for one in self._sleeping]
-        touched = sorted(self._touched)
-        return {
-            "sleeping": np.array(rows, float).reshape(-1, _Sleeping.N_NUMBER),
-            "n_touched": np.array([len(key) for key in touched], np.int64),
-            "touched": np.array([number for key in touched for number in key], float),
-        }
+        return np.array(rows, float).reshape(-1, _Sleeping.N_NUMBER)
 
-    def restore(self, saved: dict[str, Any]) -> None:
+    def restore(self, saved: Floats) -> None:
         """Take over :meth:`saved`."""
-        self._sleeping = [_Sleeping.of(row) for row in saved["sleeping"].tolist()]
-        ends = np.cumsum(saved["n_touched"]).tolist()
-        numbers = saved["touched"].tolist()
-        self._touched = {
-            tuple(numbers[a:b]) for a, b in zip([0, *ends[:-1]], ends, strict=True) if b > a
-        }
+        self._sleeping = [_Sleeping.of(row) for row in saved.tolist()]
 
 
 def _between(start: Point, end: Point) -> Point:
