@@ -61,6 +61,7 @@ class ContactNodes(NamedTuple):
     x: Annotated[Floats, "(n_node, 3)"]
     velocity_half: Annotated[Floats, "(n_node, 3)"]
     contact_area: Annotated[Floats, "(n_node,)"]
+    contact_share: Annotated[Floats, "(n_node,)"]
     contact_mass: Annotated[Floats, "(n_node,)"]
     supported: Annotated[Bools, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]

@@ -249,9 +249,15 @@ class CrackPath:
                     found = Tip(ends, float(s), -1, unit, 0.0)
         return found
 
-    def segment_from(self, state: State, tip: Tip, direction: Floats) -> Segment | None:
-        """Return the segment from a tip in a direction in space, None if no row lies there."""
-        found = (self.segment(state, row, entry, direction) for row, entry in self.rows_ahead(tip))
+    def segment_from(
+        self, state: State, tip: Tip, direction: Floats, normal: Floats | None = None
+    ) -> Segment | None:
+        """Return the segment from a tip in a direction in space, None if no row lies there.
+
+        normal : of the plane in which it lies, see :meth:`segment`.
+        """
+        ahead = self.rows_ahead(tip)
+        found = (self.segment(state, row, entry, direction, normal) for row, entry in ahead)
         return next((one for one in found if one is not None), None)
 
     def may_break(self, row: int, start: int, end: int) -> bool:
@@ -281,18 +287,26 @@ class CrackPath:
             tip = Tip(ends, s, quad, heading, length)
         return tip if self.rows_ahead(tip) else None
 
-    def segment(self, state: State, row: int, entry: Point, direction: Floats) -> Segment | None:
+    def segment(
+        self,
+        state: State,
+        row: int,
+        entry: Point,
+        direction: Floats,
+        normal: Floats | None = None,
+    ) -> Segment | None:
         """Return the segment through a row from a place in it in a direction in space.
 
-        It ends where the plane through that place, along the direction and the director, meets the
-        boundary of the row's polygon: sides are straight in space, chords of the parametric square
-        are not. None where the direction leads out of the polygon.
+        It ends where a plane through that place meets the boundary of the row's polygon: sides are
+        straight in space, chords of the parametric square are not. Unless its normal is given it is
+        the plane along the direction and the director. None where the direction leads out of the
+        polygon.
         """
         polygon, nodes = self._topology.polygon(row), state.quads[row]
         weights = np.array(shape_functions(entry))
         x, t = state.node.x[nodes], weights @ state.node.t[nodes]
         gaps = np.array([shape_functions(p) for p in polygon.points]) @ x - weights @ x
-        normal = np.cross(t, direction)
+        normal = np.cross(t, direction) if normal is None else normal
         off = gaps @ (normal / np.linalg.norm(normal))
         hit = _first_edge(polygon, entry, off, gaps @ direction)
         if hit is None:

@@ -28,9 +28,9 @@ from .cut_topology import Corner, CutTopology
 from .quad_polygon import (
     CORNERS,
     Point,
-    centre_of,
     corner_at,
     density,
+    film_beside,
     shape_functions,
     share_of,
     span,
@@ -69,7 +69,7 @@ def cut_row(
     light = min(max(right / (right + left), LEAST_MASS), 1.0 - LEAST_MASS)
     mass = state.quad.mass_share[row]
     state.quad.append_copy(row)
-    state.quad.centre[[row, new]] = [shape_functions(centre_of(polygon)) for polygon in polygons]
+    state.quad.centre[[row, new]] = [shape_functions(film_beside(polygon)) for polygon in polygons]
     shell.cut(state, row, new, (right, left), (mass * light, mass * (1.0 - light)))
     _write_down(state, segment, (row, new), kind, measure)
     renew_nodes(state, shell, topology, corners.tolist())

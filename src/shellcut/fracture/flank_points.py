@@ -111,8 +111,8 @@ def tie(state: State, areas: Floats, density: float) -> None:
     Of several at one place contact sees the first, and its film is that of the first two: which
     side of the blade a sliver lies on shows in the copy beyond the side.
 
-    The contact area of one is a quarter of its quad's, but no larger than lets its penalty spring
-    swing no faster than that of a whole node: m_P / (4 rho h).
+    The contact area of one is a quarter of its quad's; of this presses as much as lets its penalty
+    spring swing no faster than that of a whole node: m_P / (4 rho h).
 
     Parameters
     ----------
@@ -132,7 +132,8 @@ def tie(state: State, areas: Floats, density: float) -> None:
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
-    n.contact_area[node] = np.minimum(0.25 * areas[row], 0.25 * mass / density)
+    n.contact_area[node] = 0.25 * areas[row]
+    n.contact_share[node] = np.minimum(1.0, mass / (density * areas[row]))
 
 
 def _seen_by_contact(nodes: Ints, weight: Floats) -> tuple[Bools, tuple[Ints, Ints]]:

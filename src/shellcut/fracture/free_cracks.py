@@ -162,10 +162,14 @@ class FreeCracks:
         if tip is None:
             raise ValueError(
                 f"a notch must begin at the rim of the film: no side of it lies between "
-                f"{start.tolist()} and {end.tolist()} mm"
+                f"{start.tolist()} and {end.tolist()} mm, nearer to that line than it is long"
             )
-        while tip is not None:
-            segment = self._path.segment_from(state, tip, way)
+        across: Floats | None = None
+        while tip is not None and (at := self._path.place_of(state, tip)) is not None:
+            t = at[1]
+            across = np.cross(t, way) if across is None else across
+            # The trace of the plane in the sheet there.
+            segment = self._path.segment_from(state, tip, np.cross(across, t), across)
             if segment is None:
                 return
             cut = self._cut(state, segment, None, 0.0)

@@ -39,6 +39,10 @@ UNUSED = 1e-9
 _SAME = 1e-9
 
 
+# Of the parametric square: a quarter of an edge, clear of the mid-plane of a blade in the cut.
+_CLEAR = 0.5
+
+
 class Polygon(NamedTuple):
     """A convex polygon of the parametric square, counter-clockwise."""
 
@@ -120,6 +124,28 @@ def centre_of(polygon: Polygon) -> Point:
     """Return the mean of a polygon's points."""
     n = len(polygon.points)
     return sum(p[0] for p in polygon.points) / n, sum(p[1] for p in polygon.points) / n
+
+
+def film_beside(polygon: Polygon) -> Point:
+    """Return a place that shows on which side of its flanks the film of a polygon lies.
+
+    The mean of its points, but at least ``_CLEAR`` of the parametric square from the flanks, beyond
+    the polygon of a sliver.
+    """
+    centre, points = centre_of(polygon), polygon.points
+    mid, inward, n = np.zeros(2), np.zeros(2), 0
+    for a, b, side in zip(points, _turned(polygon), polygon.sides, strict=True):
+        if side == FLANK:
+            length = _distance(a, b)
+            inward += (a[1] - b[1]) / length, (b[0] - a[0]) / length
+            mid += 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
+            n += 1
+    size = float(np.hypot(*inward))
+    if size < _SAME:
+        return centre
+    off = float((centre - mid / n) @ inward) / size
+    x, y = centre + max(0.0, _CLEAR - off) / size * inward
+    return float(x), float(y)
 
 
 def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon]:

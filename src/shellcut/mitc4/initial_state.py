@@ -40,6 +40,7 @@ def initial_state(mesh: Mesh) -> State:
         push=columns(cap, 2),
         contact_mass=rows(),
         contact_area=rows(),
+        contact_share=np.ones(cap),
         origin=origin,
         halved=halved,
         real=np.ones(cap, np.bool_),

@@ -156,6 +156,8 @@ class NodeTable(_Table):
     """Mass that a contact force moves: its own, or what it feels of a copy [t], shape (n,)."""
     contact_area: Floats
     """Area of the contact penalty [mm²], ¼ of the mean area of the node's quads, shape (n,)."""
+    contact_share: Floats
+    """Part of that area that presses: less than one where what it feels is light, shape (n,)."""
     origin: Ints
     """Reference node this one was split from, itself if never split, shape (n,)."""
     halved: Bools
@@ -225,7 +227,8 @@ class QuadTable(_Table):
     mass_share: Floats
     """Part of the parent's mass that it has, shape (n,); see :mod:`shellcut.fracture.cut_state`."""
     centre: Floats
-    """Weights of its nodes at the centre of the film that it holds, shape (n, 4)."""
+    """Weights of its nodes at the centre of the film that it holds, of a sliver farther from its
+    flank than that, shape (n, 4)."""
 
 
 @dataclass
