@@ -33,15 +33,15 @@ class Rules:
         """Return segment and measure of each tip, None without, and which the edge has passed."""
         state, found = self.sim.state, []
         at = [self.path.place_of(state, tip) for tip in tips]
-        size = np.array([one[2] for one in at])
-        driven = self.drive.of(np.array([one[0] for one in at]), size, self.sim.pose)
-        for i, (tip, (x, t, length)) in enumerate(zip(tips, at, strict=True)):
+        size = np.array([one.size for one in at])
+        driven = self.drive.of(np.array([one.x for one in at]), size, self.sim.pose)
+        for i, (tip, place) in enumerate(zip(tips, at, strict=True)):
             segment = measure = None
             if driven.edge_of[i] >= 0:
-                edge = int(driven.edge_of[i])
-                off, then = self.drive.beyond(x, length, edge, self.sim.motion, state.time)
-                ways = self.drive.directions(edge, off, t, length, tip.heading, then)
-                segments = (self.path.segment_from(state, tip, way) for way in ways)
+                edge, motion = int(driven.edge_of[i]), self.sim.motion
+                off, then = self.drive.beyond(place.x, place.size, edge, motion, state.time)
+                ways, lean = self.drive.directions(edge, off, place, then)
+                segments = (self.path.segment_from(state, tip, way, lean) for way in ways)
                 segment = next((one for one in segments if one is not None), None)
             if segment is not None:
                 measure = self.trial.measure(state, tip, segment)

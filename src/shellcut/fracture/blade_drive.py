@@ -34,12 +34,21 @@ from shellcut.tool.cutting_edge import (
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
 
+from .crack_path import Place
+
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
 _REACH = 0.5
 
 # How far ahead of the edge such a tip may be, likewise.
 _AHEAD = 20.0
 
+
+# Of the squared sine of the angle between mid-plane and sheet: below it the way in the sheet to the
+# mid-plane counts as that of a plane that leans by this, some 18 degrees from the sheet.
+LEAST = 0.1
+
+# Below this a vector has no direction: the mid-plane lies in the sheet to within round-off.
+TANGENT = 1e-12
 
 # Where the trace of the mid-plane is aimed at, in local edge lengths ahead.
 LOOK_AHEAD = (1.0, 2.0, 4.0)
@@ -126,12 +135,14 @@ class BladeDrive:
         return float((pose.to_body(x[None])[0] - segment[START]) @ segment[NORMAL]), pose
 
     def directions(
-        self, segment: int, off: float, t: Floats, size: float, heading: Floats, pose: Pose
-    ) -> list[Floats]:
+        self, segment: int, off: float, place: Place, pose: Pose
+    ) -> tuple[list[Floats], Floats]:
         """Return the unit directions in space in which a blade drives a tip, the best one first.
 
         Towards the trace of its mid-plane, one edge length ahead; where that leads back out of the
-        film ahead, because the film has been pushed far aside, less and less towards it.
+        film ahead, because the film has been pushed far aside, less and less towards it. With them
+        how the mid-plane leans from the director, for :meth:`.crack_path.CrackPath.segment`: by as
+        much as from that of the reference film, for folds under the blade do not count.
 
         Parameters
         ----------
@@ -139,23 +150,23 @@ class BladeDrive:
             That drives it.
         off : float
             Signed distance of the tip from its mid-plane [mm].
-        t : ndarray, shape (3,)
-            Director at the tip.
-        size : float
-            Local edge length [mm].
-        heading : ndarray, shape (3,)
-            In which the tip came.
+        place : Place
+            Of the tip.
         pose : Pose
             Of the tool.
         """
+        t, size = place.t, place.size
         b = pose.rotation @ self.edges.segments[segment, NORMAL]
         trace = np.cross(t, b)
-        trace /= np.linalg.norm(trace)
-        if trace @ heading < 0.0:
+        trace /= max(float(np.linalg.norm(trace)), TANGENT)
+        if trace @ place.heading < 0.0:
             trace = -trace
-        aside = off * (b - (b @ t) * t)
-        ways = [reach * size * trace - aside for reach in LOOK_AHEAD]
-        return [way / np.linalg.norm(way) for way in [*ways, trace]]
+        sine = float(b @ place.T)
+        across = (b - (b @ t) * t) / max(1.0 - sine * sine, LEAST)
+        ways = [reach * size * trace - off * across for reach in LOOK_AHEAD]
+        return [way / max(float(np.linalg.norm(way)), TANGENT) for way in [*ways, trace]], (
+            sine * across
+        )
 
 
 @kernel

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -111,6 +111,21 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
     ]
 
 
+class Place(NamedTuple):
+    """Where a tip is in the film now, and how it came there."""
+
+    x: Floats
+    """Position [mm], shape (3,)."""
+    t: Floats
+    """Unit director, shape (3,)."""
+    size: float
+    """Local edge length [mm]."""
+    T: Floats
+    """Unit director in the reference film, shape (3,)."""
+    heading: Floats
+    """In which direction it came, of any length, shape (3,)."""
+
+
 @dataclass(frozen=True)
 class Segment:
     """A straight way of a crack through a row."""
@@ -199,18 +214,53 @@ class CrackPath:
             if has_corner(topology.polygon(row), corner)
         ]
 
-    def place_of(self, state: State, tip: Tip) -> tuple[Floats, Floats, float] | None:
-        """Return position [mm], director and local edge length [mm] of a tip.
+    def place_of(self, state: State, tip: Tip) -> Place | None:
+        """Return where a tip is now.
 
         None where no film is ahead: at a rim, and where another crack has come across.
         """
         ahead = self.rows_ahead(tip)
         if not ahead:
             return None
-        row, place = ahead[0]
+        (row, place), *_ = ahead
+        forward = self.carried_on(row, place, tip.heading)
+        at = self.place_in(state, row, place)
+        return at._replace(heading=forward @ state.node.x[state.quads[row]])
+
+    def place_in(self, state: State, row: int, place: Point) -> Place:
+        """Return a place of a row now, its heading still zero."""
         weights, nodes = np.array(shape_functions(place)), state.quads[row]
         t = weights @ state.node.t[nodes]
-        return weights @ state.node.x[nodes], t / np.linalg.norm(t), self.size(row)
+        return Place(
+            weights @ state.node.x[nodes],
+            t / np.linalg.norm(t),
+            self.size(row),
+            self.reference_director(row, place),
+            np.zeros(3),
+        )
+
+    def reference_director(self, row: int, place: Point) -> Floats:
+        """Return the unit director at a place of a row in the reference film, shape (3,)."""
+        film = self._shell.reference
+        T = np.array(shape_functions(place)) @ film.t[film.quads[row]]
+        return np.asarray(T / np.linalg.norm(T))
+
+    def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
+        """Return weights of a row's nodes, shape (4,): with their positions now they give a heading.
+
+        The heading is a direction in the reference film behind a tip. It goes on into the tangent
+        plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
+        the tip that lay in its direction.
+        """
+        (xi, eta), film = place, self._shell.reference
+        gradients = 0.25 * np.array(
+            [
+                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
+                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
+            ]
+        )
+        along, *_ = np.linalg.lstsq((gradients @ film.x[film.quads[row]]).T, heading, rcond=None)
+        return np.asarray(along @ gradients)
 
     def reference_of(self, state: State, tip: Tip) -> Floats:
         """Return where a tip lies in the reference film [mm], shape (3,)."""
@@ -250,14 +300,14 @@ class CrackPath:
         return found
 
     def segment_from(
-        self, state: State, tip: Tip, direction: Floats, normal: Floats | None = None
+        self, state: State, tip: Tip, direction: Floats, lean: Floats | None = None
     ) -> Segment | None:
         """Return the segment from a tip in a direction in space, None if no row lies there.
 
-        normal : of the plane in which it lies, see :meth:`segment`.
+        lean : of the plane in which it lies, see :meth:`segment`.
         """
         ahead = self.rows_ahead(tip)
-        found = (self.segment(state, row, entry, direction, normal) for row, entry in ahead)
+        found = (self.segment(state, row, entry, direction, lean) for row, entry in ahead)
         return next((one for one in found if one is not None), None)
 
     def may_break(self, row: int, start: int, end: int) -> bool:
@@ -293,20 +343,20 @@ class CrackPath:
         row: int,
         entry: Point,
         direction: Floats,
-        normal: Floats | None = None,
+        lean: Floats | None = None,
     ) -> Segment | None:
         """Return the segment through a row from a place in it in a direction in space.
 
         It ends where a plane through that place meets the boundary of the row's polygon: sides are
-        straight in space, chords of the parametric square are not. Unless its normal is given it is
-        the plane along the direction and the director. None where the direction leads out of the
-        polygon.
+        straight in space, chords of the parametric square are not. The plane lies along the
+        direction and the director, from which it leans by ``lean``, shape (3,). None where the
+        direction leads out of the polygon.
         """
         polygon, nodes = self._topology.polygon(row), state.quads[row]
         weights = np.array(shape_functions(entry))
         x, t = state.node.x[nodes], weights @ state.node.t[nodes]
         gaps = np.array([shape_functions(p) for p in polygon.points]) @ x - weights @ x
-        normal = np.cross(t, direction) if normal is None else normal
+        normal = np.cross(t if lean is None else t - lean, direction)
         off = gaps @ (normal / np.linalg.norm(normal))
         hit = _first_edge(polygon, entry, off, gaps @ direction)
         if hit is None:

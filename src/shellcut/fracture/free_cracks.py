@@ -144,7 +144,7 @@ class FreeCracks:
                 self.tips.remove(tip)
                 continue
             place = self._path.reference_of(state, tip)
-            way = self._direction.of(state, place, at[1], at[2], tip.heading)
+            way = self._direction.of(state, place, at, tip.heading)
             segment = None if way is None else self._path.segment_from(state, tip, way)
             if segment is None or state.node.support_rate[state.quads[segment.row]].any():
                 continue  # moving supports hold their film together
@@ -166,10 +166,10 @@ class FreeCracks:
             )
         across: Floats | None = None
         while tip is not None and (at := self._path.place_of(state, tip)) is not None:
-            t = at[1]
-            across = np.cross(t, way) if across is None else across
-            # The trace of the plane in the sheet there.
-            segment = self._path.segment_from(state, tip, np.cross(across, t), across)
+            across = np.cross(at.t, way) if across is None else across
+            # The trace of the plane in the sheet there, and how it leans from the director.
+            trace, lean = np.cross(across, at.t), (at.t @ across) / (across @ across) * across
+            segment = self._path.segment_from(state, tip, trace, lean)
             if segment is None:
                 return
             cut = self._cut(state, segment, None, 0.0)
@@ -192,17 +192,17 @@ class FreeCracks:
         due : (n_tip,), which may be due as long as nothing has been cut.
         """
         seen = [(tip, at) for tip in self.tips if (at := self._path.place_of(state, tip))]
-        size = np.array([at[2] for _, at in seen])
-        driven = drive.of(np.array([at[0] for _, at in seen]), size, pose)
+        size = np.array([at.size for _, at in seen])
+        driven = drive.of(np.array([at.x for _, at in seen]), size, pose)
         went_on = False
         for i in np.flatnonzero(driven.edge_of >= 0).tolist():
             if not (went_on or due[i]):
                 continue
-            tip, (x, t, length) = seen[i]
+            tip, at = seen[i]
             edge = int(driven.edge_of[i])
-            off, then = drive.beyond(x, length, edge, self._motion, state.time)
-            ways = drive.directions(edge, off, t, length, tip.heading, then)
-            found = (self._path.segment_from(state, tip, way) for way in ways)
+            off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time)
+            ways, lean = drive.directions(edge, off, at, then)
+            found = (self._path.segment_from(state, tip, way, lean) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None:
                 continue
@@ -265,16 +265,11 @@ class FreeCracks:
         self, state: State, row: int, place: Point, edge: int, drive: BladeDrive, reach: float
     ) -> Segment | None:
         """Return the segment from a place in a row to where an edge will be, or was before."""
-        weights, nodes = np.array(shape_functions(place)), state.quads[row]
-        x, t, size = (
-            weights @ state.node.x[nodes],
-            weights @ state.node.t[nodes],
-            self._path.size(row),
-        )
-        off, then = drive.beyond(x, size, edge, self._motion, state.time, reach)
+        at = self._path.place_in(state, row, place)
+        off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time, reach)
         ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
-        way, *_ = drive.directions(edge, off, t / np.linalg.norm(t), size, ahead, then)
-        return self._path.segment(state, row, place, way)
+        (way, *_), lean = drive.directions(edge, off, at._replace(heading=ahead), then)
+        return self._path.segment(state, row, place, way, lean)
 
     def _cut(self, state: State, segment: Segment, kind: str | None, measure: float) -> _Cut:
         """Cut a row along a segment, or break a side; lay the cables and write it down.

@@ -21,7 +21,7 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
 from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL
 
-from .blade_drive import LOOK_AHEAD
+from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
 from .crack_path import AWAY, MERGE, SNAP, CrackPath, Tip, common_side, is_on
 from .cut_topology import CutTopology
 from .quad_polygon import (
@@ -52,8 +52,10 @@ class Tips(NamedTuple):
     """Their shape functions at the tip."""
     size: Annotated[Floats, "(n_tip,)"]
     """Local edge length [mm]."""
-    heading: Annotated[Floats, "(n_tip, 3)"]
-    """In which direction it came."""
+    forward: Annotated[Floats, "(n_tip, 4)"]
+    """Weights that give of their positions in which direction it came."""
+    reference: Annotated[Floats, "(n_tip, 3)"]
+    """Unit director there in the reference film."""
     start: Annotated[Ints, "(n_tip + 1,)"]
     """First of its rows ahead, and the end."""
 
@@ -116,7 +118,10 @@ def rows_ahead(
         nodes=state.quads[first].astype(np.int64),
         weight=np.array([shape_functions(rows[0][1]) for rows in ahead]),
         size=sizes[first],
-        heading=np.array([tip.heading for tip in tips]),
+        forward=np.array(
+            [path.carried_on(*rows[0], tip.heading) for rows, tip in zip(ahead, tips, strict=True)]
+        ),
+        reference=np.array([path.reference_director(*rows[0]) for rows in ahead]),
         start=np.cumsum([0, *map(len, ahead)]),
     )
     n, most = len(every), max(len(topology.polygon(row).points) for row, _ in every)
@@ -227,17 +232,21 @@ def aim(
         normal = segments[e, NORMAL, 0], segments[e, NORMAL, 1], segments[e, NORMAL, 2]
         turned = load(rotation[i], 0), load(rotation[i], 1), load(rotation[i], 2)
         b = dot(turned[0], normal), dot(turned[1], normal), dot(turned[2], normal)
-        trace = cross(d, b)
-        sign = -1.0 if dot(trace, load(tips.heading, i)) < 0.0 else 1.0
-        trace = scale(sign / norm(trace), trace)
-        aside = combine(off[i], b, -off[i] * dot(b, d), d)
+        trace, heading = cross(d, b), (0.0, 0.0, 0.0)
+        for a in range(4):
+            heading = combine(1.0, heading, tips.forward[i, a], load(x, tips.nodes[i, a]))
+        sign = -1.0 if dot(trace, heading) < 0.0 else 1.0
+        trace = scale(sign / max(norm(trace), TANGENT), trace)
+        sine = dot(b, load(tips.reference, i))
+        across = scale(1.0 / max(1.0 - sine * sine, LEAST), combine(1.0, b, -dot(b, d), d))
+        aside, lean = scale(off[i], across), scale(sine, across)
         for turn in range(len(LOOK_AHEAD) + 1):
             way = trace
             if turn < len(LOOK_AHEAD):
                 way = combine(LOOK_AHEAD[turn] * tips.size[i], trace, -1.0, aside)
-            way = scale(1.0 / norm(way), way)
+            way = scale(1.0 / max(norm(way), TANGENT), way)
             for k in range(tips.start[i], tips.start[i + 1]):
-                if aimed.way[i, 0] < 0 and _through(ahead, k, i, x, t, way, aimed):
+                if aimed.way[i, 0] < 0 and _through(ahead, k, i, x, t, way, lean, aimed):
                     aimed.way[i, 0] = k
         if aimed.way[i, 0] >= 0:
             aimed.right[i] = _share_to_the_right(ahead, aimed, i)
@@ -253,11 +262,13 @@ def _through(
     x: Floats,
     t: Floats,
     way: Vec3,
+    lean: Vec3,
     aimed: Aimed,
 ) -> bool:
     """Write the segment through row k of the table for tip i; return whether there is one."""
     here = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
-    normal = cross(_at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t), way)
+    upright = sub(_at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t), lean)
+    normal = cross(upright, way)
     normal = scale(1.0 / norm(normal), normal)
     n, hit, along, best = ahead.n_point[k], -1, 0.0, np.inf
     for j in range(n):

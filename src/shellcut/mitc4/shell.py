@@ -137,6 +137,11 @@ class MITC4Shell:
         return self._places.points
 
     @property
+    def reference(self) -> Surface:
+        """Nodes, directors and corners of every quad and copy in the mesh."""
+        return self._reference
+
+    @property
     def mesh_quads(self) -> Ints:
         """Nodes of the mesh at the corners of every quad and copy, shape (n, 4)."""
         return self._reference.quads
