@@ -133,7 +133,8 @@ def _cap(gmsh, radius, rim):
     return [s for _, s in gmsh.model.getEntities(2) if gmsh.model.getType(2, s) == "Sphere"]
 
 
-def _sector(gmsh, kind, sector=np.radians(150.0)):
+def _sector(gmsh, kind):
+    sector = np.radians(150.0)
     if kind == "cone":
         profile = [(9.0, 0.0), (4.5, 6.0)]
     else:

@@ -52,6 +52,8 @@ the side away from them."""
 # Of the parametric square: far above round-off.
 AWAY = 1e-6
 
+# Outside that square: written for a tip that lies on no flank.
+_NOWHERE = (2.0, 2.0)
 
 
 @dataclass(eq=False)
@@ -246,7 +248,7 @@ class CrackPath:
         return np.asarray(T / np.linalg.norm(T))
 
     def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
-        """Return weights of a row's nodes, shape (4,): with their positions now they give a heading.
+        """Return weights of a row's nodes that give, of their positions, a heading, shape (4,).
 
         The heading is a direction in the reference film behind a tip. It goes on into the tangent
         plane of the row ahead, by projection, and moves with that row: as the line of film ahead of

@@ -1,0 +1,119 @@
+"""What cracks through quads know of a film that is curved, and of slivers beside a blade."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from curved_films import Roll, moved
+from shellcut.fracture.crack_path import Tip
+from shellcut.fracture.flank_points import _seen_by_contact
+from shellcut.fracture.free_direction import FreeDirection, _turns
+from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
+from shellcut.mesh.structured import rectangle
+
+SIZE = 0.5
+
+
+def rolled(angle, radius):
+    """Return a simulation without tool of a strip of 6 by 4 mm on a cylinder."""
+    strip = moved(rectangle(6.0, 4.0, size=SIZE), "random", 0.2, SIZE)
+    roll = Roll(angle, radius)
+    sim = sc.Simulation(
+        roll.mesh(strip),
+        sc.ShellMaterial.homogeneous(),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    return sim, roll, strip
+
+
+def inner_tips(sim, roll):
+    """Return tips at inner nodes that came along the strip, where they lie and their headings."""
+    X = sim.mesh.nodes
+    inside = np.setdiff1d(np.arange(sim.mesh.n_node), sim.mesh.boundary_nodes())
+    found = []
+    for node in inside[:: max(1, len(inside) // 12)].tolist():
+        u, v = roll.unrolled(X[node][None])
+        (before, here), _ = roll.onto(np.array([u[0] - 0.4, u[0]]), v)
+        way = (here - before) / np.linalg.norm(here - before)
+        found.append(Tip((node, node), 0.0, -1, way, 0.4))
+    return found
+
+
+@pytest.mark.parametrize("radius", [1e9, 4.0])
+def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
+    sim, roll, _ = rolled(30.0, radius)
+    path, tips = sim.cracks.free._path, inner_tips(sim, roll)
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    for tip in tips:
+        at = path.place_of(sim.state, tip)
+        # In the tangent plane ahead it is the heading but for its part across that plane, which is
+        # no more than the angle that two quads make.
+        assert np.linalg.norm(at.heading - tip.heading) < 0.5 * SIZE / radius + 1e-7
+        x = sim.state.node.x.copy()
+        sim.state.node.x[:] = x @ turn.T
+        turned = path.place_of(sim.state, tip)
+        sim.state.node.x[:] = x
+        np.testing.assert_allclose(turned.heading, turn @ at.heading, atol=1e-12)
+        np.testing.assert_array_equal(turned.T, at.T)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
+def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
+    # A strain that is uniform in the sheet, its principal axes at 45 degrees to the cylinder's: the
+    # mean of stresses in planes that lean against each other would turn the direction by degrees.
+    sim, roll, strip = rolled(angle, 2.5)
+    stretch = np.array([[1.010, 0.004], [0.004, 1.008]])
+    u, v = (strip.nodes[:, :2] @ stretch).T
+    x, t = roll.onto(u, v)
+    node = sim.state.node
+    node.x[: len(x)], node.t[: len(t)] = x, t
+    _, vectors = np.linalg.eigh(stretch)
+    across = vectors[:, 0] * np.sign(vectors[0, 0])
+    free = FreeDirection(sim.shell)
+    for tip in inner_tips(sim, roll):
+        at = sim.cracks.free._path.place_of(sim.state, tip)
+        place = sim.cracks.free._path.reference_of(sim.state, tip)
+        way = free.of(sim.state, place, at, tip.heading)
+        a, b = (np.array(roll.unrolled((at.x + d * way)[None]))[:, 0] for d in (-0.05, 0.05))
+        found = (b - a) / np.linalg.norm(b - a)
+        # Discretisation: two degrees.
+        assert abs(found @ across) > np.cos(np.radians(2.0))
+
+
+def test_the_least_rotation():
+    rng = np.random.default_rng(1)
+    start = rng.normal(size=(20, 3))
+    start /= np.linalg.norm(start, axis=1)[:, None]
+    end = start[0]
+    R = _turns(start, end)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", R, start), np.tile(end, (20, 1)), atol=1e-9)
+    np.testing.assert_allclose(R @ R.transpose(0, 2, 1), np.tile(np.eye(3), (20, 1, 1)), atol=1e-9)
+    up = np.array([[0.0, 0.0, 1.0]])
+    np.testing.assert_array_equal(_turns(up, up[0])[0], np.eye(3))
+
+
+def test_the_film_of_a_sliver_shows_clear_of_its_flank():
+    right, left = divide(WHOLE, (-1.0, 0.9), (0.8, 1.0))
+    for part in (right, left):
+        xi, eta = film_beside(part)
+        off = (1.8 * (eta - 0.9) - 0.1 * (xi + 1.0)) / np.hypot(1.8, 0.1)
+        assert abs(off) > 0.499
+        assert (off > 0.0) == (part is left)
+    assert film_beside(WHOLE) == (0.0, 0.0)
+
+
+def test_contact_sees_a_crossing_once_whichever_way_the_quads_go_round():
+    nodes = np.array([[4, 5, 7, 6], [6, 7, 9, 8], [4, 5, 7, 6], [1, 2, 3, 4], [6, 7, 9, 8]])
+    weight = np.array(
+        [
+            [0.0, 0.0, 0.3, 0.7],
+            [0.7, 0.3, 0.0, 0.0],
+            [0.2, 0.3, 0.1, 0.4],
+            [1.0, 0.0, 0.0, 0.0],
+            [0.6, 0.4, 0.0, 0.0],
+        ]
+    )
+    seen, (first, other) = _seen_by_contact(nodes, weight)
+    assert seen.tolist() == [True, False, True, False, True]
+    assert (first.tolist(), other.tolist()) == ([0], [1])
