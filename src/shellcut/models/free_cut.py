@@ -1,4 +1,4 @@
-"""A cut through any flat film by any tool on any motion."""
+"""A cut through any film by any tool on any motion; what is imprinted must be flat."""
 
 from __future__ import annotations
 

@@ -336,13 +336,15 @@ class Simulation:
         """Cut the film before the run along a straight line from its rim, without cables.
 
         For cracks that go through quads, ``Fracture(path="free")``; along edges :meth:`Mesh.cut`
-        cuts the mesh.
+        cuts the mesh. On a curved film the notch runs in the plane of the line and of the film's
+        normal at the rim.
 
         Parameters
         ----------
         start, end : array_like, shape (3,)
             Outside the rim or on it, and where the notch ends [mm]: at the first side of the mesh,
-            or node, that the line meets there or beyond.
+            or node, that the line meets there or beyond. It passes the side of the rim where it
+            begins nearer than that is long.
 
         Raises
         ------
