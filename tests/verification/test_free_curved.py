@@ -16,7 +16,7 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved, revolved, strip_with_hole
-from shellcut.mesh.structured import rectangle
+from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.tool_shapes import straight_blade
 
 SIZE, WIDTH, RADIUS, NOTCH = 0.8, 8.0, 15.0, 2.0
@@ -235,6 +235,23 @@ def test_a_notch_beside_the_film_is_refused(film):
     sim = blade_across(film("cap", 0.0), 0.0, 20.0, -30.0)
     with pytest.raises(ValueError, match="nearer to that line than it is long"):
         sim.notch((-9.0, 0.0, 2.0), (-4.0, 0.0, 2.0))
+
+
+def test_a_blade_parts_a_tube():
+    # Pierced where its wall stands along the edge, cut over both halves, and met behind.
+    radius, n_around = 5.0, 40
+    mesh = cylinder(radius, 8.0, n_around=n_around, n_along=11)
+    blade = straight_blade(length=6.0, height=14.0).translated((-radius - 0.3, 0.1, 0.0))
+    motion = sc.StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=RAMP)
+    sim = simulation(mesh, blade, motion, ["bottom", "top"])
+    _, tool, _, imbalance = courses(sim, 2.0 * radius + 1.0)
+    assert sim.cracks.free.tips == []
+    around = 2.0 * n_around * radius * np.sin(np.pi / n_around)
+    # Its corners that are met lie a little off the circle: discretisation.
+    assert sim.state.crack_length == pytest.approx(around, rel=2e-3)
+    off = [abs(cut.reference[1] - 0.1) for cut in sim.state.splits]
+    assert max(off) < 0.05 * SIZE
+    assert worst(tool, imbalance) < 1e-3
 
 
 def torn(radius):
