@@ -4,7 +4,8 @@ A tip lies on a side of the mesh, at a node of it, or on the flank of an earlier
 has run into. From there a ray goes through the polygon of the row ahead. Where its segment ends
 ([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
 
-1. on a crossing of another crack within ``MERGE`` edge lengths, measured across the ray;
+1. on a crossing of another crack within ``MERGE`` edge lengths, measured across the ray; if that
+   crack leads there from the tip, there is nothing left to cut;
 2. at a corner within ``SNAP`` edge lengths across the ray, if it is not on the side where the
    segment begins; from a node, a side that the ray leaves by less than that is broken as a side;
 3. on the side itself, at least ``SNAP`` of it from its corners.
@@ -48,6 +49,10 @@ MERGE = 0.15
 SNAP = 0.05
 """Corners nearer than this, in edge lengths across the ray, are met; crossings keep this part of
 the side away from them."""
+
+ALONG = 1.0 / 3.0
+"""Of the way ahead: a flank that leads to such a point no farther beside the ray is a crack along
+it."""
 
 # Of the parametric square: far above round-off.
 AWAY = 1e-6
@@ -375,6 +380,8 @@ class CrackPath:
             on = common_side(polygon, entry, end)
             if on is None:
                 return Segment(row, entry, end, side, corner)
+            if on == FLANK and abs(off[k]) < ALONG * (gaps[k] @ direction):
+                return None  # there is a crack already
             start = corner_at(entry)
             if corner >= 0 and start >= 0 and on != FLANK and self.may_break(row, start, corner):
                 return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)

@@ -22,7 +22,7 @@ from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL
 
 from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
-from .crack_path import AWAY, MERGE, SNAP, CrackPath, Tip, common_side, is_on
+from .crack_path import ALONG, AWAY, MERGE, SNAP, CrackPath, Tip, common_side, is_on
 from .cut_topology import CutTopology
 from .quad_polygon import (
     FLANK,
@@ -298,6 +298,8 @@ def _through(
             aimed.way[i, 2], aimed.way[i, 3] = j, 0
             aimed.exit[i, 0], aimed.exit[i, 1] = ahead.point[k, j, 0], ahead.point[k, j, 1]
             return True
+        if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
+            return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
 
 
