@@ -5,7 +5,7 @@
 maps the cylinder onto itself, with a short body, so that in steady cutting the whole deformed film
 moves along with it: all energies stay, and the work of the tool goes into the cables and damping.
 Force from the tool's work and from the cables' over whole node periods, in units of G h, within 2.5
-and 1.5 per cent (discretisation; measured here, on 0.8 mm: 0.8 to 2.1 and at most 1.3).
+and 1.5 per cent (discretisation; measured here, on 0.8 mm: 0.4 to 1.7 and at most 0.6).
 
 *Surfaces of revolution*, meshed by Gmsh and read from a file: a blade pierces them from the side
 and cuts them along its mid-plane, which leans against the film by up to 48 degrees.
