@@ -5,10 +5,10 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved
-from shellcut.fracture.crack_path import Tip
 from shellcut.fracture.flank_points import _seen_by_contact
 from shellcut.fracture.free_direction import FreeDirection, _turns
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
+from shellcut.fracture.tip import Tip
 from shellcut.mesh.structured import rectangle
 
 SIZE = 0.5

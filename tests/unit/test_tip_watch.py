@@ -8,9 +8,10 @@ import pytest
 from free_strip import cut_strip, slanted_strip
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.chord_ends import parts_quad
-from shellcut.fracture.crack_path import CrackPath, Tip, common_side
+from shellcut.fracture.crack_path import CrackPath, common_side
 from shellcut.fracture.pierce import Pierce
 from shellcut.fracture.quad_polygon import WHOLE, shape_functions
+from shellcut.fracture.tip import Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut
 from shellcut.mesh.mesh import Mesh

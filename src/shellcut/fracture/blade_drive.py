@@ -34,7 +34,7 @@ from shellcut.tool.cutting_edge import (
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose, to_body
 
-from .crack_path import Place
+from .tip import Place
 
 # How far beside the mid-plane a tip may lie that an edge drives, in local edge lengths.
 _REACH = 0.5

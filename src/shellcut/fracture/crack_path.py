@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +41,7 @@ from .quad_polygon import (
     side_of,
     span,
 )
+from .tip import Place, Tip
 
 MERGE = 0.15
 """Crossings of another crack nearer than this, in edge lengths across the ray, are met."""
@@ -54,83 +54,12 @@ ALONG = 1.0 / 3.0
 """Of the way ahead: a flank that leads to such a point no farther beside the ray is a crack along
 it."""
 
+GRAZE = 0.2
+"""Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
+side of it, runs along that side, and the segment passes the corner on the near side."""
+
 # Of the parametric square: far above round-off.
 AWAY = 1e-6
-
-# Outside that square: written for a tip that lies on no flank.
-_NOWHERE = (2.0, 2.0)
-
-
-@dataclass(eq=False)
-class Tip:
-    """Where a crack ends: at a node of the mesh, on a side of it, or on a flank."""
-
-    ends: tuple[int, int]
-    """Nodes of the mesh at the ends of the side, ascending; twice the same at a node."""
-    s: float
-    """Way along the side from its first node."""
-    quad: int
-    """Of the mesh, from which it came; -1 of a notch."""
-    heading: Floats
-    """Unit direction in which it came, in the reference film, shape (3,)."""
-    length: float
-    """Of the segment that led here [mm], 0 of a notch."""
-    flank: Point | None = None
-    """Place in ``quad`` if it lies on a flank; ``ends`` is then of no meaning."""
-    behind: tuple[int, ...] = ()
-    """Rows of ``quad`` on the side of the flank from which the crack came."""
-
-    @property
-    def at_node(self) -> bool:
-        """Whether it lies at a node."""
-        return self.flank is None and self.ends[0] == self.ends[1]
-
-
-def saved_tips(tips: list[Tip]) -> dict[str, Any]:
-    """Return tips as arrays, a row each."""
-    return {
-        "ends": np.array([tip.ends for tip in tips], np.int64).reshape(-1, 2),
-        "s": np.array([tip.s for tip in tips], float),
-        "quad": np.array([tip.quad for tip in tips], np.int64),
-        "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
-        "length": np.array([tip.length for tip in tips], float),
-        "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
-        "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
-        "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
-    }
-
-
-def restored_tips(saved: dict[str, Any]) -> list[Tip]:
-    """Return the tips of :func:`saved_tips`."""
-    stop = np.cumsum(saved["n_behind"]).tolist()
-    rows = {name: column.tolist() for name, column in saved.items()}
-    return [
-        Tip(
-            ends=tuple(rows["ends"][i]),
-            s=rows["s"][i],
-            quad=rows["quad"][i],
-            heading=saved["heading"][i].copy(),
-            length=rows["length"][i],
-            flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
-            behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
-        )
-        for i in range(len(stop))
-    ]
-
-
-class Place(NamedTuple):
-    """Where a tip is in the film now, and how it came there."""
-
-    x: Floats
-    """Position [mm], shape (3,)."""
-    t: Floats
-    """Unit director, shape (3,)."""
-    size: float
-    """Local edge length [mm]."""
-    T: Floats
-    """Unit director in the reference film, shape (3,)."""
-    heading: Floats
-    """In which direction it came, of any length, shape (3,)."""
 
 
 @dataclass(frozen=True)
@@ -357,7 +286,7 @@ class CrackPath:
         It ends where a plane through that place meets the boundary of the row's polygon: sides are
         straight in space, chords of the parametric square are not. The plane lies along the
         direction and the director, from which it leans by ``lean``, shape (3,). None where the
-        direction leads out of the polygon.
+        direction leads out of the polygon, unless it grazes the side on which it begins.
         """
         polygon, nodes = self._topology.polygon(row), state.quads[row]
         weights = np.array(shape_functions(entry))
@@ -367,7 +296,7 @@ class CrackPath:
         off = gaps @ (normal / np.linalg.norm(normal))
         hit = _first_edge(polygon, entry, off, gaps @ direction)
         if hit is None:
-            return None
+            return self._past_a_corner(row, entry, off, gaps @ direction)
         i, along = hit
         j = (i + 1) % len(polygon.points)
         side, a, b = polygon.sides[i], polygon.points[i], polygon.points[j]
@@ -399,6 +328,31 @@ class CrackPath:
         for place in places:
             if common_side(polygon, entry, place) is None:
                 return Segment(row, entry, place, side, -1)
+        return None
+
+    def _past_a_corner(self, row: int, entry: Point, off: Floats, ahead: Floats) -> Segment | None:
+        """Return the segment that passes a corner which a ray along a side just misses.
+
+        off, ahead : (n_point,), of the polygon's points from the entry: beside the ray and along it
+        [mm].
+        """
+        polygon, ring = self._topology.polygon(row), self.ring(row)
+        points, n = polygon.points, len(polygon.points)
+        on = [i for i in range(n) if is_on(entry, points[i], points[(i + 1) % n])]
+        if len(on) != 1 or polygon.sides[on[0]] == FLANK:
+            return None
+        for k, edge, along in (
+            ((on[0] + 1) % n, (on[0] + 1) % n, SNAP),
+            (on[0], on[0] - 1, 1 - SNAP),
+        ):
+            side = polygon.sides[edge]
+            if corner_at(points[k]) < 0 or side == FLANK or not abs(off[k]) < GRAZE * ahead[k]:
+                continue
+            s_a, s_b = (along_side(side, points[i % n]) for i in (edge, edge + 1))
+            s = s_a + along * (s_b - s_a)
+            known = self._topology.crossings(ring[side], ring[(side + 1) % 4])
+            if all(abs(one - s) >= SNAP for one in known):
+                return Segment(row, entry, on_side(side, s), side, -1)
         return None
 
 

@@ -24,7 +24,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .crack_path import CrackPath, Segment, Tip, common_side, restored_tips, saved_tips
+from .crack_path import CrackPath, Segment, common_side
 from .criterion import Fracture
 from .cut_state import break_side, cut_row
 from .cut_topology import CutTopology
@@ -33,6 +33,7 @@ from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
 from .segment_cables import SegmentCables
+from .tip import Tip, restored_tips, saved_tips
 from .tip_across import nodes_at, tip_across
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut

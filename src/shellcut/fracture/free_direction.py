@@ -16,7 +16,7 @@ from shellcut.arrays import Floats
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .crack_path import Place
+from .tip import Place
 
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""

@@ -22,7 +22,7 @@ from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL
 
 from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
-from .crack_path import ALONG, AWAY, MERGE, SNAP, CrackPath, Tip, common_side, is_on
+from .crack_path import ALONG, AWAY, GRAZE, MERGE, SNAP, CrackPath, common_side, is_on
 from .cut_topology import CutTopology
 from .quad_polygon import (
     FLANK,
@@ -34,6 +34,7 @@ from .quad_polygon import (
     shape_functions,
     share_of,
 )
+from .tip import Tip
 
 AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, on a crossing
@@ -285,7 +286,7 @@ def _through(
         if 0.0 < far < best:
             best, hit, along = far, j, s
     if hit < 0:
-        return False
+        return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
     for end in range(2):
         j = (hit + end) % n
         gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
@@ -301,6 +302,48 @@ def _through(
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
+
+
+@inline
+def _past_a_corner(
+    ahead: RowsAhead,
+    k: int,
+    i: int,
+    here: Vec3,
+    normal: Vec3,
+    way: Vec3,
+    x: Floats,
+    aimed: Aimed,
+) -> bool:
+    """Write the segment of tip i that passes a corner of row k along whose side the ray runs."""
+    n, on, count = ahead.n_point[k], -1, 0
+    for j in range(n):
+        if ahead.on_edge[k, j]:
+            on, count = j, count + 1
+    if count != 1 or ahead.side[k, on] == FLANK:
+        return False
+    for end in range(2):
+        j = on if end else (on + 1) % n
+        edge = (on + n - 1) % n if end else j
+        side = ahead.side[k, edge]
+        gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
+        off, far = abs(dot(gap, normal)), dot(gap, way)
+        if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
+            continue
+        a, b = ahead.point[k, edge], ahead.point[k, (edge + 1) % n]
+        along = 1.0 - SNAP if end else SNAP
+        s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
+        own, which, clear = s_a + along * (s_b - s_a), 0, True
+        for c in range(ahead.crossing[k, edge, 0], ahead.crossing[k, edge, 1]):
+            clear = clear and abs(ahead.known[c] - own) >= SNAP
+            if ahead.known[c] > own:
+                which = c + 1 - ahead.crossing[k, edge, 0]
+        if clear:
+            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = ON_SIDE, edge, which
+            for c in range(2):
+                aimed.exit[i, c] = a[c] + along * (b[c] - a[c])
+            return True
+    return False
 
 
 @inline

@@ -12,9 +12,10 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.state import State
 
-from .crack_path import CrackPath, Segment, Tip
+from .crack_path import CrackPath, Segment
 from .cut_topology import CutTopology
 from .quad_polygon import UNUSED, Point, shape_functions
+from .tip import Tip
 
 
 def tip_across(

@@ -19,7 +19,7 @@ from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
 
-from .crack_path import CrackPath, Segment, Tip
+from .crack_path import CrackPath, Segment
 from .cut_topology import CutTopology
 from .edge_meeting import EdgeMeetings
 from .quad_polygon import FLANK, along_side, on_side
@@ -34,6 +34,7 @@ from .ray_ahead import (
     place_tips,
     rows_ahead,
 )
+from .tip import Tip
 from .trial_cut import Pair, TrialCut
 from .trial_sums import Trial, TrialSums
 

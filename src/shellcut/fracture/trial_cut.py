@@ -28,10 +28,11 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
-from .crack_path import Segment, Tip
+from .crack_path import Segment
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, density, divide, shape_functions, share_of
+from .tip import Tip
 
 UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""

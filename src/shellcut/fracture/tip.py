@@ -1,0 +1,87 @@
+"""Crack tips: where cracks end, and how a checkpoint keeps them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+from .quad_polygon import Point
+
+# Outside the parametric square: written for a tip that lies on no flank.
+_NOWHERE = (2.0, 2.0)
+
+
+@dataclass(eq=False)
+class Tip:
+    """Where a crack ends: at a node of the mesh, on a side of it, or on a flank."""
+
+    ends: tuple[int, int]
+    """Nodes of the mesh at the ends of the side, ascending; twice the same at a node."""
+    s: float
+    """Way along the side from its first node."""
+    quad: int
+    """Of the mesh, from which it came; -1 of a notch."""
+    heading: Floats
+    """Unit direction in which it came, in the reference film, shape (3,)."""
+    length: float
+    """Of the segment that led here [mm], 0 of a notch."""
+    flank: Point | None = None
+    """Place in ``quad`` if it lies on a flank; ``ends`` is then of no meaning."""
+    behind: tuple[int, ...] = ()
+    """Rows of ``quad`` on the side of the flank from which the crack came."""
+
+    @property
+    def at_node(self) -> bool:
+        """Whether it lies at a node."""
+        return self.flank is None and self.ends[0] == self.ends[1]
+
+
+def saved_tips(tips: list[Tip]) -> dict[str, Any]:
+    """Return tips as arrays, a row each."""
+    return {
+        "ends": np.array([tip.ends for tip in tips], np.int64).reshape(-1, 2),
+        "s": np.array([tip.s for tip in tips], float),
+        "quad": np.array([tip.quad for tip in tips], np.int64),
+        "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
+        "length": np.array([tip.length for tip in tips], float),
+        "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
+        "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
+        "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
+    }
+
+
+def restored_tips(saved: dict[str, Any]) -> list[Tip]:
+    """Return the tips of :func:`saved_tips`."""
+    stop = np.cumsum(saved["n_behind"]).tolist()
+    rows = {name: column.tolist() for name, column in saved.items()}
+    return [
+        Tip(
+            ends=tuple(rows["ends"][i]),
+            s=rows["s"][i],
+            quad=rows["quad"][i],
+            heading=saved["heading"][i].copy(),
+            length=rows["length"][i],
+            flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
+            behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
+        )
+        for i in range(len(stop))
+    ]
+
+
+class Place(NamedTuple):
+    """Where a tip is in the film now, and how it came there."""
+
+    x: Floats
+    """Position [mm], shape (3,)."""
+    t: Floats
+    """Unit director, shape (3,)."""
+    size: float
+    """Local edge length [mm]."""
+    T: Floats
+    """Unit director in the reference film, shape (3,)."""
+    heading: Floats
+    """In which direction it came, of any length, shape (3,)."""

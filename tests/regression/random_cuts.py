@@ -1,0 +1,217 @@
+"""Random cuts through random meshes: lines, arcs, bends, crossings, loops.
+
+The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs so many of each kind
+and prints what each came to, and the worst of all.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+import shellcut as sc
+from shellcut.mesh.structured import rectangle
+from shellcut.tool_shapes import straight_blade, tooth_ring
+
+LENGTH, WIDTH, SIZE = 12.0, 10.0, 0.8
+SPEED = 6000.0
+"""Of a blade [mm/s]."""
+
+
+@dataclass(frozen=True)
+class RandomCut:
+    """A simulation, until when it cuts, and how far off its path a place is."""
+
+    simulation: sc.Simulation
+    until: float
+    """[s]"""
+    off: Callable[[np.ndarray], np.ndarray]
+    """Takes places, shape (n, 3), returns distances [mm]."""
+
+
+def film(rng):
+    """Return nodes of a film moved at random, its middle at the origin, and its mesh."""
+    mesh = rectangle(LENGTH, WIDTH, size=SIZE)
+    X = mesh.nodes - [*mesh.nodes.mean(axis=0)[:2], 0.0]
+    inside = np.ones(mesh.n_node, bool)
+    inside[mesh.boundary_nodes()] = False
+    X[inside, :2] += rng.uniform(-0.22, 0.22, (inside.sum(), 2)) * SIZE
+    return X, mesh
+
+
+def held(X, mesh, **arguments):
+    """Return a simulation of a film held at its rim but for the left one."""
+    left = (np.abs(X[:, 0] + LENGTH / 2) < 1e-9) & (np.abs(X[:, 1]) < WIDTH / 2 - 1e-6)
+    rim = np.setdiff1d(mesh.boundary_nodes(), np.flatnonzero(left))
+    return sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets={"held": rim}),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("held")],
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+        **arguments,
+    )
+
+
+def bend(rng, *, curvature=(-0.12, 0.12), slits=0):
+    """A short blade enters at the left rim and follows an arc, or a line of curvature 0."""
+    X, mesh = film(rng)
+    k, angle, y = rng.uniform(*curvature), rng.uniform(-0.3, 0.3), rng.uniform(-1.0, 1.0)
+    way = np.linspace(0.0, 9.0, 40)
+    # Straight as far as the notch reaches: a blade does not cut into the flank of a crack.
+    heading = angle + k * np.maximum(way - 2.4, 0.0)
+    middle = 0.5 * (heading[1:] + heading[:-1])
+    steps = np.diff(way)[:, None] * np.column_stack([np.cos(middle), np.sin(middle)])
+    path = np.array([-LENGTH / 2, y]) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
+    ahead = np.array([np.cos(angle), np.sin(angle), 0.0])
+    start = np.array([*path[0], 0.0])
+    times, turn = 1e-4 + way / SPEED, np.column_stack([0.0 * heading, 0.0 * heading, heading])
+    before = start - 1.2 * ahead
+    motion = sc.TableMotion(
+        np.append(-1.2 / SPEED, way / SPEED) + 1.2 / SPEED,
+        np.vstack([before, np.column_stack([path, 0.0 * way])]),
+        np.vstack([turn[:1], turn]),
+    )
+    sim = held(X, mesh, tool=straight_blade(length=1.5, height=6.0), motion=motion)
+    sim.notch(start - 1.5 * ahead, start + 1.2 * ahead)
+    for _ in range(slits):
+        across = rng.uniform(-0.8, 0.8)
+        at, side = path[rng.integers(14, 30)], rng.choice([-1.0, 1.0])
+        slit = side * np.array([np.sin(across), np.cos(across)])
+        rim = at - slit * (WIDTH / 2 + side * at[1] + 0.5) / slit[1] / side
+        sim.notch([*rim, 0.0], [*(at + rng.uniform(0.3, 2.0) * slit), 0.0])
+    return RandomCut(sim, float(times[-1]) * 0.9, lambda places: _from_line(places, path))
+
+
+def line(rng):
+    """A long blade enters at the left rim and goes straight on."""
+    X, mesh = film(rng)
+    angle, y = rng.uniform(-0.44, 0.44), rng.uniform(-1.0, 1.0)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    start = turn @ [-LENGTH / 2, y, 0.0]
+    # The film is turned, so that the blade moves along x.
+    left = (np.abs(X[:, 0] + LENGTH / 2) < 1e-9) & (np.abs(X[:, 1]) < WIDTH / 2 - 1e-6)
+    rim = np.setdiff1d(mesh.boundary_nodes(), np.flatnonzero(left))
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X @ turn.T, mesh.quads, node_sets={"held": rim}),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("held")],
+        tool=straight_blade(length=20.0, height=6.0).translated((start[0] - 0.9, start[1], 0.0)),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=1e-4),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    ahead = np.array([1.0, 0.0, 0.0])
+    sim.notch(start - 1.5 * ahead, start + 2.0 * ahead)
+    return RandomCut(sim, 8.0 / SPEED, lambda places: np.abs(places[:, 1] - start[1]))
+
+
+def arc(rng):
+    """Teeth screw down into a film that is held all around."""
+    X, mesh = film(rng)
+    radius = rng.uniform(2.5, 3.5)
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets={"rim": mesh.boundary_nodes()}),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("rim")],
+        tool=tooth_ring(n_teeth=2, radius=radius),
+        motion=sc.ScrewMotion.over(angle_deg=120.0, duration=4e-3, pitch=rng.uniform(8.0, 14.0)),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    return RandomCut(
+        sim, 2.5e-3, lambda places: np.abs(np.hypot(places[:, 0], places[:, 1]) - radius)
+    )
+
+
+def crossing(rng):
+    """A blade crosses up to three slits."""
+    return bend(rng, curvature=(-0.03, 0.03), slits=int(rng.integers(1, 4)))
+
+
+KINDS = {"line": line, "bend": bend, "arc": arc, "crossing": crossing}
+
+
+def _from_line(places, path):
+    """Return the distances of places from a broken line."""
+    a, b = path[:-1], path[1:]
+    p = places[:, None, :2]
+    s = ((p - a) * (b - a)).sum(axis=-1) / ((b - a) ** 2).sum(axis=-1)
+    foot = a + np.clip(s, 0.0, 1.0)[..., None] * (b - a)
+    return np.linalg.norm(p - foot, axis=-1).min(axis=1)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a cut came to."""
+
+    crack: float
+    """Length [mm]."""
+    imbalance: float
+    """Largest, over the largest work of the tool so far."""
+    late: float
+    """Largest overshoot of a cable, in edges."""
+    off: float
+    """Farthest cut from the path, in edges; without those where a tooth comes down."""
+    work: float
+    """Of the tool over that of the cables."""
+
+
+def carried_out(cut: RandomCut) -> Outcome:
+    """Run a cut."""
+    sim = cut.simulation
+    largest = worst = 0.0
+    while sim.state.time < cut.until:
+        sim.step()
+        if sim.state.step % 100 == 0:
+            book = sim.close_ledger()
+            largest = max(largest, book.tool_work)
+            if book.tool_work > 2.0:
+                worst = max(worst, abs(book.imbalance) / largest)
+    cables, book = sim.state.cable, sim.close_ledger()
+    log = [c for c in sim.state.split_log if c.kind != "notch" and c.measure != 0.0]
+    off = cut.off(np.array([c.reference for c in log])) if log else np.zeros(1)
+    return Outcome(
+        sim.state.crack_length,
+        worst,
+        float(cables.overshoot[: cables.count].max(initial=0.0)) / SIZE,
+        float(off.max()) / SIZE,
+        book.tool_work / max(book.cohesive_work, 1e-9),
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=40)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--kinds", nargs="*", default=list(KINDS))
+    arguments = parser.parse_args()
+    found = {}
+    for kind in arguments.kinds:
+        for seed in range(arguments.first, arguments.first + arguments.seeds):
+            began = time.perf_counter()
+            try:
+                outcome = carried_out(KINDS[kind](np.random.default_rng(seed)))
+            except Exception as error:  # a blow-up is what is looked for
+                print(f"{kind} {seed}: {type(error).__name__}: {error}"[:300], flush=True)
+                found[kind, seed] = None
+                continue
+            found[kind, seed] = outcome
+            told = ", ".join(f"{name} {value:.4f}" for name, value in vars(outcome).items())
+            print(f"{kind} {seed}: {told}, {time.perf_counter() - began:.1f} s", flush=True)
+    done = {key: outcome for key, outcome in found.items() if outcome is not None}
+    print(f"{len(found)} cuts, {len(found) - len(done)} failed")
+    for name in ("imbalance", "late", "off", "work"):
+        (kind, seed), worst = max(done.items(), key=lambda item: getattr(item[1], name))
+        print(f"largest {name}: {getattr(worst, name):.4f} ({kind} {seed})")
+    sys.exit(len(done) < len(found))
+
+
+if __name__ == "__main__":
+    main()
