@@ -163,7 +163,7 @@ class PenaltyContact:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near = self.near_nodes(state)
         n = state.node
-        return near, self.law.steepest(n.contact_area[near] * n.contact_share[near])
+        return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
@@ -414,7 +414,7 @@ def _add_contact_forces(
         impact, way = _impact(n, p, g, outward, dt, pose_before, tables)
         n_inside += 1
         deepest = max(deepest, g)
-        stiffness = node_stiffness(nodes.contact_area[n] * nodes.contact_share[n], law)
+        stiffness = nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
         loaded, absorbed = _loaded_depth(n, g, stiffness, dt, absorbed, tables)
         magnitude = stiffness * smoothed(loaded, g_m)
         energy = stiffness * smoothed_integral(loaded, g_m)

@@ -135,7 +135,7 @@ class PenaltyLaw(NamedTuple):
         (5000.0, 0.00925)
         """
         stretching = film.stretching_stiffness
-        density = sum(layer.material.density * layer.thickness for layer in film.layers)
+        density = film.area_density
         if contact.penalty is None:
             penalty = _PENALTY * (stretching / _STRETCHING)
             softest, stiffest = SOFTEST * stretching, STIFFEST * stretching

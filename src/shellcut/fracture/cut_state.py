@@ -25,6 +25,7 @@ from shellcut.state import SplitRecord, State
 
 from .crack_path import Segment
 from .cut_topology import Corner, CutTopology
+from .flank_points import bearable_area
 from .quad_polygon import (
     CORNERS,
     Point,
@@ -173,6 +174,8 @@ def _share_node(
             n.support_rate[half] = n.reaction[half] = 0.0
         mass, inertia, n.contact_area[half] = shell.node_inertia(state, half)
         n.weigh(half, mass, inertia)
+        bears = bearable_area(n.mass[half], shell.material.area_density)
+        n.contact_share[half] = min(1.0, bears / n.contact_area[half])
         # Forces of the last evaluation, shared like the mass, enter the next work increment only.
         share = mass / before
         n.contact_force[half] *= share

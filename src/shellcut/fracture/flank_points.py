@@ -111,8 +111,9 @@ def tie(state: State, areas: Floats, density: float) -> None:
     Of several at one place contact sees the first, and its film is that of the first two: which
     side of the blade a sliver lies on shows in the copy beyond the side.
 
-    The contact area of one is a quarter of its quad's; of this presses as much as lets its penalty
-    spring swing no faster than that of a whole node: m_P / (4 rho h).
+    The contact area of one is a quarter of its quad's. Of this, and of those of the nodes around,
+    presses as much as the film can bear there without shortening the step
+    (:func:`_share_springs`).
 
     Parameters
     ----------
@@ -133,7 +134,41 @@ def tie(state: State, areas: Floats, density: float) -> None:
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
     n.contact_area[node] = 0.25 * areas[row]
-    n.contact_share[node] = np.minimum(1.0, mass / (density * areas[row]))
+    _share_springs(state, node, density)
+
+
+def bearable_area(mass: Floats, density: float) -> Floats:
+    """Return the contact area that a node may carry [mm²]: half its mass over rho h.
+
+    That of a node at a crack along edges is as large: a quarter of its quads' area, and half their
+    mass. mass : [t].  density : rho h [t/mm²].
+    """
+    return np.asarray(0.5 * mass / density)
+
+
+def _share_springs(state: State, node: Ints, density: float) -> None:
+    """Write what part of their contact areas presses at all flank points and their nodes.
+
+    Several springs act on a node where flank points are near it, and light nodes bear little. An
+    area A_P at a flank point counts N_a A_P at node a (:func:`hand_on_stiffness`). Where they and
+    the node's own come to more than it bears, all of them press by so much less.
+
+    node : (n_point,), of the flank points.
+    """
+    f, n = state.flank, state.node
+    nodes, weight = f.nodes[: f.count], f.weight[: f.count]
+    masters = np.unique(nodes)
+    bears = bearable_area(n.mass[: n.count], density)
+    own = np.where(n.real[: n.count], np.minimum(n.contact_area[: n.count], bears), 0.0)
+    felt = bearable_area(0.5 * n.contact_mass[node], density)  # it swings as a whole node does
+    area = np.where(n.real[node], np.minimum(n.contact_area[node], felt), 0.0)
+    carried = own + np.bincount(nodes.ravel(), (weight * area[:, None]).ravel(), n.count)
+    part = np.ones(n.count)
+    over = masters[carried[masters] > bears[masters]]
+    part[over] = bears[over] / carried[over]
+    n.contact_share[masters] = (own * part / n.contact_area[: n.count])[masters]
+    least = np.where(weight > 0.0, part[nodes], 1.0).min(axis=1)
+    n.contact_share[node] = area * least / n.contact_area[node]
 
 
 def _seen_by_contact(nodes: Ints, weight: Floats) -> tuple[Bools, tuple[Ints, Ints]]:
@@ -163,17 +198,17 @@ def _seen_by_contact(nodes: Ints, weight: Floats) -> tuple[Bools, tuple[Ints, In
 def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Ints, Floats]:
     """Return which nodes hold what stiffness [N/mm], that of flank points being their copies'.
 
-    A spring k at P has the square of a frequency k sum (N_a² / m_a), whatever the share of a single
-    node in it; at each of its nodes it counts as m_a times that.
+    A spring k at P stores ½ k (sum N_a u_a)² along its direction, at most ½ sum k N_a u_a²: the N_a
+    weigh a mean (Jensen). So it is no stiffer than springs k N_a at its nodes, and those of several
+    points add up.
     """
-    f, n = state.flank, state.node
+    f = state.flank
     of = np.full(state.n_node, -1)
     of[f.node[: f.count]] = np.arange(f.count)
     point = of[nodes]
     tied = point >= 0
     masters, weights = f.nodes[point[tied]], f.weight[point[tied]]
-    squared = stiffness[tied] * (weights**2 / n.mass[masters]).sum(axis=1)
-    felt = np.where(weights > 0.0, n.mass[masters] * squared[:, None], 0.0)
+    felt = stiffness[tied, None] * weights
     return (
         np.concatenate([nodes[~tied], masters.ravel()]),
         np.concatenate([stiffness[~tied], felt.ravel()]),

@@ -112,8 +112,7 @@ class FreeCracks:
         self._shell = shell
         self._path = CrackPath(self.topology, shell)
         self._trial = TrialCut(self.topology, shell, loads, law.strength)
-        density = float(shell.mass.sum() / shell.area.sum())
-        self._cables = SegmentCables(law, shell.material.thickness, density)
+        self._cables = SegmentCables(law, shell.material)
         self._direction = FreeDirection(shell)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None

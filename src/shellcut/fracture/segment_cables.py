@@ -18,6 +18,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import NOT_MET, State
 
 from .cut_topology import CutTopology
@@ -64,12 +65,12 @@ class SegmentCables:
     ----------
     law : CohesiveLaw
         Whose strength they begin with.
-    thickness, density : float
-        Of the film [mm], and per area [t/mm²].
+    material : ShellMaterial
+        Of the film.
     """
 
-    def __init__(self, law: CohesiveLaw, thickness: float, density: float) -> None:
-        self._law, self._thickness, self._density = law, thickness, density
+    def __init__(self, law: CohesiveLaw, material: ShellMaterial) -> None:
+        self._law, self._material = law, material
         self._sleeping: list[_Sleeping] = []
 
     def lay(self, rows: list[int], chords: list[tuple[Point, Point]], length: float) -> None:
@@ -132,7 +133,7 @@ class SegmentCables:
             else:
                 self._make(state, one)
         self._sleeping = asleep
-        tie(state, areas, self._density)
+        tie(state, areas, self._material.area_density)
 
     def _make(self, state: State, one: _Sleeping) -> None:
         ends = [
@@ -152,7 +153,7 @@ class SegmentCables:
         c.ends[k] = ends
         c.edge[k] = NOT_MET
         c.half_edge[k, 0] = one.length
-        c.area[k] = self._thickness * one.length
+        c.area[k] = self._material.thickness * one.length
         c.m[k] = m
         c.branch[k] = m, -m
         c.birth[k] = state.time

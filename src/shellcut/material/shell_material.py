@@ -142,6 +142,11 @@ class ShellMaterial:
         return float(sum(one.material.stretching_modulus * one.thickness for one in self.layers))
 
     @property
+    def area_density(self) -> float:
+        """Mass over area, the sum of rho h over the layers [t/mm²]."""
+        return float(sum(one.material.density * one.thickness for one in self.layers))
+
+    @property
     def is_symmetric(self) -> bool:
         """Whether the layers are the same from below and from above."""
         return tuple(self.layers) == tuple(reversed(self.layers))
