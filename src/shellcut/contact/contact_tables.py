@@ -53,6 +53,9 @@ class ContactTool(NamedTuple):
     """Tooth of each triangle."""
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """As in :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
+    undecided: float
+    """Distance from the mid-plane up to which a node's quads decide its side, in local edge
+    lengths."""
 
 
 class ContactNodes(NamedTuple):

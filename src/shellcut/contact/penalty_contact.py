@@ -77,7 +77,7 @@ _CLEARLY_BESIDE = 0.15
 # farthest coordinate.
 _ROUND_OFF = 1e-10
 
-# Distance from the mid-plane, in local edge lengths, up to which a node's quads decide its side.
+# Distance from the crack's plane, in local edge lengths, up to which quads decide a node's side.
 _UNDECIDED = 0.1
 
 
@@ -116,10 +116,17 @@ class PenaltyContact:
         The film, which sets the parameters' defaults.
     edge_length : float
         Of a typical quad [mm].
+    crack_aside : float
+        How far a crack may lie from the mid-plane of its blade, in local edge lengths.
     """
 
     def __init__(
-        self, tool: Tool, contact: Contact, film: ShellMaterial, edge_length: float
+        self,
+        tool: Tool,
+        contact: Contact,
+        film: ShellMaterial,
+        edge_length: float,
+        crack_aside: float = 0.0,
     ) -> None:
         self.name = "contact"
         self.tool = tool
@@ -128,6 +135,7 @@ class PenaltyContact:
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
+        self._undecided = _UNDECIDED + crack_aside
         self._round_off = _ROUND_OFF * float(np.abs(tool.vertices).max())
         corners = [
             tool.vertices[tool.triangles[tool.triangle_body == b]] for b in range(tool.n_body)
@@ -221,6 +229,7 @@ class PenaltyContact:
                 round_off=self._round_off,
                 triangle_body=self.tool.triangle_body,
                 segments=self._edges.segments,
+                undecided=self._undecided,
             ),
             law=self.law,
             near=self._lookups,
@@ -232,10 +241,10 @@ class PenaltyContact:
 
 @inline
 def _side_of_quads(
-    n: int, pose: Pose, segments: Floats, nodes: ContactNodes, around: QuadsAtNodes
+    n: int, pose: Pose, tool: ContactTool, nodes: ContactNodes, around: QuadsAtNodes
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
-    x = nodes.x
+    x, segments = nodes.x, tool.segments
     here = to_body(load(x, n), pose)
     size = local_edge_length(nodes.contact_area[n])
     k_best = -1
@@ -243,15 +252,17 @@ def _side_of_quads(
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(here, k, segments, CUT_DEPTH * size)
         # Only near the mid-plane: the strip of the tooth across the ring reaches here too.
-        if owns and depth < shallowest and abs(lateral) < _UNDECIDED * size:
+        if owns and depth < shallowest and abs(lateral) < tool.undecided * size:
             shallowest = depth
             k_best = k
     if k_best < 0:
         return 0
-    cx = cy = cz = 0.0
-    share = 1.0 / around.n_at[n]
+    cx = cy = cz = film = 0.0
+    for i in range(around.n_at[n]):
+        film += around.share[around.at[n, i]]
     for i in range(around.n_at[n]):
         row = around.at[n, i]
+        share = around.share[row] / film
         for a in range(4):
             other, weight = around.quads[row, a], share * around.centre[row, a]
             cx += weight * x[other, 0]
@@ -312,7 +323,7 @@ def _take_side(
     """Choose the side of a node that has come in; return its closest triangle and point there."""
     tool = tables.tool
     flank = tool.grid.surface.flank
-    lies = _side_of_quads(n, pose, tool.segments, tables.nodes, tables.around)
+    lies = _side_of_quads(n, pose, tool, tables.nodes, tables.around)
     if lies == 0:
         lies = flank[triangle]
     tables.nodes.contact_side[n] = lies

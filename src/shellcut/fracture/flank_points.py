@@ -23,6 +23,9 @@ from shellcut.state import KnownTopology, State
 
 from .quad_polygon import UNUSED, Point, shape_functions
 
+# Of a quad: a copy that holds less is a sliver.
+_SLIVER = 0.2
+
 # Of weights: places on a side that agree so far are one; far above round-off.
 _DIGITS = 9
 
@@ -131,10 +134,35 @@ def tie(state: State, areas: Floats, density: float) -> None:
     n.real[node], again = _seen_by_contact(f.nodes[: f.count], f.weight[: f.count])
     first, other = again
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
+    for k in np.flatnonzero(state.quad.share[row] < _SLIVER).tolist():
+        _look_around(state, k)
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
     n.contact_area[node] = 0.25 * areas[row]
     _share_springs(state, node, density)
+
+
+def _look_around(state: State, k: int) -> None:
+    """Take as the film of a flank point on a sliver what hangs together with it on its own side.
+
+    The nodes of a sliver swing, so that it does not show on which side of the blade the film lies.
+    Close to its tip a crack is closed, and the film of both flanks hangs together: which rows lie
+    on which side of the flank is asked in the reference film.
+    """
+    f, n, quad = state.flank, state.node, state.quad
+    masters = f.nodes[k][f.weight[k] > UNUSED]
+    at = np.arange(n.quads.shape[1]) < n.n_quad_at[masters, None]
+    rows = np.unique(np.append(n.quads[masters][at], f.row[k]))
+    nodes = f.nodes[k]
+    X = n.X[nodes]
+    here = f.weight[k] @ X
+    along = np.array(shape_functions((f.inward[k, 0], f.inward[k, 1]))) @ X - here
+    across = np.cross(np.cross(X[2] - X[0], X[3] - X[1]), along)
+    centres = (quad.centre[rows, :, None] * n.X[state.quads[rows]]).sum(axis=1) - here
+    beside = centres @ across
+    beside *= np.sign(beside[np.searchsorted(rows, f.row[k])])
+    rows = rows[beside > 0.0][: n.quads.shape[1]]
+    n.quads[f.node[k], : rows.size], n.n_quad_at[f.node[k]] = rows, rows.size
 
 
 def bearable_area(mass: Floats, density: float) -> Floats:

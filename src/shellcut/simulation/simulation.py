@@ -16,6 +16,7 @@ from shellcut.central_difference import CentralDifference
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
+from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
@@ -153,7 +154,8 @@ class Simulation:
         self.contact = None
         if tool is not None:
             edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
-            self.contact = PenaltyContact(tool, contact, material, edge_length)
+            aside = MERGE if fracture.path == "free" else 0.0
+            self.contact = PenaltyContact(tool, contact, material, edge_length, aside)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
         touching: list[ToolTerm] = [self.contact] if self.contact is not None else []
         touching.append(self.cables)
@@ -353,8 +355,7 @@ class Simulation:
         """
         if self.cracks is None or self.cracks.free is None:
             raise ValueError(
-                'cracks must go through quads, Fracture(path="free"), for a notch through them; '
-                "a crack along edges is cut into the mesh: Mesh.cut(nodes)"
+                'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
             )
         if self.state.step:
             raise ValueError(f"notch the film before the run, not after {self.state.step} steps")

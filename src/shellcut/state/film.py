@@ -97,6 +97,7 @@ class State:
         return QuadsAtNodes(
             quads=self.quads,
             centre=self.quad.centre[: self.n_quad],
+            share=self.quad.share[: self.n_quad],
             at=self.node.quads,
             n_at=self.node.n_quad_at,
         )

@@ -123,6 +123,8 @@ class QuadsAtNodes(NamedTuple):
     """Node ids of every quad."""
     centre: Annotated[Floats, "(n_quad, 4)"]
     """Weights of these at the centre of the film that it holds."""
+    share: Annotated[Floats, "(n_quad,)"]
+    """Part of a quad of the mesh that it holds."""
     at: Annotated[Ints, "(n_node, max_valence)"]
     """Quads at the node, ascending, the first ``n_at`` in use."""
     n_at: Annotated[Ints, "(n_node,)"]

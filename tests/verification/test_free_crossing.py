@@ -1,0 +1,68 @@
+"""A blade that crosses an earlier cut gives the film its tearing energy all the same.
+
+A strip is cut through to its end, across a slit that runs in from the held rim. Then all cables
+are broken, and their work is G h times the length of the crack. A slit that crosses rows anywhere
+leaves slivers, corners and closed tips next to the blade: a flap caught on the wrong side of it
+takes many times the work.
+"""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.mesh.structured import rectangle
+from shellcut.models.guillotine import blade_before
+
+LENGTH, WIDTH, SIZE, NOTCH, SLIT = 12.0, 6.4, 0.8, 2.0, 6.3
+
+
+def strip(kind, seed):
+    mesh = rectangle(LENGTH, WIDTH, size=SIZE)
+    X = mesh.nodes.copy()
+    if kind == "random":
+        inside = np.ones(mesh.n_node, bool)
+        inside[mesh.boundary_nodes()] = False
+        rng = np.random.default_rng(seed)
+        X[inside, :2] += rng.uniform(-0.2, 0.2, (inside.sum(), 2)) * SIZE
+    elif kind == "offset":
+        X[:, 1] += 0.3 * SIZE * (1.0 - (2.0 * X[:, 1] / WIDTH) ** 2)
+    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+
+
+@pytest.mark.parametrize(
+    ("angle", "kind", "seed"), [(90.0, "aligned", 0), (90.0, "random", 1), (45.0, "random", 2)]
+)
+def test_a_cut_across_an_earlier_one_takes_the_tearing_energy(angle, kind, seed):
+    mesh, law = strip(kind, seed), sc.CohesiveLaw(opening_a=0.2, opening_p=0.5, opening_u=1.0)
+    blade, motion, _ = blade_before(mesh, None, travel=LENGTH, speed=6000.0, law=law)
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        tool=blade,
+        motion=motion,
+        law=law,
+        fracture=sc.Fracture(path="free"),
+    )
+    start, slope = mesh.nodes[:, 0].min(), 1.0 / np.tan(np.radians(angle))
+    sim.notch((start - 1.0, 1e-7, 0.0), (start + NOTCH, 1e-7, 0.0))
+    sim.notch(*((start + SLIT + slope * y, y, 0.0) for y in (-0.55 * WIDTH, 0.25 * WIDTH)))
+    worst = 0.0
+    while sim.state.time < (LENGTH + 3.0) / 6000.0:
+        sim.step()
+        if sim.state.step % 100 == 0:
+            book = sim.close_ledger()
+            if book.tool_work > 1.0:
+                worst = max(worst, abs(book.relative(book.imbalance)))
+    book, cables = sim.close_ledger(), sim.state.cable
+    assert sim.cables.n_broken == cables.count
+    # From the side at which the notch ends to the rim; the crack steps aside at corners.
+    assert LENGTH - NOTCH - SIZE < sim.state.crack_length < LENGTH - NOTCH + 0.2
+    tearing = law.fracture_energy * sim.material.thickness * sim.state.crack_length
+    # Measured 0.9995 to 1.0001 on 15 meshes and angles: what a step overshoots the last opening by.
+    assert book.cohesive_work == pytest.approx(tearing, rel=2e-3)
+    # The edge meets its cables on its way, on the other flank too.
+    assert cables.overshoot[: cables.count].max() < 0.05 * SIZE
+    # The rest swings and fades: 1.19 to 1.26; with a flap caught 6 to 12.
+    assert book.tool_work < 1.4 * tearing
+    assert worst < 5e-3
