@@ -337,16 +337,14 @@ class Simulation:
     def notch(self, start: npt.ArrayLike, end: npt.ArrayLike) -> None:
         """Cut the film before the run along a straight line from its rim, without cables.
 
-        For cracks that go through quads, ``Fracture(path="free")``; along edges :meth:`Mesh.cut`
-        cuts the mesh. On a curved film the notch runs in the plane of the line and of the film's
-        normal at the rim.
+        For ``Fracture(path="free")``; for cracks along edges :meth:`Mesh.cut` cuts the mesh. On a
+        curved film it runs in the plane of the line and of the film's normal at the rim.
 
         Parameters
         ----------
         start, end : array_like, shape (3,)
-            Outside the rim or on it, and where the notch ends [mm]: at the first side of the mesh,
-            or node, that the line meets there or beyond. It passes the side of the rim where it
-            begins nearer than that is long.
+            Outside the rim, nearer to the side of it where it begins than that is long, and where
+            it ends [mm]: at the first side or node of the mesh there or beyond.
 
         Raises
         ------
