@@ -13,6 +13,7 @@ from importlib.metadata import version
 from .cables.cohesive_law import CohesiveLaw
 from .checks import check_model
 from .contact.settings import Contact
+from .fracture.anisotropy import Anisotropy
 from .fracture.criterion import Fracture
 from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, imprint
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
@@ -44,6 +45,7 @@ from .tool.tool_file import read_tool
 __version__ = version("shellcut")
 
 __all__ = [
+    "Anisotropy",
     "CohesiveLaw",
     "Comparison",
     "Contact",

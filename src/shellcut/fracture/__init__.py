@@ -4,6 +4,7 @@ May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``
 and ``cut_state`` change the topology.
 """
 
+from .anisotropy import Anisotropy
 from .criterion import Fracture
 
-__all__ = ["Fracture"]
+__all__ = ["Anisotropy", "Fracture"]

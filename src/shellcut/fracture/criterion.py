@@ -42,6 +42,7 @@ from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
+from .anisotropy import Anisotropy
 from .blade_cut import BladeCut
 from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 
@@ -74,8 +75,10 @@ class Fracture:
         eightieth of the opening at which the cable breaks.
     path : {"edges", "free"}
         Along the edges of the mesh, which must lie under the path, or through the quads on any
-        mesh, where a blade drives the crack (docs/theory/free-cracks.md). ``turn_limit_deg`` is of
-        the first only.
+        mesh (docs/theory/free-cracks.md). ``turn_limit_deg`` is of the first only.
+    anisotropy : Anisotropy, optional
+        How strength and energy depend on the direction of a crack, for cracks through the quads
+        that no blade drives.
 
     Examples
     --------
@@ -91,6 +94,7 @@ class Fracture:
     check_every: int = 10
     equilibrium_start: bool = False
     path: Path = "edges"
+    anisotropy: Anisotropy | None = None
 
     def __post_init__(self) -> None:
         problems = []
@@ -109,6 +113,8 @@ class Fracture:
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
         if self.path not in (allowed := get_args(Path)):
             problems.append(f"path must be one of {allowed}, got {self.path!r}")
+        elif self.path == "edges" and self.anisotropy is not None:
+            problems.append("anisotropy is of cracks through the quads only: take path='free'")
         elif self.path == "free":
             problems += [
                 f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"

@@ -111,9 +111,10 @@ class FreeCracks:
         ]
         self._shell = shell
         self._path = CrackPath(self.topology, shell)
-        self._trial = TrialCut(self.topology, shell, loads, law.strength)
-        self._cables = SegmentCables(law, shell.material)
-        self._direction = FreeDirection(shell)
+        film = fracture.anisotropy
+        self._trial = TrialCut(self.topology, shell, loads, law.strength, film)
+        self._cables = SegmentCables(law, shell.material, film)
+        self._direction = FreeDirection(shell, self._path, law, film)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:
@@ -139,16 +140,15 @@ class FreeCracks:
         A crack then runs no faster than an edge length in ``check_every`` steps.
         """
         for tip in list(self.tips):
-            at = self._path.place_of(state, tip)
-            if at is None:
+            if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
-            place = self._path.reference_of(state, tip)
-            way = self._direction.of(state, place, at, tip.heading)
-            segment = None if way is None else self._path.segment_from(state, tip, way)
+            ways = self._direction.ways(state, tip)
+            found = (self._path.segment_from(state, tip, way) for way in ways)
+            segment = next((one for one in found if one is not None), None)
             if segment is None or state.node.support_rate[state.quads[segment.row]].any():
                 continue  # moving supports hold their film together
-            measure = self._trial.measure(state, tip, segment)
+            measure = self._trial.measure_of_tear(state, tip, segment)
             if measure >= 1.0:
                 self._advance(state, tip, segment, "criterion", measure)
 

@@ -1,25 +1,56 @@
-"""Where a crack goes that no blade drives: across the largest principal stress ahead of it.
+"""Where a crack goes that no blade drives: where most is released and most is pulled.
 
-The stress at a tip depends on the mesh. What decides is the mean of the Cauchy stress at the
-mid-surface over the quads ahead of the tip, weighted by the area of their film and a Gaussian of
-``AVERAGE`` edge lengths around the tip. On a curved film each stress is first turned into the sheet
-at the tip by the least rotation that takes one normal to the other: the mean of tensors in planes
-that lean against each other would lose the part across the lean. The crack runs in the sheet,
-forward, normal to the largest principal direction of that mean.
+A crack needs energy, G h per mm, and it needs stress, sigma_F, where it is to open. A sharp tip has
+stress enough and lacks energy; film under an even stress has energy enough and lacks stress. With
+J(e) the energy released per mm of a crack along e (:mod:`.tip_force`) and p(e) the stress across
+it, the measure of both,
+
+    phi(e) = J(e) / R + (p(e) / sigma_F)²,
+
+is 1 when the crack runs: a crack of length a under a stress p in a large sheet has
+J = pi a p² h / E, and phi = 1 with R = G h is the rule p² (pi a + E G / sigma_F²) = E G, good for
+short and long cracks ([ElHaddad1979]). R is what the crack takes up now, which is less than G h
+until its process zone has grown. When a tip is due, by its trial cut (:mod:`.trial_cut`), phi is 1,
+so R follows: the energy has to make up for what the stress leaves open,
+
+    phi(e) = (1 - s) J(e) / max J + (p(e) / sigma_F)²,    s = max (p / sigma_F)² <= 1.
+
+**The crack takes the direction where phi is largest.** Far from strength, s = 0, it runs along J:
+so does a tear out of the plane, where the energy does not depend on the stress ahead. Under even
+tension, s = 1, it runs across the largest principal stress. Nothing else enters. Where strength and
+energy depend on the direction (:mod:`.anisotropy`), J(e) and p(e) are those over f(e).
+
+p is the traction that the mean Cauchy stress of the mid-surface ahead exerts across e, as far as it
+pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
+lengths. On a curved film each stress is first turned into the sheet at the tip by the least
+rotation that takes one normal to the other: the mean of tensors in planes that lean against each
+other would lose the part across the lean. The energy of a film whose law is not linear is not known
+to J; there the stress decides alone.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
+from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
-from .tip import Place
+from .anisotropy import Anisotropy
+from .crack_path import CrackPath
+from .quad_polygon import shape_functions
+from .tip import Tip
+from .tip_force import TipForce
 
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""
+
+REACH = 4.0
+"""Radius of the domain around a tip in which energy is released, in local edge lengths."""
 
 # Of 1 + c, for film folded back onto itself, where no rotation is the least one.
 _FOLDED = 1e-3
@@ -27,59 +58,164 @@ _FOLDED = 1e-3
 # Quads farther than this many standard deviations have no weight.
 _FAR = 2.5
 
+# Forward directions that are compared; between them phi is a parabola, exact to 1e-4 degrees.
+_ANGLES = np.radians(np.linspace(-90.0, 90.0, 361))
+_WAYS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+
+# A force below this is none.
+_TINY = float(np.finfo(float).tiny)
+
+# Of these, the ones to fall back on where no film lies in the best direction: every 3 degrees.
+_OTHERS = np.arange(0, len(_ANGLES), 6)
+
+
+class _Ahead(NamedTuple):
+    """What lies around a tip, as long as the topology stays."""
+
+    row: int
+    """In which the crack goes on."""
+    weights: Floats
+    """Shape functions at the tip there, shape (4,)."""
+    base: Floats
+    """Weights that give, of its nodes' positions, what has become of two unit vectors of the
+    reference sheet at the tip, forward and to the left; shape (2, 4)."""
+    factors: Floats
+    """On strength and energy in the directions compared, shape (n_way,)."""
+    force: TipForce | None
+    quads: Ints
+    """Rows ahead whose stress counts, shape (n,)."""
+    weight: Floats
+    """Of each, their sum being one, shape (n,)."""
+
 
 class FreeDirection:
-    """Finds directions of cracks by the stress ahead.
+    """Finds the directions of cracks that no blade drives.
 
     Parameters
     ----------
-    shell : MITC4Shell
-        Gives the stresses.
+    shell, path : MITC4Shell, CrackPath
+        The film, and what lies ahead of a tip.
+    law : CohesiveLaw
+        Gives sigma_F.
+    anisotropy : Anisotropy, optional
+        Of the film.
     """
 
-    def __init__(self, shell: MITC4Shell) -> None:
-        self._shell = shell
+    def __init__(
+        self,
+        shell: MITC4Shell,
+        path: CrackPath,
+        law: CohesiveLaw,
+        anisotropy: Anisotropy | None = None,
+    ) -> None:
+        self._shell, self._path, self._strength = shell, path, law.strength
+        self._anisotropy = anisotropy
+        self._known = KnownTopology()
+        self._ahead: dict[Tip, _Ahead] = {}
 
-    def of(self, state: State, place: Floats, at: Place, heading: Floats) -> Floats | None:
-        """Return the unit direction in space, shape (3,); None if nothing ahead is pulled.
+    def ways(self, state: State, tip: Tip) -> Iterator[Floats]:
+        """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
         Parameters
         ----------
         state : State
             Present positions.
-        place : ndarray, shape (3,)
-            Of the tip in the reference film [mm].
-        at : Place
-            Where it is now.
-        heading : ndarray, shape (3,)
-            In which it came, in the reference film.
+        tip : Tip
+            With film ahead.
         """
-        corners = state.node.X[self._shell.mesh_quads]
+        if not self._known.is_of(state):
+            self._ahead.clear()
+            self._known.take(state)
+        if tip not in self._ahead:
+            self._ahead[tip] = self._look(state, tip)
+        ahead = self._ahead[tip]
+        nodes = state.quads[ahead.row]
+        t = ahead.weights @ state.node.t[nodes]
+        t /= np.linalg.norm(t)
+        moved = ahead.base @ state.node.x[nodes]
+        ways = _WAYS @ moved
+        phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
+        if ahead.force is not None:
+            force = ahead.force.of(state, moved)
+            released = _WAYS @ force / ahead.factors
+            phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
+        angle = _between(phi, int(np.argmax(phi)))
+        yield _unit(np.array([np.cos(angle), np.sin(angle)]) @ moved)
+        for k in _OTHERS[np.argsort(-phi[_OTHERS])].tolist():
+            yield _unit(ways[k])
+
+    def _look(self, state: State, tip: Tip) -> _Ahead:
+        """Gather what lies around a tip."""
+        row, entry = self._path.rows_ahead(tip)[0]
+        T = self._path.reference_director(row, entry)
+        forward = _unit(tip.heading - (tip.heading @ T) * T)
+        base = np.stack([forward, np.cross(T, forward)])
+        place, size = self._path.reference_of(state, tip), self._path.size(row)
+        force = None
+        if self._shell.material.is_linear:
+            force = TipForce(state, self._shell, place, base, REACH * size)
+        near, weight = self._near(state, place, forward, T, AVERAGE * size)
+        return _Ahead(
+            row=row,
+            weights=np.array(shape_functions(entry)),
+            base=np.stack([self._path.carried_on(row, entry, way) for way in base]),
+            factors=self._factors(base, T),
+            force=force,
+            quads=near,
+            weight=weight,
+        )
+
+    def _near(
+        self, state: State, place: Floats, forward: Floats, T: Floats, width: float
+    ) -> tuple[Ints, Floats]:
+        """Return the rows ahead of a place whose stress counts, and by how much, shapes (n,)."""
+        film = self._shell.reference
+        corners = film.x[film.quads]
         gap = corners.mean(axis=1) - place
         squared = np.einsum("ij,ij->i", gap, gap)
-        width = AVERAGE * at.size
-        near = np.flatnonzero((squared < (_FAR * width) ** 2) & (gap @ heading > 0.0))
+        near = np.flatnonzero((squared < (_FAR * width) ** 2) & (gap @ forward > 0.0))
         # The far wall of a tube is not ahead.
-        near = near[_normals(corners[near]) @ at.T > 0.0]
-        if near.size == 0:
-            return None
+        near = near[_normals(corners[near]) @ T > 0.0]
         weight = np.exp(-0.5 * squared[near] / width**2)
         weight *= self._shell.area[near] * state.quad.share[near]
-        stress = self._shell.stress(state, near, place="mid")
-        turn = _turns(_normals(state.node.x[state.quads[near]]), at.t)
+        return near, weight / max(float(weight.sum()), _TINY)
+
+    def _factors(self, base: Floats, T: Floats) -> Floats:
+        """Return the factors on strength and energy in the directions compared, shape (n_way,)."""
+        if self._anisotropy is None:
+            return np.ones(len(_WAYS))
+        return self._anisotropy.factors(_WAYS @ base, T)
+
+    def _pull(self, state: State, ahead: _Ahead, t: Floats, ways: Floats) -> Floats:
+        """Return how much the mean stress ahead pulls across some ways [MPa], shape (n,).
+
+        t : (3,), unit director.  ways : (n, 3), in the sheet, of any length.
+        """
+        if not ahead.quads.size:
+            return np.zeros(len(ways))
+        stress = self._shell.stress(state, ahead.quads, place="mid")
+        turn = _turns(_normals(state.node.x[state.quads[ahead.quads]]), t)
         stress = turn @ stress @ turn.transpose(0, 2, 1)
-        mean = np.einsum("i,ijk->jk", weight, stress) / weight.sum()
-        # Two unit vectors of the sheet, the first one forward.
-        forward = at.heading - (at.heading @ at.t) * at.t
-        forward /= np.linalg.norm(forward)
-        base = np.stack([forward, np.cross(at.t, forward)])
-        values, vectors = np.linalg.eigh(base @ mean @ base.T)
-        if values[1] <= 0.0:
-            return None
-        across = vectors[:, 1] @ base
-        way = np.cross(at.t, across)
-        way /= np.linalg.norm(way)
-        return np.asarray(way if way @ forward >= 0.0 else -way)
+        mean = np.einsum("i,ijk->jk", ahead.weight, stress)
+        values, vectors = np.linalg.eigh(mean)
+        pulling = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        across = np.cross(t, ways)
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        return np.asarray(np.linalg.norm(across @ pulling, axis=1))
+
+
+def _between(phi: Floats, best: int) -> float:
+    """Return the angle [rad] where phi is largest, by a parabola through three of ``_ANGLES``."""
+    if not 0 < best < len(phi) - 1:
+        return float(_ANGLES[best])
+    before, here, after = phi[best - 1 : best + 2].tolist()
+    bend = before - 2.0 * here + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return float(_ANGLES[best] + shift * (_ANGLES[1] - _ANGLES[0]))
+
+
+def _unit(way: Floats) -> Floats:
+    return np.asarray(way / np.linalg.norm(way))
 
 
 def _normals(corners: Floats) -> Floats:

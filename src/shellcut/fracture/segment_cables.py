@@ -21,6 +21,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import NOT_MET, State
 
+from .anisotropy import Anisotropy, normal_of
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
 from .quad_polygon import UNUSED, Point, holds, shape_functions
@@ -67,10 +68,14 @@ class SegmentCables:
         Whose strength they begin with.
     material : ShellMaterial
         Of the film.
+    anisotropy : Anisotropy, optional
+        Of the film; a cable's area is that of the film it holds times f.
     """
 
-    def __init__(self, law: CohesiveLaw, material: ShellMaterial) -> None:
-        self._law, self._material = law, material
+    def __init__(
+        self, law: CohesiveLaw, material: ShellMaterial, anisotropy: Anisotropy | None = None
+    ) -> None:
+        self._law, self._material, self._anisotropy = law, material, anisotropy
         self._sleeping: list[_Sleeping] = []
 
     def lay(self, rows: list[int], chords: list[tuple[Point, Point]], length: float) -> None:
@@ -153,12 +158,20 @@ class SegmentCables:
         c.ends[k] = ends
         c.edge[k] = NOT_MET
         c.half_edge[k, 0] = one.length
-        c.area[k] = self._material.thickness * one.length
+        c.area[k] = self._material.thickness * one.length * self._factor(state, one)
         c.m[k] = m
         c.branch[k] = m, -m
         c.birth[k] = state.time
         # The force that a new cable is about to exert: at zero opening it has done no work yet.
         c.traction[k] = self._law.strength
+
+    def _factor(self, state: State, one: _Sleeping) -> float:
+        """Return f for the segment of a cable."""
+        if self._anisotropy is None:
+            return 1.0
+        X = state.node.X[state.quads[one.row_minus]]
+        start, stop = (np.array(shape_functions(p)) @ X for p in (one.place_minus, one.far))
+        return self._anisotropy.factor(stop - start, normal_of(X))
 
     def saved(self) -> Floats:
         """Return the sleeping cables as rows of numbers."""

@@ -9,7 +9,11 @@ of the two flanks at the place P of the tip, and that of a pair of unit forces t
 N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
 the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
 with the normal m from the minus to the plus side and the lengths of the segments before and behind
-the tip; the cut is due at 1. At a node it is the nodal force parted between the two sides
+the tip; the cut is due at 1. A crack that no blade drives may open out of the plane, and its cables
+pull whichever way it opens: the measure is |F_c| over the same, as long as F_c · m >= 0. In front
+of a process zone that bends, the flanks press on each other and the force across the sheet turns
+round, as under a beam on an elastic bed; a tip that took this for a pull would run away from its
+crack. At a node it is the nodal force parted between the two sides
 (:mod:`shellcut.fracture.criterion`).
 
 Which corners and cables are on either side is a matter of the topology and of which side or corner
@@ -28,6 +32,7 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
+from .anisotropy import Anisotropy, normal_of
 from .crack_path import Segment
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
@@ -73,17 +78,53 @@ class TrialCut:
         Give the nodal forces.
     strength : float
         sigma_F [MPa].
+    anisotropy : Anisotropy, optional
+        Of the film.
     """
 
     def __init__(
-        self, topology: CutTopology, shell: MITC4Shell, loads: LoadSet, strength: float
+        self,
+        topology: CutTopology,
+        shell: MITC4Shell,
+        loads: LoadSet,
+        strength: float,
+        anisotropy: Anisotropy | None = None,
     ) -> None:
         self._topology, self._shell, self._loads = topology, shell, loads
+        self._anisotropy = anisotropy
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
     def measure(self, state: State, tip: Tip, segment: Segment) -> float:
-        """Return F_c · m over what the cables would carry; the cut is due at 1."""
+        """Return F_c · m over what the cables would carry; a driven cut is due at 1."""
+        force = self._force(state, segment)
+        if force is None:
+            return -np.inf
+        m, length = _across(state, segment)
+        return float(force @ m) / (self.carried * 0.5 * (tip.length + length))
+
+    def measure_of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
+        """Return |F_c| over what the cables would carry, 0 under pressure; a tear is due at 1."""
+        force = self._force(state, segment)
+        if force is None:
+            return -np.inf
+        m, length = _across(state, segment)
+        pull = float(np.linalg.norm(force)) if force @ m >= 0.0 else 0.0
+        before, after = self._factors(state, tip, segment)
+        return pull / (self.carried * 0.5 * (before * tip.length + after * length))
+
+    def _factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
+        """Return the factors on the strength before and behind a tip, of the way there and on."""
+        if self._anisotropy is None:
+            return 1.0, 1.0
+        X = state.node.X[state.quads[segment.row]]
+        start, stop = (np.array(shape_functions(p)) @ X for p in (segment.entry, segment.exit))
+        ways = np.stack([tip.heading, stop - start])
+        before, after = self._anisotropy.factors(ways, normal_of(X)).tolist()
+        return before, after
+
+    def _force(self, state: State, segment: Segment) -> Floats | None:
+        """Return F_c [N], shape (3,); None if the cut would part nothing at the tip."""
         shares = np.array([1.0, *self._shares(state, segment)])
         d, kappa = np.zeros(3), 0.0
         for weight, sides in self.pairs(state, segment):
@@ -96,15 +137,7 @@ class TrialCut:
                         force += share * state.cable.force[cable, end]
                 d += sign * weight * force / mass
                 kappa += weight**2 / mass
-        if kappa == 0.0:
-            return -np.inf
-        nodes = state.quads[segment.row]
-        start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
-        x, t = state.node.x[nodes], start @ state.node.t[nodes]
-        m = np.cross(t, (stop - start) @ x)
-        out = float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
-        carried = self.carried * 0.5 * (tip.length + out)
-        return float(d @ m / np.linalg.norm(m) / kappa / carried)
+        return d / kappa if kappa > 0.0 else None
 
     def corner_mass(self, side: Side) -> Floats:
         """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
@@ -178,3 +211,11 @@ class TrialCut:
             part=np.array([parts.get(row, UNCUT) for row, _ in members]),
             cables=tuple(cables),
         )
+
+
+def _across(state: State, segment: Segment) -> tuple[Floats, float]:
+    """Return the unit normal to a segment in the sheet, shape (3,), and its length [mm]."""
+    nodes = state.quads[segment.row]
+    start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
+    m = np.cross(start @ state.node.t[nodes], (stop - start) @ state.node.x[nodes])
+    return m / np.linalg.norm(m), float(np.linalg.norm((stop - start) @ state.node.X[nodes]))

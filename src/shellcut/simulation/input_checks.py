@@ -47,6 +47,11 @@ def not_with_free_path(
             "Fracture.path = 'free' with a tool takes supports that rest, got one that moves: "
             "leave out its velocity and spin, or take path='edges'"
         )
+    if tool is not None and fracture.anisotropy is not None:
+        yield (
+            "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
+            "them"
+        )
     if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
         yield (
             "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "

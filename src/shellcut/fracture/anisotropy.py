@@ -1,0 +1,93 @@
+"""A film that tears more easily one way than another: strength and energy by the crack's direction.
+
+Drawn and rolled films part along the direction in which they were made (MD) at another G than
+across it (CD). With the angle theta between a crack and MD in the reference film,
+
+    G(theta) = G f(theta),   sigma_F(theta) = sigma_F f(theta),
+    f(theta) = ½ (along + across) + ½ (along - across) cos 2 theta:
+
+the cohesive law times f, its openings being the same. A cable across a segment has the area f times
+that of the film that it holds, which is the same and needs nothing else.
+
+A crack that lacks energy then takes the direction where J · e / f is largest: with theta_T the
+direction of J, where G(theta) / cos(theta - theta_T) is least, (ln G)' = -tan(theta - theta_T). It
+follows from :mod:`.free_direction`, without any rule of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class Anisotropy:
+    """How much of the law's strength and energy a crack meets, by its direction.
+
+    Parameters
+    ----------
+    direction : sequence of float
+        MD in the reference film, of any length; its part in the sheet counts.
+    along, across : float
+        f of a crack along MD and of one across it.
+
+    Raises
+    ------
+    ValueError
+        If a factor is not positive, or the direction is not one.
+
+    Examples
+    --------
+    Half as tough along MD as across it:
+
+    >>> film = Anisotropy(direction=(1.0, 0.0, 0.0), along=0.5, across=1.0)
+    >>> film.factors(np.eye(3), np.array([0.0, 0.0, 1.0]))[:2].tolist()
+    [0.5, 1.0]
+    """
+
+    direction: tuple[float, float, float]
+    along: float = 1.0
+    across: float = 1.0
+
+    def __post_init__(self) -> None:
+        way = np.asarray(self.direction, float)
+        problems = [
+            f"{name} must be a positive number, got {value!r}"
+            for name, value in (("along", self.along), ("across", self.across))
+            if not 0.0 < value < np.inf
+        ]
+        if way.shape != (3,) or not np.isfinite(way).all() or not way.any():
+            problems.append(f"direction must be a vector that is not zero, got {self.direction!r}")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    def factors(self, ways: Floats, normal: Floats) -> Floats:
+        """Return f for cracks along some ways, shape (n,).
+
+        Parameters
+        ----------
+        ways : ndarray, shape (n, 3)
+            In the reference sheet, of any length.
+        normal : ndarray, shape (3,)
+            Unit normal of the sheet; where MD is along it, f is the mean of both.
+        """
+        md = np.asarray(self.direction, float)
+        md = md / np.linalg.norm(md)
+        md = md - (md @ normal) * normal
+        size = md @ md
+        cosine = (ways @ md) ** 2 / np.maximum(np.einsum("ij,ij->i", ways, ways), 1e-300)
+        twice = 2.0 * cosine - size
+        return np.asarray(0.5 * (self.along + self.across + (self.along - self.across) * twice))
+
+    def factor(self, way: Floats, normal: Floats) -> float:
+        """Return f for a crack along one way, (3,)."""
+        return float(self.factors(way[None], normal)[0])
+
+
+def normal_of(X: Floats) -> Floats:
+    """Return the unit normal of a quad, corners X : (4, 3), by its diagonals, shape (3,)."""
+    normal = np.cross(X[2] - X[0], X[3] - X[1])
+    return np.asarray(normal / np.linalg.norm(normal))

@@ -1,0 +1,80 @@
+"""The force on the tip of a crack: the energy that the film gives up per mm of its advance.
+
+Let the reference slide by q(X) e below the film, q being 1 around the tip and falling to 0 at the
+distance ``reach``, and let the film in space follow by q(X) c, c being what e has become there. The
+energy Pi of the film then changes as if the tip with all that surrounds it were a little further
+along e, so that
+
+    J · e = - dPi / d(slide)
+
+is the energy released per mm of a crack along e [N], whichever way the flanks part. J is a vector
+of the sheet: the J-integral and its companion across the crack, with membrane, bending and
+transverse shear alike ([Eshelby1951]; on meshes [MuellerMaugin2002]). For two legs that are pulled
+out of the sheet J is the rate at which their ends part, times the force on them.
+
+At rest the motion in space changes nothing: the forces that hold the nodes in the domain add to
+zero. In a film that swings they do not, and times a whole mm rather than times a strain they would
+be most of what is found.
+
+The domain holds the process zone as far as it reaches; J then is the energy that goes into the
+cables, too: in steady tearing J = G h. The flanks slide with the film. Across the crack that adds
+film to one flank and takes it from the other: J · e has the difference of their energies per area
+times the reach in it, none where both sides are alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.mitc4.sliding_energy import SlidingEnergy
+from shellcut.state import State
+
+
+class TipForce:
+    """The force on one tip, as long as topology and tip stay the same.
+
+    Parameters
+    ----------
+    state : State
+        Of the topology.
+    shell : MITC4Shell
+        A film whose law is linear.
+    place : ndarray, shape (3,)
+        Of the tip in the reference film [mm].
+    base : ndarray, shape (2, 3)
+        Unit vectors of the sheet at the tip.
+    reach : float
+        Radius of the domain [mm]; within half of it the film slides as one.
+    """
+
+    def __init__(
+        self, state: State, shell: MITC4Shell, place: Floats, base: Floats, reach: float
+    ) -> None:
+        film = shell.reference
+        X, T = film.x[film.quads], film.t[film.quads]
+        q = np.clip(2.0 - 2.0 * np.linalg.norm(X - place, axis=2) / reach, 0.0, 1.0)
+        # The far wall of a tube is not in the domain.
+        q[T.sum(axis=1) @ np.cross(*base) <= 0.0] = 0.0
+        # Where all corners slide alike nothing changes.
+        self._rows: Ints = np.flatnonzero(np.ptp(q, axis=1) > 0.0)
+        self._q = q[self._rows]
+        slides = np.einsum("ea,ki->keai", self._q, base)
+        self._energy = SlidingEnergy.of(X[self._rows], T[self._rows], slides, shell.material)
+        self._share = state.quad.share[self._rows]
+
+    def of(self, state: State, moved: Floats) -> Floats:
+        """Return the components of the force along the base [N], shape (2,).
+
+        Parameters
+        ----------
+        state : State
+            Present positions.
+        moved : ndarray, shape (2, 3)
+            What the vectors of the base have become in space, at the tip.
+        """
+        nodes = state.quads[self._rows]
+        x, t = state.node.x[nodes], state.node.t[nodes]
+        moves = np.einsum("ea,ki->keai", self._q, moved)
+        return np.asarray(-self._energy.changes(x, t, moves) @ self._share)

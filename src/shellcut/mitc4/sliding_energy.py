@@ -1,0 +1,113 @@
+"""How the energy of quads changes as their corners slide along the reference film.
+
+The film in space stays where it is while the corners of some quads slide along the reference
+surface: the *inner variation* of the energy, whose sum over a domain around the tip of a crack is
+the force on that tip ([Eshelby1951]; on meshes [MuellerMaugin2002]). The energy of a quad is
+½ sᵀ H s with its sixteen strains s, the present products minus those p of the reference
+(:mod:`shellcut.mitc4.element`), so that a slide changes it by
+
+    ½ sᵀ H' s - sᵀ H p',
+
+a prime for the change of what belongs to the reference. H' and p' are differences over ``_STEP``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.material.shell_material import ShellMaterial
+
+from .element import GAUSS, N_STRAIN
+from .section import point_stiffness, strain_map
+from .tangent import reference_products
+
+# Of a quad's size: the central difference is exact to its square, 1e-8; round-off is 1e-12.
+_STEP = 1e-4
+
+# Parametric derivatives of the shape functions at the four corners, shape (4, 2, 4).
+_AT_CORNERS = 0.5 * np.array(
+    [
+        [[-1, 1, 0, 0], [-1, 0, 0, 1]],
+        [[-1, 1, 0, 0], [0, -1, 1, 0]],
+        [[0, 0, 1, -1], [0, -1, 1, 0]],
+        [[0, 0, 1, -1], [-1, 0, 0, 1]],
+    ],
+    float,
+)
+
+
+class SlidingEnergy(NamedTuple):
+    """The energy of some quads, and its change with some slides, as functions of the strains."""
+
+    reference: Floats
+    """Products of the reference, shape (n, 16) [mm²; mm]."""
+    stiffness: Floats
+    """H, shape (n, 16, 16)."""
+    stiffness_change: Floats
+    """H' of each slide, per mm, shape (n_slide, n, 16, 16)."""
+    force_change: Floats
+    """H p' of each slide, per mm, shape (n_slide, n, 16)."""
+
+    @classmethod
+    def of(cls, X: Floats, T: Floats, slides: Floats, material: ShellMaterial) -> SlidingEnergy:
+        """Return those of some quads.
+
+        Parameters
+        ----------
+        X, T : ndarray, shape (n, 4, 3)
+            Reference positions [mm] and directors.
+        slides : ndarray, shape (n_slide, n, 4, 3)
+            How far each corner slides per mm of the slide: along the quad's own surface, the part
+            across it does not count.
+        material : ShellMaterial
+            Whose law is linear.
+        """
+        base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
+        turn = np.einsum("apb,ebi->eapi", _AT_CORNERS, T)
+        metric = np.einsum("eapi,eaqi->eapq", base, base)
+        covariant = np.einsum("eapi,keai->keap", base, slides)
+        by = np.einsum("eapq,keaq->keap", np.linalg.inv(metric), covariant)
+        dX, dT = np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
+        step = _STEP * float(np.sqrt(metric[..., 0, 0].mean()))
+        H = _stiffness(X, T, material)
+        changes, forces = [], []
+        for k in range(len(slides)):
+            ends = [(X + sign * step * dX[k], T + sign * step * dT[k]) for sign in (1.0, -1.0)]
+            high, low = (_stiffness(*end, material) for end in ends)
+            far, near = (reference_products(*end) for end in ends)
+            changes.append((high - low) / (2.0 * step))
+            forces.append(np.einsum("eij,ej->ei", H, far - near) / (2.0 * step))
+        return cls(reference_products(X, T), H, np.array(changes), np.array(forces))
+
+    def changes(self, x: Floats, t: Floats, moves: Floats) -> Floats:
+        """Return the changes of the energies with each slide [N], shape (n_slide, n).
+
+        Parameters
+        ----------
+        x, t : ndarray, shape (n, 4, 3)
+            Present positions [mm] and directors.
+        moves : ndarray, shape (n_slide, n, 4, 3)
+            How far each corner moves in space with each slide, per mm.
+        """
+        s = reference_products(x, t) - self.reference
+        forces = np.einsum("eij,ej->ei", self.stiffness, s)
+        found = np.empty(self.force_change.shape[:2])
+        for k, move in enumerate(moves):
+            # Products are quadratic, so that this difference is exact over any step.
+            moved = 0.5 * (reference_products(x + move, t) - reference_products(x - move, t))
+            bent = 0.5 * np.einsum("eij,ej->ei", self.stiffness_change[k], s)
+            found[k] = np.einsum("ei,ei->e", s, bent - self.force_change[k])
+            found[k] += np.einsum("ei,ei->e", forces, moved)
+        return found
+
+
+def _stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
+    """Return H of quads, shape (n, 16, 16)."""
+    H = np.zeros((len(X), N_STRAIN, N_STRAIN))
+    for q, point in enumerate(GAUSS):
+        B = strain_map(*point)
+        H += B.T @ point_stiffness(X, T, material, q) @ B
+    return H
