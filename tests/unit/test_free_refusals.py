@@ -16,7 +16,8 @@ def test_fracture_names_every_option_that_does_not_go():
 def test_simulation_names_supports_and_loads():
     sim = cutting()
     moving = sc.Support("top", translation="xyz", rotation="", velocity={"y": lambda time: 1.0})
-    with pytest.raises(ValueError, match=r"supports that rest.*a pressure"):
+    film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=0.5)
+    with pytest.raises(ValueError, match=r"supports that rest.*no blade drives.*a pressure"):
         sc.Simulation(
             sim.mesh,
             sim.material,
@@ -25,5 +26,5 @@ def test_simulation_names_supports_and_loads():
             tool=sim.tool,
             motion=sim.motion,
             law=sc.CohesiveLaw(),
-            fracture=sc.Fracture(path="free"),
+            fracture=sc.Fracture(path="free", anisotropy=film),
         )

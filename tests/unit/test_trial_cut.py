@@ -31,3 +31,38 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
         stress / law.strength, rel=1e-9
     )
     assert np.isclose(tip.s, rise) or np.isclose(1.0 - tip.s, rise)
+
+
+def test_a_tear_counts_the_force_across_the_sheet_but_no_pressure():
+    """A trial cut of a sheet at rest, with forces on the flanks given by its quads' strains."""
+    mesh = rectangle(5.0, 4.0, size=SIZE)
+    film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
+    sim = sc.Simulation(
+        mesh, film, law=sc.CohesiveLaw(), fracture=sc.Fracture(path="free"), damping_beta=0.0
+    )
+    rim = mesh.nodes[:, 0].min()
+    sim.notch((rim - 1.0, 0.1, 0.0), (rim + 2.2, 0.1, 0.0))
+    n, free = sim.state.node, sim.cracks.free
+    (tip,) = free.tips
+    tip.length = SIZE
+    segment = free._path.segment_from(sim.state, tip, tip.heading)
+
+    def measures(stretch, shear):
+        n.x[: n.count] = n.X[: n.count]
+        n.x[: n.count, 1] *= 1.0 + stretch
+        n.x[: n.count, 2] += shear * n.X[: n.count, 1]
+        trial = free._trial
+        return (
+            measure(sim.state, tip, segment) for measure in (trial.measure, trial.measure_of_tear)
+        )
+
+    plain, tear = measures(0.002, 0.0)
+    assert tear == pytest.approx(plain, rel=1e-9)  # round-off
+    plain, tear = measures(0.002, 0.001)  # directors stay upright: the sheet is sheared
+    shear = film.shear_factor * 1678.0 / 2.6 * 0.001
+    across = shear * 1.002 / sc.CohesiveLaw().strength
+    # Kinematics: forces by the small shear in space, of the relative size of the strains.
+    assert np.sqrt(tear**2 - plain**2) == pytest.approx(across, rel=0.01)
+    plain, tear = measures(-0.002, 0.001)
+    assert plain < 0.0
+    assert tear == 0.0

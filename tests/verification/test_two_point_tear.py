@@ -22,6 +22,7 @@ from shellcut.mesh.structured import rectangle
 LAW = sc.CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
+TEARING = LAW.fracture_energy
 NOTCH, RISE = 12.0, 5e-4
 TRIED = np.radians(np.linspace(-85.0, 85.0, 3401))
 
@@ -143,6 +144,33 @@ def test_the_crack_takes_the_way_of_least_force(sheet):
     # Discretisation: half an edge; measured 0.23 to 0.29.
     assert largest_miss(found, expected) < 0.5 * sheet.size
     # Theory without bending; measured within 1.7.
+    until = found[-1, 0]
+    assert chord(found, until) == pytest.approx(chord(expected, until), abs=2.0)
+    assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-4
+
+
+LARGE = Sheet(6.0, -18.0, 33.0, -19.8, 7.8, size=0.6, speed=700.0, thickness=0.07)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moved", [0.0, 0.2])
+def test_force_and_way_of_a_long_tear(moved):
+    sheet = LARGE._replace(moved=moved)
+    sim, ends = pulled(sheet)
+    crack, apart, work = torn(sim, ends, 16.0)
+    found, expected = path(sim), expected_path(sheet, 18.0)
+    ways = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(found, axis=0), axis=1)))
+    ratios = []
+    for start in (4.0, 7.0, 10.0, 13.0):
+        stage = (crack > start) & (crack < start + 3.0)
+        tip = np.array([np.interp(start + 1.5, ways, column) for column in found.T])
+        unit = TEARING * sheet.thickness * best(sheet, tip)[1]
+        ratios.append(np.polyfit(apart[stage], work[stage], 1)[0] / unit)
+    # STAGES
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
+    assert ratios == pytest.approx(np.ones(4), abs=0.05)
+    # WAY
+    assert largest_miss(found[ways < 12.0], expected) < 0.5 * sheet.size
     until = found[-1, 0]
     assert chord(found, until) == pytest.approx(chord(expected, until), abs=2.0)
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-4
