@@ -7,8 +7,8 @@ J = F (u_A + u_B). In an isotropic film the crack runs along u_A + u_B, on a hyp
 A and B, at F = G h / |u_A + u_B|; with G(theta) it runs where G(theta) / cos(theta - theta_T) is
 least. Corrections are of the order of sqrt(D / (G h)) / |TA|, 2 per cent here.
 
-The slow tests compare the force at four stages, the quick ones, on large quads and in a hurry, the
-way of the crack alone.
+The slow tests compare the force, too; the quick ones, on large quads and in a hurry, the way of the
+crack alone.
 """
 
 from typing import NamedTuple
@@ -166,10 +166,11 @@ def test_force_and_way_of_a_long_tear(moved):
         tip = np.array([np.interp(start + 1.5, ways, column) for column in found.T])
         unit = TEARING * sheet.thickness * best(sheet, tip)[1]
         ratios.append(np.polyfit(apart[stage], work[stage], 1)[0] / unit)
-    # STAGES
+    # Theory without bending (2 per cent), quads that snap and damping (1): measured 1.7 and 2.6. A
+    # stage holds five edges, after each of which the force falls and rises: measured up to 3.8.
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
     assert ratios == pytest.approx(np.ones(4), abs=0.05)
-    # WAY
+    # Discretisation: half an edge in 12 mm; measured 0.38 and 0.18.
     assert largest_miss(found[ways < 12.0], expected) < 0.5 * sheet.size
     until = found[-1, 0]
     assert chord(found, until) == pytest.approx(chord(expected, until), abs=2.0)
