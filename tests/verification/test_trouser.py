@@ -5,8 +5,7 @@ A leg that is pulled straight up turns the way of the crack into way of its end.
 The legs are stiff beside that force (strain below 1e-3), the pull is slow beside it (momentum of a
 leg: rho h b V² = 0.3 per cent of it), and the process zone is short against the strip.
 
-Measured from cut to cut once the legs stand upright, so that the process zone is the same at both
-ends of what is compared.
+Measured once the legs stand upright, by lines fitted in time: the crack grows by steps.
 """
 
 import numpy as np
@@ -60,7 +59,7 @@ def trouser(kind, size):
         sc.ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[sc.Support.clamped("tail"), pulled("up", 1.0), pulled("down", -1.0)],
         law=LAW,
-        fracture=sc.Fracture(path="free"),
+        fracture=sc.Fracture(path="free", check_every=20),
         damping_alpha=50.0,
     )
     sim.notch((-1.0, 0.0, 0.0), (NOTCH, 0.0, 0.0))
@@ -68,14 +67,13 @@ def trouser(kind, size):
 
 
 def torn(sim):
-    """Tear; return crack, way apart, works of supports and cables and imbalance at every cut."""
+    """Tear; return crack, way apart, works of supports and cables and imbalance in time."""
     up, down = (sim.mesh.node_set(name)[0] for name in ("up", "down"))
-    rows, known = [], len(sim.state.split_log)
+    rows = []
     while sim.state.time < 8e-3 and sim.state.crack_length < FAR:
         sim.step()
-        if len(sim.state.split_log) > known:
-            known = len(sim.state.split_log)
-            book, x = sim.close_ledger(), sim.state.node.x
+        if sim.state.step % 50 == 0:
+            book, x = sim.ledger, sim.state.node.x
             apart = x[up, 2] - x[down, 2]
             works = book.support_work, book.cohesive_work, book.imbalance
             rows.append((sim.state.crack_length, apart, *works))
@@ -96,13 +94,13 @@ def torn_as_it_should(kind, size):
         row[upright] for row in (crack, apart, supports, cables, imbalance)
     )
     # Discretisation and what the pull loses on its way: quads that snap (0.4 to 1.6 per cent of
-    # G h), moving and damped legs (0.4), legs not quite upright (0.5); measured 1.2 to 2.4.
+    # G h), moving and damped legs (0.4), legs not quite upright (0.5); measured 1.2 to 2.6.
     force = slope(supports, apart)  # the mean on a leg: each end moves by half
     assert force == pytest.approx(0.5 * TEARING, rel=0.03)
-    # The reaction itself swings from cut to cut; its mean over the way is the work.
-    # Discretisation: from cut to cut the process zone is the same to a part of an edge, of the 6 mm
-    # looked at; measured within 0.9 per cent.
-    assert slope(cables, crack) == pytest.approx(TEARING, rel=0.02)
+    # Discretisation; in steady tearing half the way apart is the crack. Measured within 0.1.
+    assert slope(cables, 0.5 * apart) == pytest.approx(TEARING, rel=0.02)
+    # Discretisation: the crack grows by an edge, 0.5 mm in 6, at a time. Measured 1.94 to 2.04.
+    assert slope(apart, crack) == pytest.approx(2.0, rel=0.04)
     assert np.abs(imbalance / supports).max() < 1e-4
     place = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
     # Straight: off the middle by a quarter of an edge at most, in 9 mm.
@@ -111,12 +109,14 @@ def torn_as_it_should(kind, size):
     assert len(sim.cracks.free.tips) == 1
 
 
-@pytest.mark.parametrize("kind", ["plain", "moved", "wavy"])
+@pytest.mark.parametrize("kind", ["plain", "moved"])
 def test_two_legs_tear_a_strip_along_its_middle(kind):
     torn_as_it_should(kind, 0.5)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "size"), [("turned", 0.5), ("moved", 0.35), ("wavy", 0.35)])
+@pytest.mark.parametrize(
+    ("kind", "size"), [("turned", 0.5), ("wavy", 0.5), ("moved", 0.35), ("wavy", 0.35)]
+)
 def test_it_does_so_on_other_meshes(kind, size):
     torn_as_it_should(kind, size)
