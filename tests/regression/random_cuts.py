@@ -139,11 +139,12 @@ KINDS = {"line": line, "bend": bend, "arc": arc, "crossing": crossing}
 
 
 def _from_line(places, path):
-    """Return the distances of places from a broken line."""
+    """Return the distances of places from a broken line that goes straight on at its end."""
     a, b = path[:-1], path[1:]
     p = places[:, None, :2]
     s = ((p - a) * (b - a)).sum(axis=-1) / ((b - a) ** 2).sum(axis=-1)
-    foot = a + np.clip(s, 0.0, 1.0)[..., None] * (b - a)
+    last = np.append(np.ones(len(a) - 1), np.inf)
+    foot = a + np.clip(s, 0.0, last)[..., None] * (b - a)
     return np.linalg.norm(p - foot, axis=-1).min(axis=1)
 
 

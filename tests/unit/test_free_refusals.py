@@ -1,8 +1,10 @@
 """What cracks through quads cannot do yet is refused in words, all at once."""
 
+import numpy as np
 import pytest
 
 import shellcut as sc
+from free_strip import cut_strip
 from notched_strip import cutting
 
 
@@ -28,3 +30,22 @@ def test_simulation_names_supports_and_loads():
             law=sc.CohesiveLaw(),
             fracture=sc.Fracture(path="free", anisotropy=film),
         )
+
+
+def test_a_notch_that_cannot_be_cut_is_refused():
+    sim = cutting()
+    with pytest.raises(ValueError, match=r"through quads.*Mesh\.cut"):
+        sim.notch((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    sim = cut_strip()
+    for ends in (
+        ((0.0, 0.0), (1.0, 0.0, 0.0)),
+        ((0.0, 0.0, np.nan), (1.0, 0.0, 0.0)),
+        ([1.0] * 3,) * 2,
+    ):
+        with pytest.raises(ValueError, match="two different points in mm"):
+            sim.notch(*ends)
+    with pytest.raises(ValueError, match="must begin at the rim"):
+        sim.notch((0.0, 0.0, 50.0), (1.0, 0.0, 50.0))
+    sim.state.node.x[3] += 1e-3
+    with pytest.raises(ValueError, match="before it is stretched"):
+        sim.notch((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))

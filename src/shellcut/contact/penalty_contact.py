@@ -255,7 +255,7 @@ def _side_of_quads(
         if owns and depth < shallowest and abs(lateral) < tool.undecided * size:
             shallowest = depth
             k_best = k
-    if k_best < 0:
+    if k_best < 0 or around.n_at[n] == 0:
         return 0
     cx = cy = cz = film = 0.0
     for i in range(around.n_at[n]):

@@ -12,7 +12,6 @@ segment ends within L²/8R of it.
 
 from __future__ import annotations
 
-from math import copysign
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +99,7 @@ class BladeDrive:
         time: float,
         reach: float = LOOK_AHEAD[0],
     ) -> tuple[float, Pose]:
-        """Return the pose when an edge will be beyond a point, and how far off that lies then [mm].
+        """Return how far off the mid-plane a point lies when an edge is beyond it, and the pose.
 
         Parameters
         ----------
@@ -115,14 +114,22 @@ class BladeDrive:
         time : float
             Now [s].
         reach : float
-            How far beyond, in local edge lengths; negative for when it was before the point.
+            How far beyond, in local edge lengths; negative: the earlier pose, in which the edge was
+            still so far before the point.
+
+        Returns
+        -------
+        off : float
+            Signed distance [mm].
+        pose : Pose
+            The present one where the edge rests or goes away from the point.
         """
         pose, later = Pose.of(*motion.pose(time)), time
         segment = self.edges.segments[edge]
         for _ in range(TURNS):
             gap = pose.to_body(x[None])[0] - segment[START]
             left = reach * size - float(gap @ segment[BACK])
-            if copysign(left, left * reach) <= NEAR * size:
+            if abs(left) <= NEAR * size:
                 break
             spin, velocity = motion.twist(later)
             speed = (velocity + np.cross(spin, x - pose.translation)) @ (

@@ -120,6 +120,13 @@ class CrackPath:
                 found.append((row, on_side(side, s)))
         return found
 
+    def node_of(self, tip: Tip) -> int:
+        """Return the node of the mesh at which a tip lies, -1 if at none."""
+        if tip.flank is None:
+            return tip.ends[0] if tip.at_node else -1
+        corner = corner_at(tip.flank)
+        return self.ring(tip.quad)[corner] if corner >= 0 else -1
+
     def rows_at(self, quad: int, place: Point) -> list[tuple[int, Point]]:
         """Return the rows whose film touches a place on the boundary of a row, and where it is.
 
@@ -292,8 +299,11 @@ class CrackPath:
         weights = np.array(shape_functions(entry))
         x, t = state.node.x[nodes], weights @ state.node.t[nodes]
         gaps = np.array([shape_functions(p) for p in polygon.points]) @ x - weights @ x
+        t = t / np.linalg.norm(t)
         normal = np.cross(t if lean is None else t - lean, direction)
-        off = gaps @ (normal / np.linalg.norm(normal))
+        if (size := float(np.linalg.norm(normal))) < AWAY:
+            return None  # no direction in the sheet
+        off = gaps @ (normal / size)
         hit = _first_edge(polygon, entry, off, gaps @ direction)
         if hit is None:
             return self._past_a_corner(row, entry, off, gaps @ direction)

@@ -75,7 +75,10 @@ class EdgeMeetings:
         )
 
     def find(self, x: Floats, size: Floats, time: float) -> Meetings:
-        """Return this for tips at x : (n_tip, 3), size : (n_tip,) [mm]; good until the next."""
+        """Return which edge drives each tip, and its pose when it is beyond it.
+
+        x : (n_tip, 3), size : (n_tip,) [mm].  The next call overwrites what is returned.
+        """
         if len(x) != len(self.found.time):
             self._allocate(len(x))
         found, tried, motion = self.found, self._tried, self._motion
@@ -136,7 +139,7 @@ def _try_poses(
             for b in range(3):
                 found.rotation[i, a, b] = R[i, a, b]
         left = LOOK_AHEAD[0] * size[i] - depth
-        if not more or left <= NEAR * size[i]:
+        if not more or abs(left) <= NEAR * size[i]:
             continue
         turning = cross(load(tried.spin, i), gap)
         v = load(tried.velocity, i)

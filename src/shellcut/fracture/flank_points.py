@@ -161,7 +161,7 @@ def _look_around(state: State, k: int) -> None:
     centres = (quad.centre[rows, :, None] * n.X[state.quads[rows]]).sum(axis=1) - here
     beside = centres @ across
     beside *= np.sign(beside[np.searchsorted(rows, f.row[k])])
-    rows = rows[beside > 0.0][: n.quads.shape[1]]
+    rows = np.append(f.row[k], rows[(beside > 0.0) & (rows != f.row[k])])[: n.quads.shape[1]]
     n.quads[f.node[k], : rows.size], n.n_quad_at[f.node[k]] = rows, rows.size
 
 
@@ -194,8 +194,8 @@ def _share_springs(state: State, node: Ints, density: float) -> None:
     part = np.ones(n.count)
     over = masters[carried[masters] > bears[masters]]
     part[over] = bears[over] / carried[over]
-    n.contact_share[masters] = (own * part / n.contact_area[: n.count])[masters]
-    least = np.where(weight > 0.0, part[nodes], 1.0).min(axis=1)
+    n.contact_share[masters] = own[masters] * part[masters] / n.contact_area[masters]
+    least = np.where(weight > UNUSED, part[nodes], 1.0).min(axis=1)
     n.contact_share[node] = area * least / n.contact_area[node]
 
 

@@ -54,9 +54,8 @@ class _Cut(NamedTuple):
     length: float
     """[mm]"""
 
-    def is_open(self, state: State, place: Point) -> bool:
-        """Return whether the flanks part at one of its ends, given in the quad of the first row."""
-        end = 0 if place == self.chords[0][0] else 1
+    def is_open(self, state: State, end: int) -> bool:
+        """Return whether the flanks part where it starts, end 0, or stops, end 1."""
         minus, plus = (
             nodes_at(state, row, chord[end])
             for row, chord in zip(self.rows, self.chords, strict=True)
@@ -140,6 +139,8 @@ class FreeCracks:
         A crack then runs no faster than an edge length in ``check_every`` steps.
         """
         for tip in list(self.tips):
+            if not self._is_there(tip):
+                continue  # another crack has just joined it
             if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
@@ -173,13 +174,16 @@ class FreeCracks:
             if segment is None:
                 return
             cut = self._cut(state, segment, None, 0.0)
-            tip = self._tip_after(state, segment, cut, cut.heading)
+            tip = self._tip_after(state, segment, cut, 1)
             if tip is None:
                 return
             short = (end - self._path.reference_of(state, tip)) @ way
             if short < _ON_SIDE * cut.length:
                 self.tips.append(replace(tip, length=0.0))
                 return
+
+    def _is_there(self, tip: Tip) -> bool:
+        return any(one is tip for one in self.tips)
 
     def _may_be_due(self, state: State) -> Bools:
         """Return which tips may be due, after giving up those without film ahead."""
@@ -196,9 +200,9 @@ class FreeCracks:
         driven = drive.of(np.array([at.x for _, at in seen]), size, pose)
         went_on = False
         for i in np.flatnonzero(driven.edge_of >= 0).tolist():
-            if not (went_on or due[i]):
-                continue
             tip, at = seen[i]
+            if not (went_on or due[i]) or not self._is_there(tip):
+                continue
             edge = int(driven.edge_of[i])
             off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time)
             ways, lean = drive.directions(edge, off, at, then)
@@ -217,27 +221,31 @@ class FreeCracks:
         """Run a crack on along a segment."""
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
-        self._end_at(state, segment, cut, cut.heading)
+        self._end_at(state, segment, cut, 1)
         self._cables.wake(state, self._shell.area)
 
-    def _end_at(self, state: State, segment: Segment, cut: _Cut, heading: Floats) -> None:
-        """Put a tip where the crack goes on from the end of a segment that has been cut."""
-        tip = self._tip_after(state, segment, cut, heading)
+    def _end_at(self, state: State, segment: Segment, cut: _Cut, end: int) -> None:
+        """Put a tip where the crack goes on from an end of what has been cut."""
+        tip = self._tip_after(state, segment, cut, end)
         if tip is not None:
             self.tips.append(tip)
 
-    def _tip_after(self, state: State, segment: Segment, cut: _Cut, heading: Floats) -> Tip | None:
-        """Return the tip at the end of a segment that has been cut, None at a rim.
+    def _tip_after(self, state: State, segment: Segment, cut: _Cut, end: int) -> Tip | None:
+        """Return the tip at an end of what has been cut, None at a rim.
 
         Where the crack is open there it has come to a rim or to another crack, whose tip there is
         one no more: it goes on from the other flank.
+
+        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.
         """
-        if segment.side == FLANK or cut.is_open(state, segment.exit):
-            joined = self._path.ring(segment.row)[segment.corner] if segment.corner >= 0 else -1
-            self.tips = [t for t in self.tips if not (t.at_node and t.ends[0] == joined)]
-            way = cut.way(state, heading)
-            return tip_across(state, self.topology, self._path, segment, heading, way)
-        return self._path.tip_at(segment, heading, cut.length)
+        heading = cut.heading if end else -cut.heading
+        if segment.side != FLANK and not cut.is_open(state, end):
+            return self._path.tip_at(segment, heading, cut.length)
+        if segment.corner >= 0:
+            joined = self._path.ring(segment.row)[segment.corner]
+            self.tips = [tip for tip in self.tips if self._path.node_of(tip) != joined]
+        way = cut.way(state, heading)
+        return tip_across(state, self.topology, self._path, segment, heading, way)
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
@@ -257,8 +265,8 @@ class FreeCracks:
                 continue
             chord = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
             cut = self._cut(state, chord, "blade", 0.0)
-            self._end_at(state, back, cut, -cut.heading)
-            self._end_at(state, ahead, cut, cut.heading)
+            self._end_at(state, back, cut, 0)
+            self._end_at(state, ahead, cut, 1)
             self._cables.wake(state, self._shell.area)
 
     def _towards(
@@ -290,6 +298,9 @@ class FreeCracks:
             rows = [segment.row, new]
             chords = [(segment.entry, segment.exit)] * 2
             self._cables.follow(state, topology, *rows)
+            for tip in self.tips:
+                if segment.row in tip.behind:
+                    tip.behind = (*tip.behind, new)
         if kind is not None:
             self._cables.lay(rows, chords, length)
             state.crack_length += length

@@ -141,7 +141,7 @@ class FreeDirection:
             phi += max(1.0 - phi.max(), 0.0) * released / max(np.abs(released).max(), _TINY)
         angle = _between(phi, int(np.argmax(phi)))
         yield _unit(np.array([np.cos(angle), np.sin(angle)]) @ moved)
-        for k in _OTHERS[np.argsort(-phi[_OTHERS])].tolist():
+        for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
     def _look(self, state: State, tip: Tip) -> _Ahead:

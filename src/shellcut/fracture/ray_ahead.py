@@ -221,7 +221,8 @@ def aim(
     """Write the segments from all tips that an edge drives; return how many there are.
 
     x, t : (n_node, 3).  director : (n_tip, 3), unit.  rotation : (n_tip, 3, 3), of the tool when it
-    meets them.  edge_of, off : (n_tip,), segment and distance from its mid-plane [mm] then.
+    is an edge length beyond them.  edge_of, off : (n_tip,), segment and distance from its mid-plane
+    [mm] then.
     """
     tips, ahead, aimed = borrowed(tips), borrowed(ahead), borrowed(aimed)
     count = 0
@@ -268,8 +269,10 @@ def _through(
 ) -> bool:
     """Write the segment through row k of the table for tip i; return whether there is one."""
     here = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
-    upright = sub(_at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t), lean)
-    normal = cross(upright, way)
+    director = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
+    normal = cross(sub(scale(1.0 / norm(director), director), lean), way)
+    if norm(normal) < AWAY:
+        return False
     normal = scale(1.0 / norm(normal), normal)
     n, hit, along, best = ahead.n_point[k], -1, 0.0, np.inf
     for j in range(n):

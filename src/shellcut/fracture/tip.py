@@ -24,15 +24,16 @@ class Tip:
     s: float
     """Way along the side from its first node."""
     quad: int
-    """Of the mesh, from which it came; -1 of a notch."""
+    """Of the mesh, from which it came, -1 of a notch; of a tip on a flank the quad of its place."""
     heading: Floats
     """Unit direction in which it came, in the reference film, shape (3,)."""
     length: float
     """Of the segment that led here [mm], 0 of a notch."""
     flank: Point | None = None
-    """Place in ``quad`` if it lies on a flank; ``ends`` is then of no meaning."""
+    """Place in ``quad`` if it lies on the flank of another crack, which may be on a side or at a
+    corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
-    """Rows of ``quad`` on the side of the flank from which the crack came."""
+    """Rows that touch that place from behind, the side from which the crack came."""
 
     @property
     def at_node(self) -> bool:

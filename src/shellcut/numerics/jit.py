@@ -68,7 +68,9 @@ def _despite_an_older_cache(compiled: Any, compile_: Callable[..., Any]) -> Call
         try:
             return compile_(types)
         except (AttributeError, ImportError):
-            compiled.recompile()  # empties the cache; there is nothing in memory to compile yet
+            if compiled.overloads:  # the cache has been opened before: it is another fault
+                raise
+            compiled.recompile()  # empties the cache
             return compile_(types)
 
     return compile_anew

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import Fracture
@@ -57,3 +61,11 @@ def not_with_free_path(
             "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "
             "traction: a cut quad would not share it yet; take path='edges'"
         )
+
+
+def ends_of_notch(start: npt.ArrayLike, end: npt.ArrayLike) -> tuple[Floats, Floats]:
+    """Return the ends of a notch as points, shape (3,) each [mm]; refuse those that are none."""
+    a, b = np.asarray(start, float), np.asarray(end, float)
+    if a.shape != (3,) or b.shape != (3,) or not np.isfinite([a, b]).all() or (a == b).all():
+        raise ValueError(f"a notch needs two different points in mm, got {start!r} and {end!r}")
+    return a, b

@@ -34,7 +34,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
-from .input_checks import negative, not_with_free_path, without_partner
+from .input_checks import ends_of_notch, negative, not_with_free_path, without_partner
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .relaxation import find_rest
@@ -349,15 +349,15 @@ class Simulation:
         Raises
         ------
         ValueError
-            If cracks go along edges, the run has begun, or the line does not begin at the rim.
+            If cracks go along edges, it is too late, or the line does not begin at the rim.
         """
         if self.cracks is None or self.cracks.free is None:
             raise ValueError(
                 'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
             )
-        if self.state.step:
-            raise ValueError(f"notch the film before the run, not after {self.state.step} steps")
-        self.cracks.free.notch(self.state, np.asarray(start, float), np.asarray(end, float))
+        if self.state.step or self.state.is_moved:
+            raise ValueError("notch the film before the run, and before it is stretched")
+        self.cracks.free.notch(self.state, *ends_of_notch(start, end))
 
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.

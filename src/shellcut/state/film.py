@@ -92,6 +92,12 @@ class State:
         """Number of cables ever made."""
         return self.cable.count
 
+    @property
+    def is_moved(self) -> bool:
+        """Whether any node is away from its reference position."""
+        n = self.node
+        return not np.array_equal(n.x[: n.count], n.X[: n.count])
+
     def quads_at_nodes(self) -> QuadsAtNodes:
         """Return which quads are at which node now."""
         return QuadsAtNodes(

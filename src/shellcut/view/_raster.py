@@ -64,14 +64,14 @@ def view_axes(toward: Floats, up: Floats) -> Floats:
 class Canvas:
     """Colours and depths of the pixels of one picture.
 
+    Single precision is enough for a picture, and halves the memory that drawing moves.
+
     Attributes
     ----------
     color : ndarray of float32, shape (height * width, 3), [-]
         Red, green, blue in 0..1.
     depth : ndarray of float32, shape (height * width,), [pixel]
         Depth of each pixel; minus infinity where nothing is drawn.
-
-    Single precision is far below what a picture shows, and drawing mostly moves memory.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
