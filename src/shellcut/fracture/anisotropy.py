@@ -32,12 +32,12 @@ class Anisotropy:
     direction : sequence of float
         MD in the reference film, of any length; its part in the sheet counts.
     along, across : float
-        f of a crack along MD and of one across it.
+        f of a crack along MD and of one across it, positive, 1 by default [-].
 
     Raises
     ------
     ValueError
-        If a factor is not positive, or the direction is not one.
+        If a factor is not positive, or the direction is zero or not finite.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Anisotropy:
         Parameters
         ----------
         ways : ndarray, shape (n, 3)
-            In the reference sheet, of any length.
+            In the reference sheet, of any length but 0.
         normal : ndarray, shape (3,)
             Unit normal of the sheet; where MD is along it, f is the mean of both.
         """
@@ -78,16 +78,10 @@ class Anisotropy:
         md = md / np.linalg.norm(md)
         md = md - (md @ normal) * normal
         size = md @ md
-        cosine = (ways @ md) ** 2 / np.maximum(np.einsum("ij,ij->i", ways, ways), 1e-300)
+        cosine = (ways @ md) ** 2 / np.einsum("ij,ij->i", ways, ways)
         twice = 2.0 * cosine - size
         return np.asarray(0.5 * (self.along + self.across + (self.along - self.across) * twice))
 
     def factor(self, way: Floats, normal: Floats) -> float:
         """Return f for a crack along one way, (3,)."""
         return float(self.factors(way[None], normal)[0])
-
-
-def normal_of(X: Floats) -> Floats:
-    """Return the unit normal of a quad, corners X : (4, 3), by its diagonals, shape (3,)."""
-    normal = np.cross(X[2] - X[0], X[3] - X[1])
-    return np.asarray(normal / np.linalg.norm(normal))

@@ -64,8 +64,6 @@ class Driven(NamedTuple):
     """Segment of the edge, -1 if none, shape (n_tip,)."""
     off: Floats
     """Signed distance of the tip from the mid-plane [mm], shape (n_tip,)."""
-    depth: Floats
-    """How far the edge has passed it, negative ahead of the edge [mm], shape (n_tip,)."""
     passed: Bools
     """Whether the edge has passed it, shape (n_tip,)."""
 
@@ -86,7 +84,7 @@ class BladeDrive:
     def of(self, x: Floats, size: Floats, pose: Pose) -> Driven:
         """Return which segments drive tips at x : (n_tip, 3) [mm]; size : (n_tip,) [mm]."""
         n = len(x)
-        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n), np.zeros(n, np.bool_))
+        found = Driven(np.full(n, -1), np.zeros(n), np.zeros(n, np.bool_))
         self._near_edge(x, size, pose, self.edges, *found)
         return found
 
@@ -184,7 +182,6 @@ def _near_edge(
     edges: CuttingEdges,
     edge_of: Ints,
     off: Floats,
-    depth_of: Floats,
     passed: Bools,
 ) -> None:
     """Write which segment of the edge a point is before or has passed, and how far beside it is.
@@ -194,7 +191,7 @@ def _near_edge(
     pose, edges = borrowed(pose), borrowed(edges)
     for i in range(x.shape[0]):
         found = nearest_edge(to_body(load(x, i), pose), size[i], edges)
-        edge_of[i], off[i], depth_of[i], passed[i] = found
+        edge_of[i], off[i], _, passed[i] = found
 
 
 @inline

@@ -28,6 +28,7 @@ from .cut_topology import Corner, CutTopology
 from .flank_points import bearable_area
 from .quad_polygon import (
     CORNERS,
+    UNUSED,
     Point,
     corner_at,
     density,
@@ -136,6 +137,12 @@ def sides_of(
         if span(topology.polygon(row), corner if left else other) is not None:
             rows[left], chords[left] = row, (CORNERS[corner], CORNERS[other])
     return a, b, rows, chords
+
+
+def nodes_at(state: State, row: int, place: Point) -> set[int]:
+    """Return the nodes of a row that move a place in it."""
+    held = np.array(shape_functions(place)) > UNUSED
+    return set(state.quads[row][held].tolist())
 
 
 def renew_nodes(

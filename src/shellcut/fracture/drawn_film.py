@@ -22,7 +22,7 @@ from shellcut.state import State
 
 from .cut_topology import CutTopology
 from .quad_fans import flanks_among
-from .quad_polygon import FLANK, Point, along_side, corner_at, on_side, shape_functions
+from .quad_polygon import FLANK, Point, along_side, corner_at, on_side, shape_functions, side_at
 
 # Places on one side, or in one quad, closer than this are one, in its parametric length.
 _SAME = 1e-6
@@ -157,8 +157,8 @@ class _Outlines:
         corner = corner_at(place)
         if corner >= 0:
             return int(self._id[ring[corner]])
-        side = _side_at(place)
-        if side is None:
+        side = side_at(place)
+        if side < 0:
             parent = self._topology.parent(row)
             return self._numbered(
                 (row, -1), place, ring, shape_functions(place), (parent, -1), place
@@ -193,14 +193,6 @@ class _Outlines:
             self._weight.append(weight)
             self._reference.append(self._references.number(reference_owner, reference_place))
         return point
-
-
-def _side_at(place: Point) -> int | None:
-    """Return the side of the quad on which a place lies, None within it."""
-    for side, (axis, value) in enumerate(((1, -1.0), (0, 1.0), (1, 1.0), (0, -1.0))):
-        if abs(place[axis] - value) < _SAME:
-            return side
-    return None
 
 
 def _between(start: Point, end: Point, place: Point) -> float | None:

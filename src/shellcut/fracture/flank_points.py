@@ -17,13 +17,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import bound_once, kernel
 from shellcut.state import KnownTopology, State
 
 from .quad_polygon import UNUSED, Point, shape_functions
 
-# Of a quad: a copy that holds less is a sliver.
+# Of a quad: the nodes of a copy that holds less swing by more than it is wide.
 _SLIVER = 0.2
 
 # Of weights: places on a side that agree so far are one; far above round-off.
@@ -114,8 +115,8 @@ def tie(state: State, areas: Floats, density: float) -> None:
     Of several at one place contact sees the first, and its film is that of the first two: which
     side of the blade a sliver lies on shows in the copy beyond the side.
 
-    The contact area of one is a quarter of its quad's. Of this, and of those of the nodes around,
-    presses as much as the film can bear there without shortening the step
+    The contact area of one is a quarter of its quad's. It presses with as much of it, and the nodes
+    around with as much of theirs, as the film can bear without shortening the step
     (:func:`_share_springs`).
 
     Parameters
@@ -143,7 +144,7 @@ def tie(state: State, areas: Floats, density: float) -> None:
 
 
 def _look_around(state: State, k: int) -> None:
-    """Take as the film of a flank point on a sliver what hangs together with it on its own side.
+    """Give a flank point on a sliver the film around it that lies on its side of the flank.
 
     The nodes of a sliver swing, so that it does not show on which side of the blade the film lies.
     Close to its tip a crack is closed, and the film of both flanks hangs together: which rows lie
@@ -157,7 +158,7 @@ def _look_around(state: State, k: int) -> None:
     X = n.X[nodes]
     here = f.weight[k] @ X
     along = np.array(shape_functions((f.inward[k, 0], f.inward[k, 1]))) @ X - here
-    across = np.cross(np.cross(X[2] - X[0], X[3] - X[1]), along)
+    across = np.cross(corner_normals(X), along)
     centres = (quad.centre[rows, :, None] * n.X[state.quads[rows]]).sum(axis=1) - here
     beside = centres @ across
     beside *= np.sign(beside[np.searchsorted(rows, f.row[k])])
@@ -175,7 +176,7 @@ def bearable_area(mass: Floats, density: float) -> Floats:
 
 
 def _share_springs(state: State, node: Ints, density: float) -> None:
-    """Write what part of their contact areas presses at all flank points and their nodes.
+    """Write which part of its contact area presses at each flank point and at their nodes.
 
     Several springs act on a node where flank points are near it, and light nodes bear little. An
     area A_P at a flank point counts N_a A_P at node a (:func:`hand_on_stiffness`). Where they and

@@ -1,9 +1,10 @@
 """Cracks that cross quads: who is due, and how a crack advances by one quad.
 
 Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
-(:mod:`.crack_path`), when it is due (:mod:`.trial_cut`), which tips a blade drives
-(:mod:`.blade_drive`), where a cut begins (:mod:`.pierce`), the cut itself (:mod:`.cut_state`) and
-its cables (:mod:`.segment_cables`).
+(:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due (:mod:`.trial_cut`),
+which tips a blade drives (:mod:`.blade_drive`), in which direction the others run
+(:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), the cut itself (:mod:`.cut_state`)
+and its cables (:mod:`.segment_cables`).
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from shellcut.tool.tool import Tool
 from .blade_drive import BladeDrive
 from .crack_path import CrackPath, Segment, common_side
 from .criterion import Fracture
-from .cut_state import break_side, cut_row
+from .cut_state import break_side, cut_row, nodes_at
 from .cut_topology import CutTopology
 from .free_direction import FreeDirection
 from .pierce import Pierce
@@ -34,7 +35,7 @@ from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
 from .segment_cables import SegmentCables
 from .tip import Tip, restored_tips, saved_tips
-from .tip_across import nodes_at, tip_across
+from .tip_across import tip_across
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
 

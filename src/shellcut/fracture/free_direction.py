@@ -37,6 +37,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
@@ -175,7 +176,7 @@ class FreeDirection:
         squared = np.einsum("ij,ij->i", gap, gap)
         near = np.flatnonzero((squared < (_FAR * width) ** 2) & (gap @ forward > 0.0))
         # The far wall of a tube is not ahead.
-        near = near[_normals(corners[near]) @ T > 0.0]
+        near = near[corner_normals(corners[near]) @ T > 0.0]
         weight = np.exp(-0.5 * squared[near] / width**2)
         weight *= self._shell.area[near] * state.quad.share[near]
         return near, weight / max(float(weight.sum()), _TINY)
@@ -194,7 +195,7 @@ class FreeDirection:
         if not ahead.quads.size:
             return np.zeros(len(ways))
         stress = self._shell.stress(state, ahead.quads, place="mid")
-        turn = _turns(_normals(state.node.x[state.quads[ahead.quads]]), t)
+        turn = _turns(corner_normals(state.node.x[state.quads[ahead.quads]]), t)
         stress = turn @ stress @ turn.transpose(0, 2, 1)
         mean = np.einsum("i,ijk->jk", ahead.weight, stress)
         values, vectors = np.linalg.eigh(mean)
@@ -216,12 +217,6 @@ def _between(phi: Floats, best: int) -> float:
 
 def _unit(way: Floats) -> Floats:
     return np.asarray(way / np.linalg.norm(way))
-
-
-def _normals(corners: Floats) -> Floats:
-    """Return the unit normals of quads with these corners : (n, 4, 3), shape (n, 3)."""
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
 
 
 def _turns(start: Floats, end: Floats) -> Floats:

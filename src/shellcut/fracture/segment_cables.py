@@ -19,12 +19,14 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.state import NOT_MET, State
 
-from .anisotropy import Anisotropy, normal_of
+from .anisotropy import Anisotropy
+from .cut_state import nodes_at
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
-from .quad_polygon import UNUSED, Point, holds, shape_functions
+from .quad_polygon import Point, holds, shape_functions
 
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
@@ -126,14 +128,8 @@ class SegmentCables:
         """
         asleep = []
         for one in self._sleeping:
-            minus, plus = (
-                set(state.quads[row][np.array(shape_functions(place)) > UNUSED].tolist())
-                for row, place in (
-                    (one.row_minus, one.place_minus),
-                    (one.row_plus, one.place_plus),
-                )
-            )
-            if minus == plus:
+            minus = nodes_at(state, one.row_minus, one.place_minus)
+            if minus == nodes_at(state, one.row_plus, one.place_plus):
                 asleep.append(one)
             else:
                 self._make(state, one)
@@ -171,7 +167,7 @@ class SegmentCables:
             return 1.0
         X = state.node.X[state.quads[one.row_minus]]
         start, stop = (np.array(shape_functions(p)) @ X for p in (one.place_minus, one.far))
-        return self._anisotropy.factor(stop - start, normal_of(X))
+        return self._anisotropy.factor(stop - start, corner_normals(X))
 
     def saved(self) -> Floats:
         """Return the sleeping cables as rows of numbers."""

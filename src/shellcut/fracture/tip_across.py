@@ -7,14 +7,12 @@ flank; all others lie behind.
 
 from __future__ import annotations
 
-import numpy as np
-
 from shellcut.arrays import Floats
 from shellcut.state import State
 
 from .crack_path import CrackPath, Segment
+from .cut_state import nodes_at
 from .cut_topology import CutTopology
-from .quad_polygon import UNUSED, Point, shape_functions
 from .tip import Tip
 
 
@@ -54,9 +52,3 @@ def tip_across(
     nodes = nodes_at(state, row, place)
     behind = tuple(other for other, at in touching if nodes_at(state, other, at) != nodes)
     return Tip((-1, -1), 0.0, topology.parent(row), heading, 0.0, place, behind)
-
-
-def nodes_at(state: State, row: int, place: Point) -> set[int]:
-    """Return the nodes of a row that move a place in it."""
-    held = np.array(shape_functions(place)) > UNUSED
-    return set(state.quads[row][held].tolist())

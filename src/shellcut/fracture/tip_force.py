@@ -13,8 +13,8 @@ transverse shear alike ([Eshelby1951]; on meshes [MuellerMaugin2002]). For two l
 out of the sheet J is the rate at which their ends part, times the force on them.
 
 At rest the motion in space changes nothing: the forces that hold the nodes in the domain add to
-zero. In a film that swings they do not, and times a whole mm rather than times a strain they would
-be most of what is found.
+zero. In a film that swings they do not. Without that motion they would act over a whole mm instead
+of over a strain, and hide the energy released.
 
 The domain holds the process zone as far as it reaches; J then is the energy that goes into the
 cables, too: in steady tearing J = G h. The flanks slide with the film. Across the crack that adds

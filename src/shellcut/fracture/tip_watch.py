@@ -21,7 +21,7 @@ from shellcut.tool.motion import Motion
 
 from .crack_path import CrackPath, Segment
 from .cut_topology import CutTopology
-from .edge_meeting import EdgeMeetings
+from .poses_beyond import PosesBeyond
 from .quad_polygon import FLANK, along_side, on_side
 from .ray_ahead import (
     ALONG_SIDE,
@@ -68,7 +68,7 @@ class TipWatch:
         self._director: Floats
         self._aimed: Aimed
         self._tips: list[Tip] = []
-        self._meetings = EdgeMeetings(edges, motion)
+        self._beyond = PosesBeyond(edges, motion)
         self._sums = TrialSums(trial_cut)
         self._place_tips, self._aim = bound_once(place_tips), bound_once(aim)
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
@@ -94,7 +94,7 @@ class TipWatch:
 
     def driven_places(self) -> Floats:
         """Return where tips were that an edge drives, at the last question [mm], shape (n, 3)."""
-        return self.x[self._meetings.found.edge_of >= 0] if len(self.x) else self.x
+        return self.x[self._beyond.found.edge_of >= 0] if len(self.x) else self.x
 
     def due(self, state: State, tips: Sequence[Tip]) -> Bools:
         """Return which tips may be due: no means no, shape (n_tip,).
@@ -111,7 +111,7 @@ class TipWatch:
             return self._due[:0]
         self.places(state, tips)
         self._due[:] = False
-        n, found = state.node, self._meetings.find(self.x, self._table.size, state.time)
+        n, found = state.node, self._beyond.find(self.x, self._table.size, state.time)
         if self._aim(
             self._table,
             self._ahead,
@@ -119,7 +119,7 @@ class TipWatch:
             n.t,
             self._director,
             found.rotation,
-            self._meetings.edges.segments,
+            self._beyond.edges.segments,
             found.edge_of,
             found.off,
             self._aimed,

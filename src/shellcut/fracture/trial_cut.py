@@ -29,10 +29,11 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
+from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
-from .anisotropy import Anisotropy, normal_of
+from .anisotropy import Anisotropy
 from .crack_path import Segment
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
@@ -120,7 +121,7 @@ class TrialCut:
         X = state.node.X[state.quads[segment.row]]
         start, stop = (np.array(shape_functions(p)) @ X for p in (segment.entry, segment.exit))
         ways = np.stack([tip.heading, stop - start])
-        before, after = self._anisotropy.factors(ways, normal_of(X)).tolist()
+        before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
         return before, after
 
     def _force(self, state: State, segment: Segment) -> Floats | None:

@@ -107,3 +107,11 @@ def mean_directors(X: Floats, quads: Ints) -> Floats:
         T[:] = unit(np.where(np.abs(mean) < _FLAT, 0.0, mean))
     T += 0.0  # no negative zeros
     return T
+
+
+def corner_normals(corners: Floats) -> Floats:
+    """Return the unit normals of quads by their diagonals, corners : (..., 4, 3)."""
+    normal = np.cross(
+        corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
+    )
+    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))

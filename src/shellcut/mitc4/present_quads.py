@@ -1,4 +1,4 @@
-"""The quads of a film as kernels take them: what stands in the blocks, and where the nodes are."""
+"""The quads of a film as kernels take them: the blocks, and where the nodes are."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class PresentQuads:
     Parameters
     ----------
     places : Places
-        Which quad stands where, and what does not change of it.
+        Which quad stands where, and the numbers of it that never change.
     """
 
     def __init__(self, places: Places) -> None:
@@ -30,7 +30,7 @@ class PresentQuads:
         """Take the next state afresh: the places are those of another run."""
         self._known = KnownTopology()
         self._present: PointQuads | None = None
-        self._held: Quads | PointQuads | None = None
+        self._held: Quads | PointQuads
 
     def of(self, state: State) -> PointQuads:
         """Return the quads at the positions and directors of a state."""
@@ -42,8 +42,8 @@ class PresentQuads:
             self._known.take(state)
         return self._present
 
-    def held(self, state: State) -> Quads | PointQuads | None:
-        """Return the same for the kernels of the forces, laid out for them."""
+    def held(self, state: State) -> Quads | PointQuads:
+        """Return the quads laid out for the kernels of the forces."""
         self.of(state)
         return self._held
 

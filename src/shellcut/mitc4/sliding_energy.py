@@ -53,7 +53,7 @@ class SlidingEnergy(NamedTuple):
 
     @classmethod
     def of(cls, X: Floats, T: Floats, slides: Floats, material: ShellMaterial) -> SlidingEnergy:
-        """Return those of some quads.
+        """Return the energy of some quads and its changes.
 
         Parameters
         ----------

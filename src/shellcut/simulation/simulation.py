@@ -344,7 +344,7 @@ class Simulation:
         ----------
         start, end : array_like, shape (3,)
             Outside the rim, nearer to the side of it where it begins than that is long, and where
-            it ends [mm]: at the first side or node of the mesh there or beyond.
+            it ends [mm]: at the first side or node there or beyond, sooner at a rim or a cut.
 
         Raises
         ------

@@ -141,7 +141,7 @@ class ToolTerms:
 
 
 class WorkBook(NamedTuple):
-    """What the kernel writes."""
+    """Wrenches and works, which the kernel writes."""
 
     last: Annotated[Floats, "(n_sum, 6)"]
     """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n."""

@@ -126,7 +126,7 @@ class QuadsAtNodes(NamedTuple):
     share: Annotated[Floats, "(n_quad,)"]
     """Part of a quad of the mesh that it holds."""
     at: Annotated[Ints, "(n_node, max_valence)"]
-    """Quads at the node, ascending, the first ``n_at`` in use."""
+    """Quads at the node, the first ``n_at`` in use; of a flank point those that show its side."""
     n_at: Annotated[Ints, "(n_node,)"]
     """Number of quads at the node."""
 

@@ -19,7 +19,7 @@ from shellcut.tool.motion import Motion
 from .blade_drive import LOOK_AHEAD, NEAR, TURNS, nearest_edge
 
 
-class Meetings(NamedTuple):
+class Beyond(NamedTuple):
     """Edges and tips: which drives which, and the pose when it will be beyond it."""
 
     edge_of: Annotated[Ints, "(n_tip,)"]
@@ -45,7 +45,7 @@ class _Tried(NamedTuple):
     velocity: Annotated[Floats, "(n_tip, 3)"]
 
 
-class EdgeMeetings:
+class PosesBeyond:
     """Finds which edges drive which tips, and when they will be beyond them.
 
     Parameters
@@ -62,7 +62,7 @@ class EdgeMeetings:
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:
-        self.found = Meetings(
+        self.found = Beyond(
             edge_of=np.full(n, -1),
             off=np.zeros(n),
             passed=np.zeros(n, np.bool_),
@@ -74,7 +74,7 @@ class EdgeMeetings:
             np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
         )
 
-    def find(self, x: Floats, size: Floats, time: float) -> Meetings:
+    def find(self, x: Floats, size: Floats, time: float) -> Beyond:
         """Return which edge drives each tip, and its pose when it is beyond it.
 
         x : (n_tip, 3), size : (n_tip,) [mm].  The next call overwrites what is returned.
@@ -104,7 +104,7 @@ def _try_poses(
     size: Floats,
     edges: CuttingEdges,
     tried: _Tried,
-    found: Meetings,
+    found: Beyond,
     present: bool,
     more: bool,
 ) -> int:

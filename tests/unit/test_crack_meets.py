@@ -1,0 +1,149 @@
+"""Cracks through quads where they meet sides, corners and each other."""
+
+import numpy as np
+import pytest
+
+from free_strip import cut_strip, slanted_strip
+from shellcut.contact.settings import STEEPEST
+from shellcut.fracture.blade_drive import LOOK_AHEAD, NEAR, BladeDrive
+from shellcut.fracture.crack_path import GRAZE, SNAP
+from shellcut.fracture.flank_points import hand_on_stiffness
+from shellcut.fracture.tip import Tip
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.cutting_edge import BACK, START, CuttingEdges
+from shellcut.tool.motion import StraightMotion
+
+FORWARD = np.array([1.0, 0.0, 0.0])
+
+
+def aligned(turned=False):
+    """Squares of 0.4 mm with a line of nodes on y = 0, their first corners anywhere if turned."""
+    mesh = rectangle(6.0, 3.2, n_x=15, n_y=8)
+    rolls = np.random.default_rng(2).integers(0, 4, mesh.n_quad) * turned
+    quads = np.array([np.roll(quad, k) for quad, k in zip(mesh.quads, rolls, strict=True)])
+    return Mesh.from_arrays(mesh.nodes, quads, node_sets=mesh.node_sets)
+
+
+def start_of(sim):
+    return float(sim.mesh.nodes[:, 0].min())
+
+
+def at_side(sim, x, s):
+    """A tip on the side from (x, 0) to (x + 0.4, 0), s of it from its first point."""
+    X = sim.mesh.nodes
+    a, b = (int(np.argmin(np.hypot(X[:, 0] - at, X[:, 1]))) for at in (x, x + 0.4))
+    assert a < b
+    low = [q for q, ring in enumerate(sim.mesh.quads) if a in ring and b in ring]
+    below = min(low, key=lambda q: X[sim.mesh.quads[q], 1].mean())
+    return Tip((a, b), s, below, FORWARD, 0.0)
+
+
+@pytest.mark.parametrize(("slope", "passes"), [(-0.5 * GRAZE, True), (-2.0 * GRAZE, False)])
+def test_a_ray_along_its_own_side_passes_the_corner(slope, passes):
+    """The tip came from below; its ray leaves the quad above by less or more than a graze."""
+    sim = cut_strip(mesh=aligned(), notched=False)
+    path, tip = sim.cracks.free._path, at_side(sim, start_of(sim) + 2.0, 0.6)
+    segment = path.segment_from(sim.state, tip, FORWARD + slope * np.array([0.0, 1.0, 0.0]))
+    assert (segment is not None) == passes
+    if passes:
+        place = path.reference_of(sim.state, path.tip_at(segment, FORWARD, 0.1))
+        # On the side beyond the corner, by as much as corners are kept clear.
+        corner = [start_of(sim) + 2.4, 0.0, 0.0]
+        np.testing.assert_allclose(place - corner, [0.0, SNAP * 0.4, 0.0], atol=1e-12)
+
+
+def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first():
+    """Each tip has its last segment behind it: an end taken for open would begin anew there."""
+    runs = []
+    for turned in (False, True):
+        sim = cut_strip(mesh=aligned(turned))
+        lengths = set()
+        while sim.state.crack_length < 1.5:
+            sim.step()
+            if sim.state.crack_length > 0.0:
+                lengths |= {round(tip.length, 9) for tip in sim.cracks.free.tips}
+        runs.append((lengths, [(cut.kind, cut.reference) for cut in sim.state.split_log]))
+    assert runs[0][0] == runs[1][0] == {0.4}
+    assert [kind for kind, _ in runs[0][1]] == [kind for kind, _ in runs[1][1]]
+    places = [np.array([at for _, at in cuts]) for _, cuts in runs]
+    np.testing.assert_allclose(places[0], places[1], atol=1e-12)
+
+
+def slit():
+    """A strip with a slit across y = 0 and a crack that has come to it."""
+    sim = cut_strip(mesh=slanted_strip(), notched=False)
+    x = start_of(sim) + 1.9
+    sim.notch((x, -2.0, 0.0), (x, 1.0, 0.0))
+    sim.cracks.free.tips.clear()
+    sim.notch((start_of(sim) - 1.0, 0.01, 0.0), (x + 0.01, 0.01, 0.0))
+    return sim, x
+
+
+def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
+    sim, x = slit()
+    free = sim.cracks.free
+    (tip,) = free.tips
+    assert free._path.reference_of(sim.state, tip)[0] > x
+    # The notch went on across the slit: everything to the left of the slit is another piece.
+    flank = next(c for c in sim.state.split_log[::-1] if abs(c.reference[0] - x) < 1e-9)
+    assert flank.kind == "notch"
+
+
+def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
+    sim, _ = slit()
+    free = sim.cracks.free
+    row, entry = free._path.rows_ahead(free.tips[0])[0]
+    tip = Tip((-1, -1), 0.0, free.topology.parent(row), FORWARD, 0.0, entry, (row,))
+    free.tips = [tip]
+    segment = free._path.segment(sim.state, row, entry, FORWARD)
+    cut = free._cut(sim.state, segment, None, 0.0)
+    assert set(cut.rows) <= set(tip.behind)
+    assert not {other for other, _ in free._path.rows_ahead(tip)} & set(cut.rows)
+
+
+def test_a_tip_that_another_crack_joins_is_none_any_more():
+    sim = cut_strip(mesh=aligned())
+    free, quads = sim.cracks.free, sim.mesh.quads
+    quad = 40
+    node = int(quads[quad, 2])
+    tips = [
+        Tip((node, node), 0.0, -1, FORWARD, 0.0),
+        Tip((-1, -1), 0.0, quad, FORWARD, 0.0, (1.0, 1.0)),
+        Tip((-1, -1), 0.0, quad, FORWARD, 0.0, (0.5, 1.0)),
+        Tip((0, 1), 0.5, -1, FORWARD, 0.0),
+    ]
+    assert [free._path.node_of(tip) for tip in tips] == [node, node, -1, -1]
+
+
+@pytest.mark.parametrize("reach", [LOOK_AHEAD[0], -1.0])
+def test_the_pose_beyond_a_point_is_found_from_within_a_ramp(reach):
+    """The speed now is a hundredth of the speed later: the first guess is far too late."""
+    sim = cut_strip(notched=False)
+    edges = CuttingEdges.of(sim.tool)
+    motion = StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-3)
+    time, size = (1e-4, 0.4) if reach > 0.0 else (2e-3, 0.4)
+    x = np.array([motion.coordinate(time) - 0.1 + 0.3, 0.05, 0.0])
+    off, pose = BladeDrive(edges).beyond(x, size, 0, motion, time, reach)
+    gap = pose.to_body(x[None])[0] - edges.segments[0, START]
+    assert gap @ edges.segments[0, BACK] == pytest.approx(reach * size, abs=NEAR * size)
+    assert abs(off) == pytest.approx(0.05, abs=1e-12)
+
+
+def test_contact_holds_no_node_of_a_cut_stiffer_than_at_a_crack_along_edges():
+    """There a half node has half the mass and the springs of a quarter of its quads' area."""
+    sim = cut_strip(mesh=slanted_strip())
+    while sim.state.flank.count < 24:
+        sim.step()
+    s, n = sim.state, sim.state.node
+    nodes = np.flatnonzero(n.real[: n.count])
+    stiffness = n.contact_share[nodes] * sim.contact.law.steepest(n.contact_area[nodes])
+    held = np.zeros(n.count)
+    for node, k in zip(*hand_on_stiffness(s, nodes, stiffness), strict=True):
+        held[node] += k
+    masters = np.unique(s.flank.nodes[: s.flank.count])
+    bare = STEEPEST * sim.contact.law.penalty
+    most = 0.5 * bare / sim.material.area_density
+    ratio = held[masters] / n.mass[masters] / most
+    assert ratio.max() <= 1.0 + 1e-9
+    assert ratio.max() > 0.9
