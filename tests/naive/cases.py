@@ -3,6 +3,10 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from shellcut.fracture.criterion import Fracture
+from shellcut.fracture.cuts import Cuts
+from shellcut.fracture.edge_cracks import EdgeCracks
+from shellcut.loads.loads import LoadSet
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import cylinder, rectangle
@@ -79,6 +83,13 @@ def forces_of(shell, state):
     state.node.director_force[:n] = 0.0
     energy = shell.add_forces(state).strain_energy
     return energy, -state.node.force[:n].copy(), -state.node.director_force[:n].copy()
+
+
+def edge_cracks(mesh, shell, state, law, **fracture):
+    """Cracks along the edges of a mesh."""
+    fracture = Fracture(**fracture)
+    cuts = Cuts(state, shell, law)
+    return EdgeCracks(state, cuts, fracture, law, shell, LoadSet(mesh, []), None)
 
 
 def welded(state, node):

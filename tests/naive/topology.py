@@ -23,6 +23,19 @@ def open_ends(mesh, state):
     return found
 
 
+def half_edges(mesh, state, split):
+    """The ends of inner edges that a split would open: (far, half the length), ascending."""
+    found = []
+    for (i, j), quads in reference_edges(mesh).items():
+        for node, far in ((i, j), (j, i)):
+            here = [state.quads[q, mesh.quads[q].tolist().index(node)] for q in quads]
+            minus = [q in split.minus for q in quads]
+            if here == [split.node] * 2 and minus[0] != minus[1]:
+                half = 0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))
+                found.append((far, half))
+    return sorted(found)
+
+
 def crack_length(mesh, state):
     """Sum of half the lengths of all edges at their open ends [mm]."""
     return sum(

@@ -39,7 +39,7 @@ def test_a_cable_has_the_factor_of_its_segment():
         segment = free._path.segment_from(sim.state, tip, tip.heading)
         free._advance(sim.state, tip, segment, "criterion", 1.0)
     cable = sim.state.cable
-    held = sim.material.thickness * cable.half_edge[: cable.count, 0]
+    held = sim.material.thickness * cable.length[: cable.count]
     assert cable.count > 0
     np.testing.assert_allclose(cable.area[: cable.count], 0.5 * held, rtol=1e-12)  # round-off
 

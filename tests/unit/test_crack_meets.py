@@ -94,10 +94,10 @@ def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
     sim, _ = slit()
     free = sim.cracks.free
     row, entry = free._path.rows_ahead(free.tips[0])[0]
-    tip = Tip((-1, -1), 0.0, free.topology.parent(row), FORWARD, 0.0, entry, (row,))
+    tip = Tip((-1, -1), 0.0, sim.cracks.cuts.topology.parent(row), FORWARD, 0.0, entry, (row,))
     free.tips = [tip]
     segment = free._path.segment(sim.state, row, entry, FORWARD)
-    cut = free._cut(sim.state, segment, None, 0.0)
+    cut = free._cut(sim.state, segment, "notch", 0.0)
     assert set(cut.rows) <= set(tip.behind)
     assert not {other for other, _ in free._path.rows_ahead(tip)} & set(cut.rows)
 

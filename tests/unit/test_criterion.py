@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from naive import cases
+from naive.topology import half_edges
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Fracture, SplitCriterion
 from shellcut.fracture.quad_fans import boundary_edges, crack_tips, open_edges
-from shellcut.fracture.split_node import split_node
 from shellcut.loads.loads import LoadSet, Pressure
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.pose import Pose
@@ -61,7 +61,8 @@ def test_force_between_the_halves_is_the_traction_on_the_opened_edges(skewed):
     assert inner
     for split in inner:
         # Closed form: first Piola-Kirchhoff traction on half of each opened edge, as a polygon.
-        fars = [far for far, _ in split.half_edges]
+        halves = half_edges(mesh, state, split)
+        fars = [far for far, _ in halves]
         assert len(fars) == 2
         ends = mesh.nodes[fars]
         across = ends[1] - ends[0]
@@ -69,10 +70,7 @@ def test_force_between_the_halves_is_the_traction_on_the_opened_edges(skewed):
         normal *= np.sign(normal @ split.m)
         wanted = P @ normal * 0.5 * H
         np.testing.assert_allclose(split.force, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
-        area = H * sum(half for _, half in split.half_edges)
-        for far, half in split.half_edges:
-            edge = mesh.nodes[far] - mesh.nodes[split.node]
-            assert half == pytest.approx(0.5 * np.linalg.norm(edge), rel=1e-14)
+        area = H * sum(half for _, half in halves)
         assert split.measure == pytest.approx(wanted @ split.m / (STRENGTH * area), rel=1e-11)
         # m is the unit normal in the sheet, from minus to plus.
         assert np.linalg.norm(split.m) == pytest.approx(1.0, rel=1e-14)
@@ -89,8 +87,7 @@ def test_straight_split_of_a_pulled_strip_carries_sigma_h_edge():
     _, state, criterion, P = pulled(mesh, np.diag([0.0, 0.03]))
     (split,) = due(criterion, state)
     assert split.node == 17
-    assert [far for far, _ in split.half_edges] == [18]  # the notch itself carries no cable
-    assert split.half_edges[0][1] == 0.5
+    assert half_edges(mesh, state, split) == [(18, 0.5)]  # the notch itself carries no cable
     # The tip's two quads ahead and two behind: the traction of half the edge ahead, P h / 2, and
     # of half the edge behind, where the flanks of this homogeneous state still pull.
     assert abs(split.force @ split.m) == pytest.approx(P[1, 1] * H * 1.0, rel=1e-11)
@@ -132,7 +129,7 @@ def test_turn_limit(limit, node):
     found = due(criterion, state)
     assert [s.node for s in found] == ([] if node is None else [node])
     if found:
-        assert found[0].half_edges[0][0] in (10, 24)
+        assert half_edges(mesh, state, found[0])[0][0] in (10, 24)
 
 
 def test_turn_is_measured_from_the_arriving_crack():
@@ -176,7 +173,7 @@ def test_stress_criterion_reads_the_recovered_stress():
     (split,) = due(criterion, state)
     sigma = shell.stress(state, np.array([0]))[0, 1, 1]
     assert split.measure == pytest.approx(sigma / STRENGTH, rel=1e-9)
-    assert split.half_edges == ((18, 0.5),)
+    assert half_edges(mesh, state, split) == [(18, 0.5)]
     _, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.009]), criterion="stress")
     assert due(criterion, state) == []
 
@@ -206,10 +203,10 @@ def test_options_are_forgotten_when_the_topology_changes():
     mesh = sheet().cut(ROW)
     shell, state, criterion, _ = pulled(mesh, np.diag([0.0, 0.05]))
     (split,) = due(criterion, state)
-    split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+    cases.edge_cracks(mesh, shell, state, CohesiveLaw()).split(state, split)
     (split,) = due(criterion, state)
     assert split.node == 18
-    assert [far for far, _ in split.half_edges] == [17, 19]  # arriving and leaving
+    assert [far for far, _ in half_edges(mesh, state, split)] == [17, 19]  # arriving and leaving
 
 
 # --- the blade-cut rule ------------------------------------------------------------------------
@@ -243,7 +240,7 @@ def test_pierced_node_splits_along_the_trace_whatever_the_stress(edge, expected)
     assert [s.node for s in found] == expected
     for split in found:
         assert split.blade
-        assert [far for far, _ in split.half_edges] == [16, 18]
+        assert [far for far, _ in half_edges(mesh, state, split)] == [16, 18]
         assert abs(split.m[1]) == pytest.approx(1.0)
     _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), tool=BLADE, blade_cut=False)
     assert due(criterion, state, pose=at(3.01, 0.0)) == []
@@ -259,7 +256,7 @@ def test_passed_tip_splits_within_half_an_edge(edge, expected):
     assert [s.node for s in found] == expected
     for split in found:
         assert split.blade
-        assert split.half_edges == ((18, 0.5),)
+        assert half_edges(mesh, state, split) == [(18, 0.5)]
 
 
 def test_flanks_behind_the_edge_are_not_cut_again():
@@ -269,7 +266,7 @@ def test_flanks_behind_the_edge_are_not_cut_again():
     assert due(criterion, state, pose=at(2.05, 0.0)) == []
 
 
-def slide(shell, state, criterion, start, angle_deg, way):
+def slide(cracks, state, criterion, start, angle_deg, way):
     """Move the blade over a sheet at rest, splitting what it cuts; return where it was each time.
 
     Each row: the origin of the node, and how far the edge was past it [mm].
@@ -283,7 +280,7 @@ def slide(shell, state, criterion, start, angle_deg, way):
             assert split.blade
             depth = (edge - state.node.x[split.node]) @ rotation[:, 0]
             past.append((int(state.node.origin[split.node]), float(depth)))
-            split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+            cracks.split(state, split)
     return past
 
 
@@ -309,12 +306,13 @@ def test_the_far_flank_of_an_earlier_cut_is_cut_when_the_edge_reaches_it(made, c
         frozenset(open_edges(state)),
         rim,
     )
+    cracks = cases.edge_cracks(film, shell, state, CohesiveLaw())
     bottom = mesh.nodes[column[0]]
     along = (mesh.nodes[column[-1]] - bottom) / np.linalg.norm(mesh.nodes[column[-1]] - bottom)
     if made == "in the run":
-        first = slide(shell, state, criterion, bottom - 0.1 * along, crossing_deg, 9.0)
+        first = slide(cracks, state, criterion, bottom - 0.1 * along, crossing_deg, 9.0)
         assert sorted(node for node, _ in first) == column.tolist()
-    second = slide(shell, state, criterion, (-0.1, 0.0, 0.0), 0.0, 8.0)
+    second = slide(cracks, state, criterion, (-0.1, 0.0, 0.0), 0.0, 8.0)
     # Every node of the row is cut, and both halves of the one in the first cut.
     row = np.flatnonzero(flat.nodes[:, 1] == 0.0)
     crossed = np.intersect1d(row, column)
@@ -338,7 +336,8 @@ def test_the_rim_beside_a_path_is_not_notched():
         frozenset(),
         np.unique(boundary_edges(state)),
     )
-    past = slide(shell, state, criterion, (0.5, -1.6, 0.0), 0.0, 5.0)
+    cracks = cases.edge_cracks(mesh, shell, state, CohesiveLaw())
+    past = slide(cracks, state, criterion, (0.5, -1.6, 0.0), 0.0, 5.0)
     assert past == []
 
 

@@ -5,8 +5,7 @@ import pytest
 
 import shellcut as sc
 from shellcut.fracture.crack_path import Segment
-from shellcut.fracture.cut_state import cut_row
-from shellcut.fracture.cut_topology import CutTopology
+from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
 from shellcut.mesh.structured import rectangle
 
@@ -60,10 +59,10 @@ def conserved(sim):
     }
 
 
-def random_cut(sim, topology, rng):
+def random_cut(sim, cuts, rng):
     """Cut some row from one place of its boundary to another."""
-    row = int(rng.integers(topology.n_row))
-    polygon = topology.polygon(row)
+    row = int(rng.integers(cuts.topology.n_row))
+    polygon = cuts.topology.polygon(row)
     k = len(polygon.points)
     i, j = rng.choice(k, 2, replace=False)
     ends = []
@@ -74,7 +73,7 @@ def random_cut(sim, topology, rng):
             ends.append(on_side(polygon.sides[e], s[0] + rng.uniform(0.2, 0.8) * (s[1] - s[0])))
         else:
             ends.append(tuple(a + rng.uniform(0.2, 0.8) * (b - a)))
-    return cut_row(sim.state, sim.shell, topology, Segment(row, *ends, FLANK, -1))
+    return cuts.along(sim.state, Segment(row, *ends, FLANK, -1), "criterion", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -89,10 +88,10 @@ def random_cut(sim, topology, rng):
 def test_random_cuts_conserve_everything(kind, material, precision, round_off):
     sim = film(kind, precision, **material)
     s, rng = sim.state, RNG(11)
-    topology = CutTopology(sim.mesh.quads, s.node.quads, s.node.n_quad_at)
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
     before = conserved(sim)
     for _ in range(60):
-        random_cut(sim, topology, rng)
+        random_cut(sim, cuts, rng)
     after = conserved(sim)
     assert s.n_quad == sim.mesh.n_quad + 60
     assert s.n_node > sim.mesh.n_node
@@ -106,9 +105,9 @@ def test_frequencies_of_all_parts_stay_below_their_bounds(kind):
     # A sliver has more mass than film, the other part less: its frequency rises at every cut.
     sim = film(kind, "double")
     s, rng = sim.state, RNG(5)
-    topology = CutTopology(sim.mesh.quads, s.node.quads, s.node.n_quad_at)
+    cuts = Cuts(s, sim.shell, sc.CohesiveLaw())
     for _ in range(60):
-        random_cut(sim, topology, rng)
+        random_cut(sim, cuts, rng)
     frequencies = sim.shell.frequencies
     frequencies.follow(s.node.x, s.node.t, s.quads)
     bound = frequencies.squared.copy()

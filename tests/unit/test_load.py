@@ -6,7 +6,6 @@ import pytest
 from naive import cases
 from naive import load as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.fracture.split_node import split_node
 from shellcut.loads.loads import EdgeTraction, Gravity, LoadSet, NodalForce, Pressure
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -123,9 +122,10 @@ def test_work_of_a_dead_pressure_counts_every_node():
 def test_dead_pressure_goes_with_the_quads_of_a_split_node():
     mesh, shell, state = prepared()
     loads = LoadSet(mesh, [Pressure(0.3)])
+    cracks = cases.edge_cracks(mesh, shell, state, CohesiveLaw())
     for entry in SEQUENCE:
         split = wanted_split(mesh, state, entry)
-        split_node(state, split, shell, CohesiveLaw(), equilibrium_start=False)
+        cracks.split(state, split)
         n = state.n_node
         state.node.force[:n] = 0.0
         loads.begin_forces(state)

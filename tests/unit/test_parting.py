@@ -8,8 +8,6 @@ from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.candidate_splits import PartingTable, partings_of, weigh_partings
 from shellcut.fracture.criterion import Split
-from shellcut.fracture.flanks import cable_shares, owns_flank
-from shellcut.fracture.split_node import split_node
 from shellcut.loads.loads import EdgeTraction, LoadSet, Pressure
 from shellcut.mesh.structured import rectangle
 
@@ -23,9 +21,7 @@ def sheet():
 
 
 def split_of(way, table, k):
-    return Split(
-        way.node, way.minus, way.plus, way.half_edges, table.m[k], 1.0, table.force[k], False
-    )
+    return Split(way.node, way.minus, way.plus, table.m[k], 1.0, table.force[k], False)
 
 
 def test_partings_are_all_ways_to_part_the_quads():
@@ -39,7 +35,8 @@ def test_partings_are_all_ways_to_part_the_quads():
         for way in ways:
             groups = naive.parted(state, node, [*way.back, *way.ahead])
             assert sorted([tuple(sorted(way.minus)), tuple(sorted(way.plus))]) == groups
-            assert way.length == pytest.approx(sum(half for _, half in way.half_edges))
+            # Edges of 1 mm; of the tip's, the one of the notch has no cable.
+            assert way.length == 0.5 * len({*way.back, *way.ahead} - {16})
             assert sum(way.mass) == pytest.approx(state.node.mass[node], rel=1e-14)
             assert way.cables == ()
 
@@ -122,7 +119,7 @@ def test_free_edges_have_nothing_to_hold_them():
     shell, state = cases.set_up(sheet())
     ways = partings_of(state, 3, shell.mass, frozenset({(3, 10)}))
     (way,) = ways
-    assert way.half_edges == ()
+    assert way.length == 0.0
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     for stretch, measure in ((1.01, np.inf), (0.99, -np.inf)):
         state.node.x[: sheet().n_node, 0] = stretch * sheet().nodes[:, 0]
@@ -130,27 +127,17 @@ def test_free_edges_have_nothing_to_hold_them():
 
 
 def split_sheet():
-    """A sheet whose node 17 has been split along its row, the edges as if of different length."""
+    """A sheet whose node 17 has been split along its row, its two cables under force."""
     shell, state = cases.set_up(sheet())
     ways = partings_of(state, 17, shell.mass, NONE)
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     table.weigh(state)
     k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
-    split_node(state, split_of(ways[k], table, k), shell, CohesiveLaw(), equilibrium_start=False)
-    state.cable.half_edge[0] = [0.5, 0.2]
-    state.cable.force[0] = [[7.0, 14.0, 21.0], [-7.0, -14.0, -21.0]]
+    cracks = cases.edge_cracks(sheet(), shell, state, CohesiveLaw())
+    cracks.split(state, split_of(ways[k], table, k))
+    pull = np.array([[7.0, 14.0, 21.0], [-7.0, -14.0, -21.0]])
+    state.cable.force[:2] = pull, 2.0 * pull
     return shell, state, ways[k]
-
-
-def test_cables_count_with_the_half_that_owns_their_flank():
-    _, state, way = split_sheet()
-    c = state.cable
-    far = c.half_edge_far[0].tolist()
-    for e in way.minus:
-        mine = [i for i in range(2) if owns_flank(state, 17, (e,), far[i])]
-        assert len(mine) == 1
-        assert cable_shares(state, 17, (e,)) == [(0, 0, c.half_edge[0, mine[0]] / 0.7)]
-    assert cable_shares(state, 17, way.minus) == [(0, 0, pytest.approx(1.0))]
 
 
 def test_cables_pull_on_their_side_until_they_break():
@@ -159,13 +146,16 @@ def test_cables_pull_on_their_side_until_they_break():
     table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
     table.weigh(state)
-    shares = {side: share for side, _, _, share in way.cables}
-    assert sum(shares.values()) == pytest.approx(1.0)
-    pull = [shares[side] * state.cable.force[0, 0] for side in range(2)]
+    # Each of the two cables holds the flank of one of them.
+    assert sorted(side for side, *_ in way.cables) == [0, 1]
+    assert sorted(cable for _, cable, _ in way.cables) == [0, 1]
+    pull = [state.cable.force[cable, end] for _, cable, end in sorted(way.cables)]
+    for side, cable, end in way.cables:
+        assert state.cable.row[cable, end] in (way.minus, way.plus)[side]
     m1, m2 = way.mass
     np.testing.assert_allclose(
         table.force[0], (m1 * pull[1] - m2 * pull[0]) / (m1 + m2), rtol=1e-14
     )
-    state.cable.status[0] = 2  # broken: nothing left
+    state.cable.status[:2] = 2  # broken: nothing left
     table.weigh(state)
     assert not table.force.any()

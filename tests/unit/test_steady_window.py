@@ -147,9 +147,9 @@ def test_a_small_run_says_what_it_cut(tmp_path):
     h = read(tmp_path).history
     cable, n = sim.state.cable, sim.state.n_cable
     met = cable.overshoot[:n] > 0.0
-    assert h["cut_length_edge_1"][-1] == pytest.approx(cable.half_edge[:n][met].sum(), rel=1e-15)
+    assert h["cut_length_edge_1"][-1] == pytest.approx(cable.length[:n][met].sum(), rel=1e-15)
     holds = cable.status[:n] == 1
-    zone = cable.half_edge[:n][holds].sum()
+    zone = cable.length[:n][holds].sum()
     assert h["process_zone_edge_1"][-1] == pytest.approx(zone, rel=1e-15)
     assert (np.diff(h["cut_length_edge_1"]) >= 0.0).all()
     # One crack along y = 0 up to 3.2 mm, the film's end, node by node of 0.4 mm. The first cable is

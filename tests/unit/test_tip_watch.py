@@ -24,7 +24,7 @@ class Rules:
     """The rules as plain code, and the watch, for the tips of a simulation."""
 
     def __init__(self, sim):
-        self.sim, self.topology = sim, sim.cracks.free.topology
+        self.sim, self.topology = sim, sim.cracks.cuts.topology
         edges = CuttingEdges.of(sim.tool)
         self.path, self.drive = CrackPath(self.topology, sim.shell), BladeDrive(edges)
         self.trial = TrialCut(self.topology, sim.shell, sim.loads, sim.law.strength)

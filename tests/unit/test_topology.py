@@ -7,9 +7,8 @@ from naive import cases
 from naive import topology as naive
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Split
-from shellcut.fracture.flanks import cable_ends
 from shellcut.fracture.quad_fans import arriving, fans_of
-from shellcut.fracture.split_node import split_node
+from shellcut.fracture.quad_polygon import CORNERS
 from shellcut.mesh.structured import rectangle
 
 LAW = CohesiveLaw()
@@ -61,17 +60,9 @@ def wanted_split(mesh, state, entry):
     assert state.node.origin[node] == origin
     cut = [n for n in range(state.n_node) if state.node.origin[n] in fars]
     minus, plus = naive.parted(state, node, cut)
-    before = {key for key in naive.open_ends(mesh, state) if key[0] == origin}
-    # An edge opens at this node where its two quads fall into different groups.
-    halves = []
-    for (i, j), (e, f) in naive.reference_edges(mesh).items():
-        if origin in (i, j) and {e, f} <= {*minus, *plus} and (e in minus) != (f in minus):
-            far = j if i == origin else i
-            if (origin, far) not in before:
-                halves.append((far, 0.5 * float(np.linalg.norm(mesh.nodes[i] - mesh.nodes[j]))))
     centres = [state.node.x[state.quads[list(g)]].mean(axis=(0, 1)) for g in (minus, plus)]
     m = (centres[1] - centres[0]) / np.linalg.norm(centres[1] - centres[0])
-    return Split(node, minus, plus, tuple(halves), m, 1.2, np.array([0.3, 0.4, 0.5]), False)
+    return Split(node, minus, plus, m, 1.2, np.array([0.3, 0.4, 0.5]), False)
 
 
 def totals(shell, state):
@@ -99,33 +90,39 @@ def check_cables(mesh, state):
     assert c.area[:live].sum() == pytest.approx(H * length, rel=1e-12)
     seen = []
     for k in range(live):
-        origin = int(state.node.origin[c.ends[k, 0]])
-        assert state.node.origin[c.ends[k, 1]] == origin
-        assert c.area[k] == pytest.approx(H * c.half_edge[k].sum(), rel=1e-14)
-        for i in range(2):
-            if c.half_edge[k, i] > 0:
-                far = int(c.half_edge_far[k, i])
-                seen.append((origin, far))
-                assert frozenset(c.ends[k].tolist()) == ends[origin, far]
-                reference = 0.5 * np.linalg.norm(mesh.nodes[origin] - mesh.nodes[far])
-                assert c.half_edge[k, i] == pytest.approx(reference, rel=1e-14)
-    assert sorted(seen) == sorted(ends)  # every open end has one half-edge, none has two
+        origins = set()
+        for end in range(2):
+            row, corner = c.row[k, end], c.corner[k, end]
+            inward = c.inward[k, end] - CORNERS[corner]
+            after = CORNERS[(corner + 1) % 4]
+            along = inward @ np.subtract(after, CORNERS[corner]) > 0.0
+            quad = mesh.quads[row]
+            origins.add((int(quad[corner]), int(quad[(corner + (1 if along else 3)) % 4])))
+            assert state.quads[row, corner] == c.ends[k, end]
+        ((origin, far),) = origins  # both flanks agree on it
+        seen.append((origin, far))
+        assert frozenset(c.ends[k].tolist()) == ends[origin, far]
+        reference = 0.5 * np.linalg.norm(mesh.nodes[origin] - mesh.nodes[far])
+        assert c.length[k] == pytest.approx(reference, rel=1e-14)
+        assert c.area[k] == pytest.approx(H * reference, rel=1e-14)
+    assert sorted(seen) == sorted(ends)  # every open end has one cable
 
 
 @pytest.mark.parametrize("k", range(len(SEQUENCE)), ids=KINDS)
 def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
     mesh, shell, state = prepared()
+    cracks = cases.edge_cracks(mesh, shell, state, LAW)
     for entry in SEQUENCE[:k]:
-        split_node(state, wanted_split(mesh, state, entry), shell, LAW, equilibrium_start=False)
+        cracks.split(state, wanted_split(mesh, state, entry))
     kind = SEQUENCE[k][0]
     split = wanted_split(mesh, state, SEQUENCE[k])
-    cracks = arriving(state, fans_of(state, split.node))
-    assert ("tip" in kind or "bridge" in kind) == bool(cracks)
+    arrives = bool(arriving(state, fans_of(state, split.node)))
+    assert ("tip" in kind or "bridge" in kind) == arrives
     before, strain = totals(shell, state), cases.forces_of(shell, state)[0]
     strains = state.strain.copy()
     n_cable, n_node = state.n_cable, state.n_node
     mass, pushed = state.node.mass[split.node], state.node.contact_force[split.node].copy()
-    twin = split_node(state, split, shell, LAW, equilibrium_start=False)
+    twin = cracks.split(state, split)
     after = totals(shell, state)
     for name, value in before.items():
         scale = np.abs(value).max()
@@ -137,7 +134,8 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
     assert state.n_node == n_node + 1
     assert state.revision == k + 1
     # Each half has its own quads, ascending, and nobody else's.
-    for half, quads in ((split.node, split.minus), (twin, split.plus)):
+    low, high = sorted((split.minus, split.plus), key=min)
+    for half, quads in ((split.node, low), (twin, high)):
         held = [e for e in range(mesh.n_quad) if half in state.quads[e]]
         assert held == sorted(quads)
         assert state.node.quads[half, : state.node.n_quad_at[half]].tolist() == held
@@ -152,54 +150,39 @@ def test_split_keeps_mass_momentum_energy_and_cohesive_area(k):
         np.testing.assert_array_equal(rows[twin], rows[split.node])
     assert state.n_cable > n_cable
     check_cables(mesh, state)
-    new = state.n_cable - 1 if kind != "flank" else None
-    if new is not None:
-        assert state.cable.ends[new].tolist() == [split.node, twin]
-        np.testing.assert_array_equal(state.cable.m[new], split.m)
-        np.testing.assert_array_equal(state.cable.branch[new], [split.m, -split.m])
+    c = state.cable
+    for new in range(n_cable, state.n_cable):
+        assert set(c.ends[new].tolist()) == {split.node, twin}
+        # From the minus to the plus side, whichever of the halves is the twin.
+        quads = [split.minus, split.plus]
+        assert [c.row[new, end] in quads[end] for end in range(2)] == [True, True]
+        assert c.m[new] @ split.m > 0.5
+        np.testing.assert_array_equal(c.branch[new], [c.m[new], -c.m[new]])
     record = state.split_log[-1]
     assert (record.node, record.twin, record.kind) == (split.node, twin, "criterion")
 
 
-def test_a_cable_is_divided_when_its_flank_splits():
+def test_a_cable_goes_with_the_half_that_owns_its_flank():
     mesh, shell, state = prepared()
-    split_node(state, wanted_split(mesh, state, SEQUENCE[0]), shell, LAW, equilibrium_start=True)
+    cracks = cases.edge_cracks(mesh, shell, state, LAW)
+    cracks.split(state, wanted_split(mesh, state, SEQUENCE[0]))
     c = state.cable
-    c.force[0], c.work[0], c.start_work[0] = np.arange(6.0).reshape(2, 3), 0.7, 0.2
-    c.opening[0], c.opening_max[0], c.traction[0], c.status[0] = 0.3, 0.4, 11.0, 1
-    c.joint_body[0], c.joint_slack[0], c.overshoot[0] = [1, 2, 3], 0.01, 0.005
-    whole = {k: getattr(c, k)[0].copy() for k in ("force", "work", "start_work", "start_force")}
-    area, halves, fars = c.area[0], c.half_edge[0].copy(), c.half_edge_far[0].copy()
+    assert state.n_cable == 2  # one to either side of the node
+    for k in range(2):
+        c.force[k], c.work[k], c.opening_max[k], c.status[k] = k + np.ones((2, 3)), k, 0.3 + k, k
+    before, ends = state.saved()["cable"], c.ends[:2].copy()
+    kept = {name: before[name].copy() for name in ("force", "work", "opening_max", "status")}
     flank = wanted_split(mesh, state, SEQUENCE[4])
-    twin = split_node(state, flank, shell, LAW, equilibrium_start=False)
+    twin = cracks.split(state, flank)
     c = state.cable
-    assert state.n_cable == 3  # the two parts and the new one
-    assert sorted(c.half_edge_far[:2, 0].tolist()) == sorted(fars.tolist())
-    share = np.array([c.half_edge[k, 0] for k in (0, 1)]) / halves.sum()
-    for name, value in whole.items():
-        for k in (0, 1):
-            np.testing.assert_allclose(getattr(c, name)[k], share[k] * value, rtol=1e-14)
-    assert c.area[:2].sum() == pytest.approx(area, rel=1e-14)
-    for name in ("opening", "opening_max", "traction", "status", "joint_body", "joint_slack"):
-        np.testing.assert_array_equal(getattr(c, name)[0], getattr(c, name)[1])
-    assert not c.half_edge[:2, 1].any()
-    # One part went with each copy, the other end stayed.
-    assert {c.ends[0, 0], c.ends[1, 0]} == {flank.node, twin} or {
-        c.ends[0, 1],
-        c.ends[1, 1],
-    } == {flank.node, twin}
-    assert sorted(k for k, _ in cable_ends(state, twin)) == [1, 2]
-    check_cables(mesh, state)
-
-
-def test_a_broken_cable_keeps_its_area():
-    mesh, shell, state = prepared()
-    for entry in SEQUENCE[:2]:
-        split_node(state, wanted_split(mesh, state, entry), shell, LAW, equilibrium_start=False)
-    state.cable.status[0] = 2
-    flank = wanted_split(mesh, state, SEQUENCE[4])
-    split_node(state, flank, shell, LAW, equilibrium_start=False)
-    assert (state.cable.status[:4] == [2, 0, 2, 0]).all()
+    assert state.n_cable == 3
+    for name, rows in kept.items():
+        np.testing.assert_array_equal(getattr(c, name)[:2], rows, err_msg=name)
+    # The flank of one of the two is now that of the twin, and nothing else of them has changed.
+    moved = c.ends[:2] != ends
+    assert moved.sum() == 1
+    assert ends[moved] == flank.node
+    assert c.ends[:2][moved] == twin
     check_cables(mesh, state)
 
 
@@ -207,41 +190,41 @@ def test_equilibrium_start_takes_over_what_the_node_carried():
     mesh, shell, state = prepared()
     split = wanted_split(mesh, state, SEQUENCE[0])
     state.time = 0.25
-    split_node(state, split, shell, LAW, equilibrium_start=True)
+    cases.edge_cracks(mesh, shell, state, LAW, equilibrium_start=True).split(state, split)
     c = state.cable
-    np.testing.assert_allclose(
-        c.start_force[0] + LAW.strength * c.area[0] * split.m, split.force, atol=1e-15
-    )
-    assert c.birth[0] == 0.25
-    assert c.traction[0] == LAW.strength
+    pull = LAW.strength * c.area[:2, None] * c.m[:2]
+    begins = c.start_force[:2] + pull
+    np.testing.assert_allclose(begins.sum(axis=0), split.force, atol=1e-15)
+    # Shared like the areas.
+    share = c.area[0] / c.area[:2].sum()
+    np.testing.assert_allclose(begins[0], share * split.force, atol=1e-15)
+    assert (c.birth[:2] == 0.25).all()
+    assert (c.traction[:2] == LAW.strength).all()
     assert state.split_log[0].force_jump == 0.0
     mesh, shell, state = prepared()
-    split_node(state, split, shell, LAW, equilibrium_start=False)
-    jump = np.linalg.norm(split.force - LAW.strength * state.cable.area[0] * split.m)
+    cases.edge_cracks(mesh, shell, state, LAW).split(state, split)
+    jump = np.linalg.norm(split.force - pull.sum(axis=0))
     assert state.split_log[0].force_jump == pytest.approx(jump, rel=1e-14)
-    assert not state.cable.start_force[0].any()
+    assert not state.cable.start_force[:2].any()
 
 
-def test_a_split_of_free_edges_makes_no_cable():
-    # Two notches meet at a node that alone still holds: nothing cohesive is left to open.
-    mesh = rectangle(6.0, 4.0, n_x=6, n_y=4).cut(list(range(14, 21)))
+def test_a_notch_in_the_mesh_has_no_cables():
+    mesh = rectangle(6.0, 4.0, n_x=6, n_y=4).cut([14, 15, 16, 17])
     shell, state = cases.set_up(mesh)
-    cases.welded(state, 17)
-    first, second = fans_of(state, 17)
-    split = Split(
-        17, first.quads, second.quads, (), np.array([0, 1.0, 0]), np.inf, np.zeros(3), True
-    )
-    twin = split_node(state, split, shell, LAW, equilibrium_start=False)
-    assert state.n_cable == 0
-    assert state.crack_length == 0.0
-    assert [e for e in range(mesh.n_quad) if twin in state.quads[e]] == sorted(second.quads)
-    assert state.split_log[0].kind == "blade"
+    cracks = cases.edge_cracks(mesh, shell, state, LAW)
+    assert cracks.tips == [17]
+    twin = cracks.split(state, wanted_split(mesh, state, ("tip", 17, 14, (18,))))
+    assert cracks.tips == [18]
+    assert state.n_cable == 1
+    assert state.cable.length[0] == state.crack_length == 0.5
+    assert state.cable.ends[0].tolist() == [17, twin]
 
 
 def test_many_splits_outgrow_the_reserve():
     # More twins than spare rows: arrays are replaced, and nothing of the above may break.
     mesh = rectangle(40.0, 20.0, n_x=40, n_y=20)
     shell, state = cases.set_up(mesh)
+    cracks = cases.edge_cracks(mesh, shell, state, LAW)
     mass = state.node.mass[: mesh.n_node].sum()
     for row in range(1, 20, 2):
         for i in range(1, 40):
@@ -249,14 +232,10 @@ def test_many_splits_outgrow_the_reserve():
             fan = fans_of(state, node)[0]
             first = [e for e in fan.quads if state.node.X[state.quads[e], 1].mean() < row - 10]
             rest = [e for e in fan.quads if e not in first]
-            halves = [(node + 1, 0.5), (node - 1, 0.5)]
-            split = Split(
-                node, tuple(first), tuple(rest), tuple(halves), np.array([0, 1.0, 0]), 1.0,
-                np.zeros(3), False,
-            )  # fmt: skip
-            split_node(state, split, shell, LAW, equilibrium_start=False)
+            m = np.array([0, 1.0, 0])
+            cracks.split(state, Split(node, tuple(first), tuple(rest), m, 1.0, np.zeros(3), False))
     assert state.n_node == mesh.n_node + 390
-    assert state.n_cable == 390
+    assert state.n_cable == 780
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
     check_cables(mesh, state)
 
@@ -281,8 +260,9 @@ def test_the_shell_follows_splits_and_other_states_by_itself(read):
     mesh, shell, state = prepared()
     at_rest = cases.set_up(mesh)[1]
     read(shell, state)
+    cracks = cases.edge_cracks(mesh, shell, state, LAW)
     for entry in SEQUENCE:
-        split_node(state, wanted_split(mesh, state, entry), shell, LAW, equilibrium_start=False)
+        cracks.split(state, wanted_split(mesh, state, entry))
     for one in (state, at_rest, state):
         read(shell, one)
         np.testing.assert_array_equal(

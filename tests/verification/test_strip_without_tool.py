@@ -91,7 +91,7 @@ def test_a_strip_tears_straight_across(criterion: str, jitter: float) -> None:
     assert path[0, 0] == pytest.approx(NOTCH, abs=2.0 * jitter)
     assert path[-1, 0] == LENGTH
     assert sim.cracks is not None
-    assert sim.cracks.tips == []
+    assert sim.cracks.edges.tips == []
     # The row of the notch, exactly; on the jittered mesh its nodes lie within the jitter of it,
     # and the mean direction within 2 degrees (what a jitter of 0.1 over 4.5 mm leaves).
     assert np.abs(path[:, 1]).max() <= jitter

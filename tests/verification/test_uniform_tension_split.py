@@ -11,7 +11,6 @@ import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Fracture
-from shellcut.fracture.split_node import split_node
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -61,16 +60,10 @@ def _split_middle_row(sim: Simulation, mesh: Mesh) -> list[float]:
     row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9).tolist()
     s, measures = sim.state, []
     assert sim.cracks is not None
-    assert sim.law is not None
-    while due := sim.cracks.criterion.due(s, row, sim.pose):
+    assert sim.cracks.edges is not None
+    while due := sim.cracks.edges.criterion.due(s, row, sim.pose):
         for split in due:
-            split_node(
-                s,
-                split,
-                sim.shell,
-                sim.law,
-                equilibrium_start=sim.fracture.equilibrium_start,
-            )
+            sim.cracks.edges.split(s, split)
             row.remove(split.node)
             measures.append(split.measure)
     assert not row

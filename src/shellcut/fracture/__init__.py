@@ -1,7 +1,7 @@
-"""When and where the film parts: criteria, candidate splits of a node, and the split itself.
+"""When and where the film parts: cracks along sides of the mesh or through its quads, and the cut.
 
-May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``split_node``
-and ``cut_state`` change the topology.
+May import ``mitc4``, ``cables``, ``contact``, ``loads`` and rows below. Only ``cuts`` and what it
+calls change the topology.
 """
 
 from .anisotropy import Anisotropy

@@ -24,7 +24,6 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
 
-from .flanks import cable_shares
 from .quad_fans import arriving, fans_of, origin_edge
 
 # Cosines of two turns that count as the same.
@@ -44,12 +43,12 @@ class Parting:
     back, ahead : tuple of int
         Far ends of the edges where the crack comes from and where it goes; both flank copies of an
         edge that is cracked already, none of an edge that is not there.
-    half_edges : tuple of (int, float)
-        Origin of the far end and half the reference length [mm] of each cohesive crack edge.
+    length : float
+        Half the reference lengths of the cohesive crack edges, which its cables hold [mm].
     mass : tuple of float
         Of the two sides [t].
-    cables : tuple of (int, int, int, float)
-        Side, cable, its end at the node, and how much of its force goes with that side.
+    cables : tuple of (int, int, int)
+        Side, cable, and its end at the node.
     cosine : float
         Of the crack's turn at the node, 1 where it has no edge to turn from or no choice. In the
         reference film: film that folds under the blade bends by any angle, and to go straight on
@@ -61,15 +60,10 @@ class Parting:
     plus: tuple[int, ...]
     back: tuple[int, ...]
     ahead: tuple[int, ...]
-    half_edges: tuple[tuple[int, float], ...]
+    length: float
     mass: tuple[float, float]
-    cables: tuple[tuple[int, int, int, float], ...]
+    cables: tuple[tuple[int, int, int], ...]
     cosine: float
-
-    @property
-    def length(self) -> float:
-        """Length that a cable holds [mm]."""
-        return sum(half for _, half in self.half_edges)
 
 
 def partings_of(
@@ -89,9 +83,9 @@ def partings_of(
         Reference edges that carry no cable.
     """
     fans = fans_of(state, node)
+    fan = fans[0]
     cracks = arriving(state, fans)
-    first = fans[0]
-    held = bool((state.cable.ends[: state.n_cable] == node).any())
+    held = np.argwhere(state.cable.ends[: state.n_cable] == node).tolist()
 
     def way(
         minus: tuple[int, ...],
@@ -101,41 +95,36 @@ def partings_of(
     ) -> Parting:
         # Each arriving crack counts once; ``back`` and ``ahead`` name both its flank copies.
         ends = {int(state.node.origin[n]): n for n in (*back, *ahead)}
-        halves = []
-        for origin, n in ends.items():
+        length = 0.0
+        for n in ends.values():
             if origin_edge(state, node, n) not in free_edges:
                 edge = state.node.X[n] - state.node.X[node]
-                halves.append((origin, 0.5 * float(np.linalg.norm(edge))))
+                length += 0.5 * float(np.linalg.norm(edge))
         sides = [np.array(quads) for quads in (minus, plus)]
         mass = [quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
-        cables = [
-            (side, *one)
-            for side, quads in enumerate((minus, plus))
-            if held
-            for one in cable_shares(state, node, quads)
-        ]
+        cables = [(int(state.cable.row[k, end] in plus), k, end) for k, end in held]
         return Parting(
             node,
             minus,
             plus,
             back,
             ahead,
-            tuple(halves),
+            length,
             (float(mass[0]), float(mass[1])),
             tuple(cables),
             _cosine_of_turn(state.node.X, node, back, ahead),
         )
 
     if len(fans) > 1:
-        rest = tuple(e for fan in fans[1:] for e in fan.quads)
-        mine = {first.far[0], first.far[-1]}
+        rest = tuple(e for other in fans[1:] for e in other.quads)
+        mine = {fan.far[0], fan.far[-1]}
         pairs = [p for p in cracks if mine & set(p)]
         # The first fan lies to the right of the way from back to ahead.
-        ahead = next((p for p in pairs if p[0] == first.far[-1]), ())
-        behind = next((p for p in pairs if p[1] == first.far[0] and p != ahead), ())
-        return [way(first.quads, rest, behind, ahead)]
-    quads, far = first.quads, first.far
-    if first.closed:
+        ahead = next((p for p in pairs if p[0] == fan.far[-1]), ())
+        behind = next((p for p in pairs if p[1] == fan.far[0] and p != ahead), ())
+        return [way(fan.quads, rest, behind, ahead)]
+    quads, far = fan.quads, fan.far
+    if fan.closed:
         return [
             way(quads[i:j], quads[j:] + quads[:i], (far[i],), (far[j],))
             for i, j in combinations(range(len(far)), 2)
@@ -173,10 +162,8 @@ class _Ways(NamedTuple):
     """Of the two sides [t]."""
     carried: Annotated[Floats, "(n_parting,)"]
     """What a cable would carry [N]."""
-    share_of: Annotated[Ints, "(n_share, 4)"]
+    cable: Annotated[Ints, "(n_link, 4)"]
     """Parting, side, cable and its end."""
-    share: Annotated[Floats, "(n_share,)"]
-    """How much of the cable's force goes with that side."""
 
 
 class _Held(NamedTuple):
@@ -227,7 +214,7 @@ class PartingTable:
             for way in self.ways
             for quads in (way.minus, way.plus)
         ]
-        shares = [(k, *one) for k, way in enumerate(self.ways) for one in way.cables]
+        cables = [(k, *one) for k, way in enumerate(self.ways) for one in way.cables]
         corner = np.array(list(corners), np.int64).reshape(-1, 2)
         self._quads, self._at = (np.ascontiguousarray(column) for column in corner.T)
         length = np.array([way.length for way in self.ways])
@@ -239,8 +226,7 @@ class PartingTable:
             member=np.array([corner for side in sides for corner in side], np.int64),
             mass=np.array([way.mass for way in self.ways]).reshape(-1, 2),
             carried=strength * shell.material.thickness * length,
-            share_of=np.array([one[:4] for one in shares], np.int64).reshape(-1, 4),
-            share=np.array([one[4] for one in shares]),
+            cable=np.array(cables, np.int64).reshape(-1, 4),
         )
         self.force = np.zeros((n, 3))
         """F_c, what the plus side pulls the minus side with [N], shape (n_parting, 3)."""
@@ -346,10 +332,10 @@ def _side_forces(
             for i in range(ways.side_start[2 * k + side], ways.side_start[2 * k + side + 1]):
                 for c in range(3):
                     side_force[k, side, c] += corner_force[ways.member[i], c]
-    for i in range(ways.share.shape[0]):
-        of = ways.share_of
+    of = ways.cable
+    for i in range(of.shape[0]):
         k, side, cable, end = of[i, 0], of[i, 1], of[i, 2], of[i, 3]
         if status[cable] != BROKEN:
             for c in range(3):
-                side_force[k, side, c] += cable_force[cable, end, c] * ways.share[i]
+                side_force[k, side, c] += cable_force[cable, end, c]
     return side_force

@@ -1,10 +1,8 @@
-"""The cracks of a film: where they end, and the splits by which they grow."""
+"""The cracks of a film: along the sides of the mesh or through its quads."""
 
 from __future__ import annotations
 
 from typing import Any
-
-import numpy as np
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
@@ -14,10 +12,10 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .criterion import Fracture, SplitCriterion
+from .criterion import Fracture
+from .cuts import Cuts
+from .edge_cracks import EdgeCracks
 from .free_cracks import FreeCracks
-from .quad_fans import boundary_edges, crack_tips, is_tip, open_edges
-from .split_node import split_node
 
 
 class Cracks:
@@ -26,15 +24,15 @@ class Cracks:
     Parameters
     ----------
     state : State
-        Before the first split.
+        Before the first cut.
     fracture : Fracture
         How cracks start and run.
     law : CohesiveLaw
-        Of the cables that join the two sides of a split.
+        Of the cables that join the two sides of a cut.
     shell, loads : MITC4Shell, LoadSet
-        Give the forces that part a node.
+        Give the forces that hold a film together.
     tool : Tool, optional
-        For the blade-cut rule.
+        Whose edges cut.
     motion : Motion, optional
         Of the tool, for cracks through quads.
     """
@@ -49,26 +47,20 @@ class Cracks:
         tool: Tool | None,
         motion: Motion | None = None,
     ) -> None:
-        self._fracture, self._law, self._shell = fracture, law, shell
-        self.criterion = SplitCriterion(
-            fracture,
-            law.strength,
-            shell,
-            loads,
-            tool,
-            free_edges=frozenset(open_edges(state)),
-            rim=np.unique(boundary_edges(state)),
-        )
-        """Finds the nodes that must split."""
+        self._check_every = fracture.check_every
+        self.cuts = Cuts(state, shell, law, fracture.anisotropy)
+        """Carries them out."""
+        self.edges: EdgeCracks | None = None
+        """Cracks along the sides of the mesh ..."""
         self.free: FreeCracks | None = None
-        """Cracks through the quads, instead of along their edges."""
-        if fracture is not None and fracture.path == "free":
-            self.free = FreeCracks(state, shell, loads, law, fracture, tool, motion)
-        self.tips = crack_tips(state)
-        """Nodes at which a crack or notch ends, ascending."""
+        """... or through its quads."""
+        if fracture.path == "free":
+            self.free = FreeCracks(state, self.cuts, fracture, law, shell, loads, tool, motion)
+        else:
+            self.edges = EdgeCracks(state, self.cuts, fracture, law, shell, loads, tool)
 
-    def split_due(self, state: State, pose: Pose) -> None:
-        """Split the nodes that must split now, in every ``check_every``-th step.
+    def cut_due(self, state: State, pose: Pose) -> None:
+        """Cut what must be cut now, in every ``check_every``-th step.
 
         Parameters
         ----------
@@ -77,29 +69,26 @@ class Cracks:
         pose : Pose
             Of the tool at t_{n+1}.
         """
-        if state.step % self._fracture.check_every:
+        if state.step % self._check_every:
             return
         if self.free is not None:
             self.free.run(state, pose)
-            return
-        start = self._fracture.equilibrium_start
-        for split in self.criterion.due(state, self.tips, pose):
-            touched = np.unique(state.quads[[*split.minus, *split.plus]]).tolist()
-            twin = split_node(state, split, self._shell, self._law, equilibrium_start=start)
-            tips = {n for n in self.tips if n not in touched}
-            tips |= {n for n in (*touched, twin) if is_tip(state, n)}
-            self.tips = sorted(tips)
+        elif self.edges is not None:
+            self.edges.run(state, pose)
 
     def saved(self) -> dict[str, Any]:
-        """Return the tips, and what the criterion keeps."""
-        saved = {"tips": np.array(self.tips, np.int64), "criterion": self.criterion.saved()}
+        """Return what has been cut, and where the cracks end."""
+        saved: dict[str, Any] = {"cuts": self.cuts.saved()}
         if self.free is not None:
             saved["free"] = self.free.saved()
+        if self.edges is not None:
+            saved["edges"] = self.edges.saved()
         return saved
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
-        self.tips = saved["tips"].tolist()
-        self.criterion.restore(state, saved["criterion"])
+        self.cuts.restore(saved["cuts"])
         if self.free is not None:
             self.free.restore(saved["free"])
+        if self.edges is not None:
+            self.edges.restore(state, saved["edges"])

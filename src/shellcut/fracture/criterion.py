@@ -137,11 +137,9 @@ class Split:
     Attributes
     ----------
     node : int
-        Which node; it keeps the quads ``minus``.
+        Which node.
     minus, plus : tuple of int
         Quads on either side.
-    half_edges : tuple of (int, float)
-        Origin of the far end and half the reference length [mm] of each cohesive crack edge.
     m : ndarray, shape (3,)
         Unit normal in the sheet, from the minus to the plus side.
     measure : float
@@ -155,7 +153,6 @@ class Split:
     node: int
     minus: tuple[int, ...]
     plus: tuple[int, ...]
-    half_edges: tuple[tuple[int, float], ...]
     m: Floats
     measure: float
     force: Floats
@@ -253,17 +250,17 @@ class SplitCriterion:
     def _forget(self, state: State) -> None:
         """Drop what splits since the last call have changed: all around the nodes they split.
 
-        Across the crack too: a split may divide the cables of both its flanks.
+        Across the crack too: a cable there is new.
         """
         if self._known.is_of(state):
             return
+        new = self._known.new_splits(state)
+        halves = np.unique([half for record in new for half in (record.node, record.twin)])
+        quads = self._known.changed_quads(state)
         ends = state.cable.ends[: state.n_cable]
-        for record in self._known.new_splits(state):
-            for half in (record.node, record.twin):
-                around = state.node.quads[half, : state.node.n_quad_at[half]]
-                across = ends[(ends == half).any(axis=1)]
-                for n in np.union1d(state.quads[around], across).tolist():
-                    self._partings.pop(n, None)
+        across = ends[np.isin(ends, halves).any(axis=1)]
+        for n in np.union1d(state.quads[quads], across).tolist():
+            self._partings.pop(n, None)
         self._table = None
         self._known.take(state)
 
@@ -344,7 +341,6 @@ class SplitCriterion:
             way.node,
             way.minus,
             way.plus,
-            way.half_edges,
             table.m[k].copy(),
             float(table.measure[k]) if measure is None else measure,
             table.force[k].copy(),

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import SplitRecord, State
+from shellcut.state import State
 
 from .crack_path import Segment
 from .cut_topology import Corner, CutTopology
@@ -42,15 +42,10 @@ LEAST_MASS = 0.05
 """Of a quad or copy that is cut, the mass that either part gets at least."""
 
 
-def cut_row(
-    state: State,
-    shell: MITC4Shell,
-    topology: CutTopology,
-    segment: Segment,
-    kind: str = "criterion",
-    measure: float = 1.0,
-) -> int:
+def cut_row(state: State, shell: MITC4Shell, topology: CutTopology, segment: Segment) -> int:
     """Cut a quad, or a copy of one, along a chord; return the row of what lies to the left.
+
+    Nodes are to be renewed at the corners of the quad (:func:`renew_nodes`).
 
     Parameters
     ----------
@@ -58,14 +53,10 @@ def cut_row(
         Written.
     segment : Segment
         Its row keeps what lies to the right of the way from entry to exit.
-    kind, measure : str, float
-        Written into the log.
     """
     row = segment.row
     new = topology.cut(row, segment.entry, segment.exit)
-    parent = topology.parent(row)
-    corners = shell.mesh_quads[parent]
-    J = density(state.node.X[corners])
+    J = density(state.node.X[shell.mesh_quads[row]])
     polygons = topology.polygon(row), topology.polygon(new)
     right, left = (share_of(polygon, J) for polygon in polygons)
     light = min(max(right / (right + left), LEAST_MASS), 1.0 - LEAST_MASS)
@@ -73,48 +64,7 @@ def cut_row(
     state.quad.append_copy(row)
     state.quad.centre[[row, new]] = [shape_functions(film_beside(polygon)) for polygon in polygons]
     shell.cut(state, row, new, (right, left), (mass * light, mass * (1.0 - light)))
-    _write_down(state, segment, (row, new), kind, measure)
-    renew_nodes(state, shell, topology, corners.tolist())
     return new
-
-
-def break_side(
-    state: State,
-    shell: MITC4Shell,
-    topology: CutTopology,
-    segment: Segment,
-    kind: str = "criterion",
-    measure: float = 1.0,
-) -> tuple[list[int], list[tuple[Point, Point]]]:
-    """Break the side of the mesh along which a segment runs: a crack along an edge.
-
-    Returns the rows to its right and left, and its ends in the quad of each, as :func:`sides_of`.
-    """
-    a, b, rows, chords = sides_of(topology, shell, segment)
-    topology.break_side(a, b)
-    _write_down(state, segment, (rows[0], rows[1]), kind, measure)
-    renew_nodes(state, shell, topology, [a, b])
-    return rows, chords
-
-
-def _write_down(
-    state: State, segment: Segment, rows: tuple[int, int], kind: str, measure: float
-) -> None:
-    entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
-    state.split_log.append(
-        SplitRecord(
-            time=state.time,
-            node=-1,
-            twin=-1,
-            place=tuple((entry @ state.node.x[nodes]).tolist()),
-            reference=tuple((entry @ state.node.X[nodes]).tolist()),
-            kind=kind,
-            measure=measure,
-            force_jump=0.0,
-            rows=rows,
-        )
-    )
-    state.revision += 1
 
 
 def sides_of(

@@ -5,8 +5,8 @@ A quad of the mesh that a crack crosses is replaced by two copies, each with a p
 of the crack are real, the others *virtual*: they carry on the copy's motion beyond the crack. There
 is one rule ([Molino2004], with the scaled copies of [Song2006]):
 
-    two copies in neighbouring quads share both nodes of the common side if and only if their
-    polygons overlap there by some length and the side is not broken.
+    two copies in neighbouring quads share a node of the common side if and only if their polygons
+    overlap on that side by some length and it is not broken at the node's end.
 
 The nodes around a node of the mesh are then the classes of (copy, corner) that are joined by a
 chain of such sides. Closed tips, rims, splits at nodes, T-junctions and cuts of what is cut already
@@ -14,7 +14,8 @@ all follow from it:
 
 * at a tip on a side, the neighbour ahead is whole and overlaps both copies: they share the two
   nodes of that side, and the crack is closed there;
-* a crack along a side of the mesh breaks that side, and cuts no quad: a split of nodes along edges.
+* a crack along a side of the mesh breaks that side, and cuts no quad. If it breaks at one end
+  only, a node is split along its edges, and the node at the far end holds on until it is its turn.
 
 Nothing else records the crack. A cut only ever divides classes, it never joins them.
 """
@@ -124,16 +125,20 @@ class CutTopology:
             del self._polygons[row], self._rows[quad]
 
     def break_side(self, a: int, b: int) -> None:
-        """Break the side between two nodes of the mesh."""
-        self._broken.add((min(a, b), max(a, b)))
+        """Break the side between two nodes of the mesh, at both its ends."""
+        self._broken |= {(a, b), (b, a)}
 
     def mend_side(self, a: int, b: int) -> None:
         """Undo :meth:`break_side`."""
-        self._broken.discard((min(a, b), max(a, b)))
+        self._broken -= {(a, b), (b, a)}
 
-    def is_broken(self, a: int, b: int) -> bool:
-        """Return whether the side between two nodes of the mesh is broken."""
-        return (min(a, b), max(a, b)) in self._broken
+    def break_end(self, node: int, far: int) -> None:
+        """Break the side between two nodes of the mesh at the end of the first."""
+        self._broken.add((node, far))
+
+    def is_broken(self, node: int, far: int) -> bool:
+        """Return whether the side between two nodes of the mesh is broken at the first."""
+        return (node, far) in self._broken
 
     def corners_at(self, node: int) -> list[Corner]:
         """Return all copies around a node of the mesh with their corner there, by quad and row."""

@@ -19,7 +19,9 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
 from .quad_polygon import UNUSED, Point, shape_functions
@@ -47,16 +49,13 @@ class FlankPoints:
     def __init__(self) -> None:
         self._known = KnownTopology()
         self._tied: _Tied | None = None
+        self._hold = Holder()
         self._interpolate = bound_once(_interpolate)
         self._hand_on = bound_once(_hand_on)
 
-    def place(self, state: State) -> None:
-        """Bring all flank points to where their copies are."""
-        self._interpolate(self._of(state), state.node.x)
-
-    def move(self, state: State) -> None:
-        """Give all flank points the velocities of their copies."""
-        self._interpolate(self._of(state), state.node.velocity_half)
+    def follow(self, state: State) -> None:
+        """Give all flank points the positions of their copies, and the velocities so far."""
+        self._interpolate(self._of(state), state.node.x, state.node.velocity_half)
 
     def hand_on_forces(self, state: State) -> None:
         """Add the forces on all flank points to those of the nodes they are tied to."""
@@ -65,7 +64,7 @@ class FlankPoints:
     def _of(self, state: State) -> _Tied:
         if self._tied is None or not self._known.is_of(state):
             f = state.flank
-            self._tied = _Tied(f.count, f.node, f.nodes, f.weight)
+            self._tied = self._hold(_Tied(f.count, f.node, f.nodes, f.weight))
             self._known.take(state)
         return self._tied
 
@@ -109,7 +108,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     return node
 
 
-def tie(state: State, areas: Floats, density: float) -> None:
+def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
     Of several at one place contact sees the first, and its film is that of the first two: which
@@ -123,6 +122,8 @@ def tie(state: State, areas: Floats, density: float) -> None:
     ----------
     state : State
         Written.
+    changed : ndarray of int
+        Rows that may have got other nodes since this was done last.
     areas : ndarray, shape (n_row,)
         Of whole quads [mm²].
     density : float
@@ -131,11 +132,15 @@ def tie(state: State, areas: Floats, density: float) -> None:
     f, n = state.flank, state.node
     row, node = f.row[: f.count], f.node[: f.count]
     f.nodes[: f.count] = state.quads[row]
-    n.quads[node, 0], n.n_quad_at[node] = row, 1
-    n.real[node], again = _seen_by_contact(f.nodes[: f.count], f.weight[: f.count])
-    first, other = again
+    # Of a sliver elsewhere the film around it is as before.
+    sliver = state.quad.share[row] < _SLIVER
+    near = np.isin(f.nodes[: f.count], state.quads[changed]).any(axis=1)
+    anew = near | ~sliver
+    n.quads[node[anew], 0], n.n_quad_at[node[anew]] = row[anew], 1
+    n.real[node], (first, other) = _seen_by_contact(f.nodes[: f.count], f.weight[: f.count])
+    first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
-    for k in np.flatnonzero(state.quad.share[row] < _SLIVER).tolist():
+    for k in np.flatnonzero(sliver & near).tolist():
         _look_around(state, k)
     mass = 1.0 / (f.weight[: f.count] ** 2 / n.mass[f.nodes[: f.count]]).sum(axis=1)
     n.contact_mass[node] = mass
@@ -245,15 +250,17 @@ def hand_on_stiffness(state: State, nodes: Ints, stiffness: Floats) -> tuple[Int
 
 
 @kernel
-def _interpolate(tied: _Tied, rows: Floats) -> None:
-    """Write the rows : (n_node, 3) of all flank points from those of their nodes."""
+def _interpolate(tied: _Tied, x: Floats, velocity: Floats) -> None:
+    """Write x and velocity : (n_node, 3) of all flank points from those of their nodes."""
     tied = borrowed(tied)
     for k in range(tied.n):
-        for c in range(3):
-            total = 0.0
-            for a in range(4):
-                total += tied.weight[k, a] * rows[tied.nodes[k, a], c]
-            rows[tied.node[k], c] = total
+        place, moves = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for a in range(4):
+            weight, node = tied.weight[k, a], tied.nodes[k, a]
+            place = add_scaled(place, weight, load(x, node))
+            moves = add_scaled(moves, weight, load(velocity, node))
+        store(x, tied.node[k], place)
+        store(velocity, tied.node[k], moves)
 
 
 @kernel

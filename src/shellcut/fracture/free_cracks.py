@@ -3,14 +3,13 @@
 Read :meth:`FreeCracks.run` first. Each part has its file: where a crack goes
 (:mod:`.crack_path`, beyond an earlier one :mod:`.tip_across`), when it is due (:mod:`.trial_cut`),
 which tips a blade drives (:mod:`.blade_drive`), in which direction the others run
-(:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), the cut itself (:mod:`.cut_state`)
-and its cables (:mod:`.segment_cables`).
+(:mod:`.free_direction`), where a cut begins (:mod:`.pierce`), and the cut itself (:mod:`.cuts`).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,13 +26,11 @@ from shellcut.tool.tool import Tool
 from .blade_drive import BladeDrive
 from .crack_path import CrackPath, Segment, common_side
 from .criterion import Fracture
-from .cut_state import break_side, cut_row, nodes_at
-from .cut_topology import CutTopology
+from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
-from .segment_cables import SegmentCables
 from .tip import Tip, restored_tips, saved_tips
 from .tip_across import tip_across
 from .tip_watch import TipWatch
@@ -43,37 +40,6 @@ _ON_SIDE = 1e-9
 """Of a segment's length: a notch that ends closer than this before a side or node ends there."""
 
 
-class _Cut(NamedTuple):
-    """A segment that has been cut."""
-
-    rows: list[int]
-    """To its right and left."""
-    chords: list[tuple[Point, Point]]
-    """Its ends in the quad of each."""
-    heading: Floats
-    """Unit direction in the reference film, shape (3,)."""
-    length: float
-    """[mm]"""
-
-    def is_open(self, state: State, end: int) -> bool:
-        """Return whether the flanks part where it starts, end 0, or stops, end 1."""
-        minus, plus = (
-            nodes_at(state, row, chord[end])
-            for row, chord in zip(self.rows, self.chords, strict=True)
-        )
-        return minus != plus
-
-    def way(self, state: State, heading: Floats) -> Floats:
-        """Return its unit direction in space, the way that ``heading`` points, shape (3,)."""
-        row, (start, stop) = next(
-            (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
-        )
-        along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
-        way = along @ state.node.x[state.quads[row]]
-        sign = np.copysign(1.0, self.heading @ heading)
-        return np.asarray(sign * way / np.linalg.norm(way))
-
-
 class FreeCracks:
     """All cracks through the quads of a film.
 
@@ -81,12 +47,14 @@ class FreeCracks:
     ----------
     state : State
         At the start.
-    shell, loads : MITC4Shell, LoadSet
-        Give the forces that hold a film together.
+    cuts : Cuts
+        Carries them out.
+    fracture : Fracture
+        How they start and run.
     law : CohesiveLaw
         Of the cables.
-    fracture : Fracture
-        Modes.
+    shell, loads : MITC4Shell, LoadSet
+        Give the forces that hold a film together.
     tool : Tool, optional
         Whose edges cut.
     motion : Motion, optional
@@ -96,24 +64,23 @@ class FreeCracks:
     def __init__(
         self,
         state: State,
+        cuts: Cuts,
+        fracture: Fracture,
+        law: CohesiveLaw,
         shell: MITC4Shell,
         loads: LoadSet,
-        law: CohesiveLaw,
-        fracture: Fracture,
         tool: Tool | None,
         motion: Motion | None,
     ) -> None:
-        n = state.node
-        self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
+        self._cuts = cuts
         self.tips: list[Tip] = [
             Tip((node, node), 0.0, -1, _heading_of_notch(state, node), 0.0)
             for node in crack_tips(state)
         ]
         self._shell = shell
-        self._path = CrackPath(self.topology, shell)
-        film = fracture.anisotropy
-        self._trial = TrialCut(self.topology, shell, loads, law.strength, film)
-        self._cables = SegmentCables(law, shell.material, film)
+        topology, film = self._cuts.topology, fracture.anisotropy
+        self._path = CrackPath(topology, shell)
+        self._trial = TrialCut(topology, shell, loads, law.strength, film)
         self._direction = FreeDirection(shell, self._path, law, film)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
@@ -121,7 +88,7 @@ class FreeCracks:
             self._motion = motion
             edges = CuttingEdges.of(tool)
             self._drive = BladeDrive(edges)
-            self._watch = TipWatch(self.topology, self._path, self._trial, shell, edges, motion)
+            self._watch = TipWatch(topology, self._path, self._trial, shell, edges, motion)
             self._pierce = Pierce(edges, float(np.sqrt(shell.area.max())))
 
     def run(self, state: State, pose: Pose) -> None:
@@ -174,7 +141,7 @@ class FreeCracks:
             segment = self._path.segment_from(state, tip, trace, lean)
             if segment is None:
                 return
-            cut = self._cut(state, segment, None, 0.0)
+            cut = self._cut(state, segment, NOTCH, 0.0)
             tip = self._tip_after(state, segment, cut, 1)
             if tip is None:
                 return
@@ -218,20 +185,28 @@ class FreeCracks:
                 went_on = True
         return went_on
 
+    def _cut(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
+        """Cut along a segment; tips that lie on it keep what is behind them."""
+        cut = self._cuts.along(state, segment, kind, measure)
+        for tip in self.tips:
+            if segment.row in tip.behind and not segment.along_side:
+                tip.behind = (*tip.behind, cut.rows[1])
+        return cut
+
     def _advance(self, state: State, tip: Tip, segment: Segment, kind: str, measure: float) -> None:
         """Run a crack on along a segment."""
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
         self._end_at(state, segment, cut, 1)
-        self._cables.wake(state, self._shell.area)
+        self._cuts.wake(state)
 
-    def _end_at(self, state: State, segment: Segment, cut: _Cut, end: int) -> None:
+    def _end_at(self, state: State, segment: Segment, cut: Cut, end: int) -> None:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end)
         if tip is not None:
             self.tips.append(tip)
 
-    def _tip_after(self, state: State, segment: Segment, cut: _Cut, end: int) -> Tip | None:
+    def _tip_after(self, state: State, segment: Segment, cut: Cut, end: int) -> Tip | None:
         """Return the tip at an end of what has been cut, None at a rim.
 
         Where the crack is open there it has come to a rim or to another crack, whose tip there is
@@ -246,14 +221,14 @@ class FreeCracks:
             joined = self._path.ring(segment.row)[segment.corner]
             self.tips = [tip for tip in self.tips if self._path.node_of(tip) != joined]
         way = cut.way(state, heading)
-        return tip_across(state, self.topology, self._path, segment, heading, way)
+        return tip_across(state, self._cuts.topology, self._path, segment, heading, way)
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
         assert self._pierce is not None
         driven = self._watch.driven_places()
         for row, place, edge in self._pierce.found(state, pose, driven, self._shell.area):
-            whole = self.topology.polygon(row)
+            whole = self._cuts.topology.polygon(row)
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
@@ -268,7 +243,7 @@ class FreeCracks:
             cut = self._cut(state, chord, "blade", 0.0)
             self._end_at(state, back, cut, 0)
             self._end_at(state, ahead, cut, 1)
-            self._cables.wake(state, self._shell.area)
+            self._cuts.wake(state)
 
     def _towards(
         self, state: State, row: int, place: Point, edge: int, drive: BladeDrive, reach: float
@@ -279,33 +254,6 @@ class FreeCracks:
         ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
         (way, *_), lean = drive.directions(edge, off, at._replace(heading=ahead), then)
         return self._path.segment(state, row, place, way, lean)
-
-    def _cut(self, state: State, segment: Segment, kind: str | None, measure: float) -> _Cut:
-        """Cut a row along a segment, or break a side; lay the cables and write it down.
-
-        Without a kind it is a notch, which has no cables.
-        """
-        topology, shell = self.topology, self._shell
-        X = state.node.X[state.quads[segment.row]]
-        start, stop = (
-            np.array(shape_functions(place)) @ X for place in (segment.entry, segment.exit)
-        )
-        length = float(np.linalg.norm(stop - start))
-        written = kind or NOTCH, measure
-        if segment.along_side:
-            rows, chords = break_side(state, shell, topology, segment, *written)
-        else:
-            new = cut_row(state, shell, topology, segment, *written)
-            rows = [segment.row, new]
-            chords = [(segment.entry, segment.exit)] * 2
-            self._cables.follow(state, topology, *rows)
-            for tip in self.tips:
-                if segment.row in tip.behind:
-                    tip.behind = (*tip.behind, new)
-        if kind is not None:
-            self._cables.lay(rows, chords, length)
-            state.crack_length += length
-        return _Cut(rows, chords, (stop - start) / length, length)
 
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
@@ -320,18 +268,12 @@ class FreeCracks:
         return at
 
     def saved(self) -> dict[str, Any]:
-        """Return the tips, the topology and the sleeping cables."""
-        return {
-            "tips": saved_tips(self.tips),
-            "topology": self.topology.saved(),
-            "cables": self._cables.saved(),
-        }
+        """Return the tips."""
+        return {"tips": saved_tips(self.tips)}
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self.tips = restored_tips(saved["tips"])
-        self.topology.restore(saved["topology"])
-        self._cables.restore(saved["cables"])
 
 
 def _heading_of_notch(state: State, node: int) -> Floats:

@@ -1,9 +1,10 @@
 """The cables across the segments of a crack through quads: one for either half of each.
 
 Across a segment of length L the film is held by two cables of the area h L/2, at its two ends. An
-end of a cable is a flank point (:mod:`shellcut.fracture.flank_points`). As long as the crack is
-closed there, both its ends are at the same nodes: the cable *sleeps*, and is made when they part.
-Its m is the normal to the segment in the sheet at that moment.
+end of a cable is a node where the crack runs through a corner, else a flank point
+(:mod:`shellcut.fracture.flank_points`). As long as the crack is closed there, both its ends are at
+the same nodes: the cable *sleeps*, and is made when they part. Its m is the normal to the segment
+in the sheet at that moment.
 
 When a copy is cut again, the end of a cable goes with the part that holds the film a little further
 along its segment; the place itself may lie on the new cut.
@@ -11,6 +12,7 @@ along its segment; the place itself may lie on the new cut.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from typing import Any, ClassVar
 
@@ -20,13 +22,13 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.quad_geometry import corner_normals
-from shellcut.state import NOT_MET, State
+from shellcut.state import NOT_MET, KnownTopology, State
 
 from .anisotropy import Anisotropy
 from .cut_state import nodes_at
 from .cut_topology import CutTopology
 from .flank_points import add_flank_point, tie
-from .quad_polygon import Point, holds, shape_functions
+from .quad_polygon import Point, corner_at, holds, shape_functions
 
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
@@ -79,9 +81,16 @@ class SegmentCables:
     ) -> None:
         self._law, self._material, self._anisotropy = law, material, anisotropy
         self._sleeping: list[_Sleeping] = []
+        self._known = KnownTopology()
 
-    def lay(self, rows: list[int], chords: list[tuple[Point, Point]], length: float) -> None:
-        """Lay two cables across a new segment; they sleep.
+    def lay(
+        self,
+        rows: list[int],
+        chords: list[tuple[Point, Point]],
+        length: float,
+        ends: Sequence[int] = (0, 1),
+    ) -> None:
+        """Lay a cable across either half of a new segment; they sleep.
 
         Parameters
         ----------
@@ -91,9 +100,11 @@ class SegmentCables:
             Its two ends in the quad of each.
         length : float
             In the reference film [mm].
+        ends : sequence of int
+            Where it is cut: 0 for the half at its start, 1 for that at its end.
         """
-        for way in (1.0, -1.0):
-            minus, plus = (chord if way > 0.0 else chord[::-1] for chord in chords)
+        for end in ends:
+            minus, plus = (chord[::-1] if end else chord for chord in chords)
             self._sleeping.append(
                 _Sleeping(
                     rows[0],
@@ -103,14 +114,14 @@ class SegmentCables:
                     _between(*minus),
                     _between(*plus),
                     minus[1],
-                    way,
+                    -1.0 if end else 1.0,
                     0.5 * length,
                 )
             )
 
     def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
         """Give the ends of cables on a row that has been cut to the part that they belong to."""
-        part, f = topology.polygon(new), state.flank
+        part, f, c = topology.polygon(new), state.flank, state.cable
         for one in self._sleeping:
             if one.row_minus == row and holds(part, one.inward_minus):
                 one.row_minus = new
@@ -120,9 +131,13 @@ class SegmentCables:
             xi, eta = f.inward[k].tolist()
             if holds(part, (xi, eta)):
                 f.row[k] = new
+        for k, end in np.argwhere(c.row[: c.count] == row).tolist():
+            xi, eta = c.inward[k, end].tolist()
+            if holds(part, (xi, eta)):
+                c.row[k, end] = new
 
     def wake(self, state: State, areas: Any) -> None:
-        """Make the cables whose ends have come apart; bring all flank points to their nodes.
+        """Make the cables whose ends have come apart; bring all ends to their nodes.
 
         areas : (n_row,), of the whole quads [mm²].
         """
@@ -134,26 +149,35 @@ class SegmentCables:
             else:
                 self._make(state, one)
         self._sleeping = asleep
-        tie(state, areas, self._material.area_density)
+        c = state.cable
+        at_corner = c.row[: c.count] >= 0
+        row, corner = c.row[: c.count][at_corner], c.corner[: c.count][at_corner]
+        c.ends[: c.count][at_corner] = state.quads[row, corner]
+        tie(state, self._known.changed_quads(state), areas, self._material.area_density)
+        self._known.take(state)
 
     def _make(self, state: State, one: _Sleeping) -> None:
         ends = [
-            add_flank_point(state, row, place, inward)
-            for row, place, inward in (
-                (one.row_minus, one.place_minus, one.inward_minus),
-                (one.row_plus, one.place_plus, one.inward_plus),
-            )
+            (one.row_minus, one.place_minus, one.inward_minus),
+            (one.row_plus, one.place_plus, one.inward_plus),
         ]
+        k = state.cable.append_blank()
+        c = state.cable
+        for end, (row, place, inward) in enumerate(ends):
+            corner = corner_at(place)
+            c.row[k, end], c.corner[k, end] = (row, corner) if corner >= 0 else (-1, -1)
+            c.inward[k, end] = inward
+            if corner >= 0:
+                c.ends[k, end] = state.quads[row, corner]
+            else:
+                c.ends[k, end] = add_flank_point(state, row, place, inward)
         n = state.node
         corners = n.x[state.quads[one.row_minus]]
         here, far = (np.array(shape_functions(p)) @ corners for p in (one.place_minus, one.far))
-        m = one.way * np.cross(n.t[ends[0]], far - here)
+        m = one.way * np.cross(n.t[c.ends[k, 0]], far - here)
         m /= np.linalg.norm(m)
-        k = state.cable.append_blank()
-        c = state.cable
-        c.ends[k] = ends
         c.edge[k] = NOT_MET
-        c.half_edge[k, 0] = one.length
+        c.length[k] = one.length
         c.area[k] = self._material.thickness * one.length * self._factor(state, one)
         c.m[k] = m
         c.branch[k] = m, -m
@@ -177,6 +201,7 @@ class SegmentCables:
     def restore(self, saved: Floats) -> None:
         """Take over :meth:`saved`."""
         self._sleeping = [_Sleeping.of(row) for row in saved.tolist()]
+        self._known = KnownTopology()
 
 
 def _between(start: Point, end: Point) -> Point:

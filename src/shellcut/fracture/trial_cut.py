@@ -199,7 +199,8 @@ class TrialCut:
         rows = np.array([row if row < new else segment.row for row, _ in members])
         corner = np.array([corner for _, corner in members])
         f, c = state.flank, state.cable
-        cables = []
+        at_corner = np.isin(c.row[: c.count] * 4 + c.corner[: c.count], rows * 4 + corner)
+        cables = [(k, end, 1.0) for k, end in np.argwhere(at_corner).tolist()]
         for k in np.flatnonzero(np.isin(f.row[: f.count], rows)).tolist():
             weight = float(f.weight[k, corner[rows == f.row[k]][0]])
             if weight > UNUSED:

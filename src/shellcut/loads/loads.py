@@ -329,8 +329,7 @@ class _DeadLoad:
                 grown[: self.force.shape[0]] = self.force
             self.force = grown
         if not self._known.is_of(state):
-            split = self._known.new_splits(state)
-            nodes = np.unique([id_ for one in split for id_ in (one.node, one.twin)])
+            nodes = np.unique(state.quads[self._known.changed_quads(state)])
             self.force[nodes] = self.rule.on(state, nodes)
             self._known.take(state)
 

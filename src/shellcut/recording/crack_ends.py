@@ -36,8 +36,8 @@ class CrackEnds(NamedTuple):
         """Return them for the present cracks; rim : nodes of the film's boundary."""
         if sim.cracks is not None and sim.cracks.free is not None:
             return cls._through_quads(sim, rim)
-        n = sim.state.node
-        tips = np.array(sim.cracks.tips if sim.cracks else [], np.int64)
+        n, edges = sim.state.node, sim.cracks.edges if sim.cracks is not None else None
+        tips = np.array(edges.tips if edges is not None else [], np.int64)
         halves = np.flatnonzero(n.halved[: sim.state.n_node])
         nodes = np.unique(np.concatenate([rim, halves, tips]))
         own = np.full(nodes.size, -1)
@@ -65,20 +65,23 @@ class CrackEnds(NamedTuple):
         place, t = free.at_tips(sim.mesh.nodes), free.at_tips(sim.mesh.directors)
         size = np.sqrt(sim.shell.area)
         n_tip, flanks = len(place), f.node[: f.count]
+        halves = n.halved & n.real
+        halves[flanks] = False
+        nodes = np.union1d(rim, np.flatnonzero(halves[: sim.state.n_node]))
         return cls(
             place,
             t / np.linalg.norm(t, axis=1)[:, None],
             np.zeros(n_tip, np.bool_),  # a crack that has reached the rim has no end there
             lambda i: free.tips[i].heading,
-            np.concatenate([n.X[rim], n.X[flanks], place]),
+            np.concatenate([n.X[nodes], n.X[flanks], place]),
             np.concatenate(
                 [
-                    local_edge_length(n.contact_area[rim]),
+                    local_edge_length(n.contact_area[nodes]),
                     size[f.row[: f.count]],
                     np.full(n_tip, np.median(size)),
                 ]
             ),
-            np.concatenate([np.full(rim.size + flanks.size, -1), np.arange(n_tip)]),
+            np.concatenate([np.full(nodes.size + flanks.size, -1), np.arange(n_tip)]),
         )
 
 

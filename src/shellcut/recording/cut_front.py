@@ -1,8 +1,8 @@
 r"""Position of the cuts: cut length, process zone, uncut film ahead and edge to spare.
 
 ======================  ==========================================================================
-cut length              reference length of cut that the edge has passed: half-edges of the cables
-                        that were bent around it
+cut length              reference length of cut that the edge has passed: that of the cables that
+                        were bent around it
 process zone            the part of the cut length whose cables the edge still drags
 uncut film ahead        distance from the crack tip driven by the edge to the first boundary node
                         or node of any crack, along the circle (or line) that the tool's motion
@@ -119,7 +119,7 @@ class CutFront:
         cable, n = sim.state.cable, sim.state.cable.count
         met = np.flatnonzero(cable.edge[:n] != NOT_MET)
         chain = self._chain[cable.edge[met]]
-        length = cable.half_edge[met].sum(axis=1)
+        length = cable.length[met]
         holds = cable.status[met] == JOINTED
         rows = np.zeros((self._n_chain, 4))
         rows[:, 0] = np.bincount(chain, length, self._n_chain)

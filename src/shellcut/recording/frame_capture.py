@@ -54,8 +54,8 @@ class Exposure:
             quad=_copied(s.quad, ("nodes",)),
             history=s.history.copy(),
         )
-        free = None if sim.cracks is None else sim.cracks.free
-        drawn = None if free is None else DrawnFilm.of(s, free.topology)
+        cuts = None if sim.cracks is None else sim.cracks.cuts
+        drawn = None if cuts is None or cuts.along_sides_only else DrawnFilm.of(s, cuts.topology)
         stresses = None
         if drawn is not None and not sim.material.is_linear:
             stresses = sim.shell.face_stresses(s), sim.shell.history_means(s)

@@ -66,7 +66,6 @@ def run_summary(
         "n_cable_jointed": sim.cables.n_joint_made,
         "n_cable_broken": sim.cables.n_broken,
         "crack_length_mm": s.crack_length,
-        "n_recovery_borrowed": sim.cracks.criterion.n_borrowed if sim.cracks else 0,
         "deepest_penetration_mm": sim.contact.deepest if sim.contact else 0.0,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness if sim.contact else 0.0,
         "unfelt_penetration_mm": unfelt,
@@ -74,6 +73,8 @@ def run_summary(
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
+    if sim.cracks is not None and sim.cracks.edges is not None:
+        figures["n_recovery_borrowed"] = sim.cracks.edges.criterion.n_borrowed
     if sim.cracks is not None and sim.cracks.free is not None:
         figures["n_copy"] = s.n_quad - sim.mesh.n_quad
     finite: dict[str, float | str] = {

@@ -222,13 +222,13 @@ class Simulation:
         self._between_steps = False
         self.integrator.drift(s, self._dt)  # 1 positions, directors
         if s.flank.count:
-            self._flanks.place(s)
+            self._flanks.follow(s)
         s.step += 1  # 2 clock
         s.time += self._dt
         s.dt = self._dt
         self._place_tool()
         if self.cracks is not None:
-            self.cracks.split_due(s, self.pose)  # 3 topology
+            self.cracks.cut_due(s, self.pose)  # 3 topology
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
@@ -250,8 +250,6 @@ class Simulation:
     def _kick(self, dt_last: float, dt_next: float) -> None:
         self.supports.prescribe(self.state, self.state.time + 0.5 * dt_next)
         kick = self.integrator.kick(self.state, dt_last, dt_next)
-        if self.state.flank.count:
-            self._flanks.move(self.state)
         book = self.ledger
         book.kinetic_translation = kick.kinetic_translation
         book.kinetic_rotation = kick.kinetic_rotation

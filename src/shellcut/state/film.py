@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, SmallIds
+from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.numerics.lanes import aligned_zeros
 
 from .tables import NOTCH, CableTable, FlankTable, NodeTable, QuadsAtNodes, QuadTable
@@ -24,7 +24,9 @@ class SplitRecord:
     time: float
     """[s]"""
     node: int
+    """Node that was split along sides, -1 for a cut along a segment."""
     twin: int
+    """Its new half."""
     place: tuple[float, float, float]
     """Position at the split [mm]."""
     reference: tuple[float, float, float]
@@ -35,8 +37,8 @@ class SplitRecord:
     """Value of the criterion; a split is due at 1."""
     force_jump: float
     """Magnitude of the difference between the node's load and the new cable's force [N]."""
-    rows: tuple[int, int] = (-1, -1)
-    """Quads or copies to the right and left of a cut; node and twin are -1 then."""
+    rows: tuple[int, ...] = ()
+    """Quads or copies to the right and left of it, of a split those of each side; -1 for none."""
 
 
 @dataclass
@@ -63,7 +65,7 @@ class State:
     revision: int = 0
     """Number of splits; identifies the topology."""
     crack_length: float = 0.0
-    """Sum of the half-edges that have or had a cable [mm]."""
+    """Of all that has been cut but notches, in the reference film [mm]."""
     split_log: list[SplitRecord] = field(default_factory=list)
     """Every split, in order."""
 
@@ -127,8 +129,11 @@ class State:
             "flank": self.flank.saved(),
             "strain_forms": np.array(self.strain_forms),
             "split_log": {
-                f.name: np.array([split[f.name] for split in splits]) for f in fields(SplitRecord)
-            },
+                f.name: np.array([split[f.name] for split in splits])
+                for f in fields(SplitRecord)
+                if f.name != "rows"
+            }
+            | {"rows": _padded([split["rows"] for split in splits])},
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -154,9 +159,21 @@ class State:
         a, b = saved["strain_forms"].tolist()
         self.strain_forms = a, b
         splits = {name: column.tolist() for name, column in saved["split_log"].items()}
-        for name in ("place", "reference", "rows"):
+        for name in ("place", "reference"):
             splits[name] = [tuple(place) for place in splits[name]]
+        splits["rows"] = [tuple(k for k in row if k != _NO_ROW) for row in splits["rows"]]
         self.split_log = [
             SplitRecord(**dict(zip(splits, row, strict=True)))
             for row in zip(*splits.values(), strict=True)
         ]
+
+
+_NO_ROW = -2
+
+
+def _padded(rows: list[tuple[int, ...]]) -> Ints:
+    """Return rows of different length as one table, filled up."""
+    table = np.full((len(rows), max(map(len, rows), default=0)), _NO_ROW)
+    for filled, row in zip(table, rows, strict=True):
+        filled[: len(row)] = row
+    return table

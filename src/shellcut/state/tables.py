@@ -259,18 +259,23 @@ class FlankTable(_Table):
 
 @dataclass
 class CableTable(_Table):
-    """Cohesive cables; each joins the two halves of a split node ([Frangi2010] 4)."""
+    """Cohesive cables; each joins the two flanks of half a segment of a crack ([Frangi2010] 4)."""
 
     ends: Ints
     """Node on the minus and on the plus flank, shape (n, 2)."""
     status: SmallInts
     """STRAIGHT, JOINTED or BROKEN, shape (n,)."""
     area: Floats
-    """Cohesive area A_i = thickness x half-edge lengths [mm²], shape (n,)."""
-    half_edge: Floats
-    """Reference lengths of its half-edges [mm], zero if absent, shape (n, 2)."""
-    half_edge_far: Ints
-    """Origin of the node at the far end of each half-edge, shape (n, 2)."""
+    """Cohesive area A_i = thickness x length [mm²], shape (n,)."""
+    length: Floats
+    """Reference length of the crack that it holds, half of a segment [mm], shape (n,)."""
+    row: Ints
+    """Quad or copy at whose corner either end is, -1 if it is a flank point, shape (n, 2)."""
+    corner: Ints
+    """Which of its corners, shape (n, 2)."""
+    inward: Floats
+    """A place a little further along the flank, which tells to which part of a copy the end goes
+    when that is cut again, shape (n, 2, 2)."""
     m: Floats
     """Mean normal to the flanks at birth, from minus to plus, shape (n, 3)."""
     start_force: Floats

@@ -1,0 +1,203 @@
+"""Cuts of a film: what every crack does, along sides of the mesh or through its quads.
+
+A cut along a segment divides a quad or breaks a side, gives the flanks nodes of their own where
+they part (:mod:`.cut_state`), lays cables across it (:mod:`.segment_cables`) and writes it down.
+Where a crack goes, and when, is asked elsewhere: :mod:`.edge_cracks` and :mod:`.free_cracks`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import NOTCH, SplitRecord, State
+
+from .anisotropy import Anisotropy
+from .crack_path import Segment
+from .cut_state import cut_row, nodes_at, renew_nodes, sides_of
+from .cut_topology import CutTopology
+from .quad_polygon import Point, corner_at, shape_functions
+from .segment_cables import SegmentCables
+
+
+class Cut(NamedTuple):
+    """A segment that has been cut."""
+
+    rows: list[int]
+    """To its right and left."""
+    chords: list[tuple[Point, Point]]
+    """Its ends in the quad of each."""
+    heading: Floats
+    """Unit direction in the reference film, shape (3,)."""
+    length: float
+    """[mm]"""
+
+    def is_open(self, state: State, end: int) -> bool:
+        """Return whether the flanks part where it starts, end 0, or stops, end 1."""
+        minus, plus = (
+            nodes_at(state, row, chord[end])
+            for row, chord in zip(self.rows, self.chords, strict=True)
+        )
+        return minus != plus
+
+    def way(self, state: State, heading: Floats) -> Floats:
+        """Return its unit direction in space, the way that ``heading`` points, shape (3,)."""
+        row, (start, stop) = next(
+            (row, chord) for row, chord in zip(self.rows, self.chords, strict=True) if row >= 0
+        )
+        along = np.array(shape_functions(stop)) - np.array(shape_functions(start))
+        way = along @ state.node.x[state.quads[row]]
+        sign = np.copysign(1.0, self.heading @ heading)
+        return np.asarray(sign * way / np.linalg.norm(way))
+
+
+class Cuts:
+    """Cuts a film and joins the flanks by cables.
+
+    Parameters
+    ----------
+    state : State
+        Before the first cut.
+    shell : MITC4Shell
+        Of the film.
+    law : CohesiveLaw
+        Of the cables.
+    anisotropy : Anisotropy, optional
+        Of the film.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        shell: MITC4Shell,
+        law: CohesiveLaw,
+        anisotropy: Anisotropy | None = None,
+    ) -> None:
+        n = state.node
+        self._shell = shell
+        self._cables = SegmentCables(law, shell.material, anisotropy)
+        self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
+        """Which corners of quads and copies share a node."""
+
+    @property
+    def along_sides_only(self) -> bool:
+        """Whether no quad has been cut."""
+        return not self.topology.cut_rows()
+
+    def along(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
+        """Cut a row along a segment, or break a side; its cables sleep until :meth:`wake`.
+
+        Parameters
+        ----------
+        state : State
+            Written.
+        segment : Segment
+            Where.
+        kind : str
+            As in :class:`shellcut.state.SplitRecord`; a notch has no cables.
+        measure : float
+            Of the criterion.
+        """
+        topology, shell, length = self.topology, self._shell, _length(state, segment)
+        if segment.along_side:
+            a, b, rows, chords = sides_of(topology, shell, segment)
+            topology.break_side(a, b)
+            corners = [a, b]
+        else:
+            rows = [segment.row, cut_row(state, shell, topology, segment)]
+            chords = [(segment.entry, segment.exit)] * 2
+            corners = shell.mesh_quads[segment.row].tolist()
+            self._cables.follow(state, topology, *rows)
+        entry, nodes = np.array(shape_functions(segment.entry)), state.quads[segment.row]
+        places = entry @ state.node.x[nodes], entry @ state.node.X[nodes]
+        _write_down(state, places, rows, kind, measure)
+        renew_nodes(state, shell, topology, corners)
+        if kind != NOTCH:
+            self._cables.lay(rows, chords, length)
+            state.crack_length += length
+        way = np.array(shape_functions(segment.exit)) - entry
+        return Cut(rows, chords, way @ state.node.X[nodes] / length, length)
+
+    def part(self, state: State, node: int, sides: list[Segment], kind: str, measure: float) -> int:
+        """Part a node along the sides between two groups of its quads, at its own end of each.
+
+        Parameters
+        ----------
+        state : State
+            Written.
+        node : int
+            Which node.
+        sides : list of Segment
+            From the node along these sides, those that are broken already left out.
+        kind, measure : str, float
+            As in :class:`shellcut.state.SplitRecord`.
+
+        Returns
+        -------
+        int
+            Its twin.
+        """
+        topology, shell, n = self.topology, self._shell, state.node
+        rows = []
+        for side in sides:
+            start, stop, beside, chords = sides_of(topology, shell, side)
+            at_start = int(state.quads[side.row, corner_at(side.entry)]) == node
+            here, there = (start, stop) if at_start else (stop, start)
+            topology.break_end(here, there)
+            length = _length(state, side)
+            self._cables.lay(beside, chords, length, [0 if at_start else 1])
+            state.crack_length += 0.5 * length
+            rows += beside
+        twin = n.count
+        _write_down(state, (n.x[node], n.X[node]), rows, kind, measure, (node, twin))
+        renew_nodes(state, shell, topology, [here])
+        return twin
+
+    def wake(self, state: State) -> None:
+        """Make the cables of segments that have come to be open at one of their ends."""
+        self._cables.wake(state, self._shell.area)
+
+    def saved(self) -> dict[str, Any]:
+        """Return the topology and the sleeping cables."""
+        return {"topology": self.topology.saved(), "cables": self._cables.saved()}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self.topology.restore(saved["topology"])
+        self._cables.restore(saved["cables"])
+
+
+def _length(state: State, segment: Segment) -> float:
+    """Return the length of a segment in the reference film [mm]."""
+    way = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
+    return float(np.linalg.norm(way @ state.node.X[state.quads[segment.row]]))
+
+
+def _write_down(
+    state: State,
+    places: tuple[Floats, Floats],
+    rows: list[int],
+    kind: str,
+    measure: float,
+    halves: tuple[int, int] = (-1, -1),
+) -> None:
+    """Write a record of a cut; places : of its start in space and in the reference, (3,) each."""
+    place, reference = (tuple(x.tolist()) for x in places)
+    state.split_log.append(
+        SplitRecord(
+            time=state.time,
+            node=halves[0],
+            twin=halves[1],
+            place=place,
+            reference=reference,
+            kind=kind,
+            measure=measure,
+            force_jump=0.0,
+            rows=tuple(rows),
+        )
+    )
+    state.revision += 1
