@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from free_strip import cut_strip, slanted_strip
 from shellcut.contact.settings import STEEPEST
@@ -147,3 +149,19 @@ def test_contact_holds_no_node_of_a_cut_stiffer_than_at_a_crack_along_edges():
     ratio = held[masters] / n.mass[masters] / most
     assert ratio.max() <= 1.0 + 1e-9
     assert ratio.max() > 0.9
+
+
+@pytest.mark.parametrize(("beside", "joins"), [(0.0, True), (0.25, True), (0.35, False)])
+def test_a_crack_joins_one_that_ends_near_its_ray_and_both_are_one(beside, joins):
+    """The other crack comes from the far end, beside the first by a part of an edge of 0.4 mm."""
+    sim = cut_strip(mesh=slanted_strip(), notched=False)
+    free, x = sim.cracks.free, start_of(sim)
+    sim.notch((x + 7.0, 0.1 + 0.4 * beside, 0.0), (x + 1.3, 0.1 + 0.4 * beside, 0.0))
+    assert len(free.tips) == 1
+    sim.notch((x - 1.0, 0.1, 0.0), (x + 3.0, 0.1, 0.0))
+    assert len(free.tips) == (0 if joins else 2)
+    quads = sim.state.quads
+    rows, of = np.arange(len(quads)).repeat(4), quads.ravel()
+    table = csr_array((np.ones(of.size), (rows, of)))
+    pieces, _ = connected_components(table @ table.T)
+    assert pieces == (2 if joins else 1)

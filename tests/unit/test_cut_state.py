@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.fracture.crack_path import Segment
 from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
+from shellcut.fracture.segment import Segment
 from shellcut.mesh.structured import rectangle
 
 RNG = np.random.default_rng

@@ -12,7 +12,8 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
 
-from .crack_path import AWAY, SNAP
+from .crack_path import SNAP
+from .tip_places import AWAY
 
 _NOWHERE = -1
 

@@ -4,27 +4,26 @@ A tip lies on a side of the mesh, at a node of it, or on the flank of an earlier
 has run into. From there a ray goes through the polygon of the row ahead. Where its segment ends
 ([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
 
-1. on a crossing of another crack within ``MERGE`` edge lengths, measured across the ray; if that
-   crack leads there from the tip, there is nothing left to cut;
-2. at a corner within ``SNAP`` edge lengths across the ray, if it is not on the side where the
-   segment begins; from a node, a side that the ray leaves by less than that is broken as a side;
-3. on the side itself, at least ``SNAP`` of it from its corners.
+1. where another crack ends, within ``JOIN`` edge lengths, measured across the ray;
+2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is
+   nothing left to cut;
+3. at a corner within ``SNAP``, if it is not on the side where the segment begins; from a
+   node, a side that the ray leaves by less than that is broken as a side;
+4. on the side itself, at least ``SNAP`` of it from its corners.
 
 Distances across the ray are those in the sheet: out of it, folds under a blade do not count.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from math import hypot
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .cut_topology import CutTopology
 from .quad_fans import boundary_edges
 from .quad_polygon import (
     CORNERS,
@@ -33,22 +32,25 @@ from .quad_polygon import (
     Polygon,
     along_side,
     corner_at,
-    has_corner,
     holds,
     on_side,
     shape_functions,
-    side_at,
-    side_of,
-    span,
 )
-from .tip import Place, Tip
+from .segment import Segment
+from .tip import Tip
+from .tip_places import AWAY, TipPlaces
+
+JOIN = 0.3
+"""Places where another crack ends are met if nearer than this, in edge lengths across the ray: two
+cracks that come towards each other would run past each other with a strip between them that no mesh
+resolves."""
 
 MERGE = 0.15
-"""Crossings of another crack nearer than this, in edge lengths across the ray, are met."""
+"""Crossings of another crack that are nearer than this are met."""
 
 SNAP = 0.05
-"""Corners nearer than this, in edge lengths across the ray, are met; crossings keep this part of
-the side away from them."""
+"""Corners that are nearer than this are met; crossings keep this part of the side away from
+them."""
 
 ALONG = 1.0 / 3.0
 """Of the way ahead: a flank that leads to such a point no farther beside the ray is a crack along
@@ -58,160 +60,9 @@ GRAZE = 0.2
 """Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
 side of it, runs along that side, and the segment passes the corner on the near side."""
 
-# Of the parametric square: far above round-off.
-AWAY = 1e-6
 
-
-@dataclass(frozen=True)
-class Segment:
-    """A straight way of a crack through a row."""
-
-    row: int
-    entry: Point
-    exit: Point
-    side: int
-    """Side of the quad on which the exit lies, FLANK on an earlier cut."""
-    corner: int
-    """Corner of the quad at the exit, -1 if it is none."""
-    along_side: bool = False
-    """Whether it runs from corner to corner along a side of the quad."""
-
-
-class CrackPath:
-    """Finds the rows ahead of tips and the segments through them.
-
-    Parameters
-    ----------
-    topology : CutTopology
-        Which rows there are.
-    shell : MITC4Shell
-        Gives the nodes of the mesh at their corners and their sizes.
-    """
-
-    def __init__(self, topology: CutTopology, shell: MITC4Shell) -> None:
-        self._topology, self._shell = topology, shell
-
-    def ring(self, row: int) -> list[int]:
-        """Return the nodes of the mesh at the corners of a row."""
-        return [int(n) for n in self._shell.mesh_quads[row]]
-
-    def size(self, row: int) -> float:
-        """Return the local edge length, sqrt(quad area) [mm]."""
-        return float(np.sqrt(self._shell.area[row]))
-
-    def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
-        """Return the rows into which a crack may run from its tip, and the tip's place in each."""
-        topology = self._topology
-        if tip.flank is not None:
-            touching = self.rows_at(tip.quad, tip.flank)
-            return [(row, place) for row, place in touching if row not in tip.behind]
-        if tip.at_node:
-            return self._rows_at_node(tip.ends[0])
-        found = []
-        a, b = tip.ends
-        for row, corner in topology.corners_at(a):
-            quad, ring = topology.parent(row), self.ring(row)
-            if quad == tip.quad or b not in ring:
-                continue
-            goes_up = ring[(corner + 1) % 4] == b
-            side, s = (corner, tip.s) if goes_up else ((corner - 1) % 4, 1.0 - tip.s)
-            held = span(topology.polygon(row), side)
-            if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
-                found.append((row, on_side(side, s)))
-        return found
-
-    def node_of(self, tip: Tip) -> int:
-        """Return the node of the mesh at which a tip lies, -1 if at none."""
-        if tip.flank is None:
-            return tip.ends[0] if tip.at_node else -1
-        corner = corner_at(tip.flank)
-        return self.ring(tip.quad)[corner] if corner >= 0 else -1
-
-    def rows_at(self, quad: int, place: Point) -> list[tuple[int, Point]]:
-        """Return the rows whose film touches a place on the boundary of a row, and where it is.
-
-        The place is one of a quad of the mesh, whose own rows come first; at a corner and on a side
-        those of its neighbours touch it too.
-        """
-        topology, ring = self._topology, self.ring(quad)
-        corner, side = corner_at(place), side_at(place)
-        if corner >= 0:
-            every = self._rows_at_node(ring[corner])
-            return sorted(every, key=lambda at: topology.parent(at[0]) != quad)
-        mine = [(row, place) for row in topology.rows_of(quad)]
-        if side >= 0:
-            a, b, s = ring[side], ring[(side + 1) % 4], along_side(side, place)
-            mine += [
-                (row, on_side((at - 1) % 4, 1.0 - s))
-                for row, at in topology.corners_at(a)
-                if topology.parent(row) != quad and self.ring(row)[(at - 1) % 4] == b
-            ]
-        return [(row, at) for row, at in mine if side_of(topology.polygon(row), at) is not None]
-
-    def _rows_at_node(self, node: int) -> list[tuple[int, Point]]:
-        """Return the rows whose film reaches a node of the mesh, and the corner there."""
-        topology = self._topology
-        return [
-            (row, CORNERS[corner])
-            for row, corner in topology.corners_at(node)
-            if has_corner(topology.polygon(row), corner)
-        ]
-
-    def place_of(self, state: State, tip: Tip) -> Place | None:
-        """Return where a tip is now.
-
-        None where no film is ahead: at a rim, and where another crack has come across.
-        """
-        ahead = self.rows_ahead(tip)
-        if not ahead:
-            return None
-        (row, place), *_ = ahead
-        forward = self.carried_on(row, place, tip.heading)
-        at = self.place_in(state, row, place)
-        return at._replace(heading=forward @ state.node.x[state.quads[row]])
-
-    def place_in(self, state: State, row: int, place: Point) -> Place:
-        """Return a place of a row now, its heading still zero."""
-        weights, nodes = np.array(shape_functions(place)), state.quads[row]
-        t = weights @ state.node.t[nodes]
-        return Place(
-            weights @ state.node.x[nodes],
-            t / np.linalg.norm(t),
-            self.size(row),
-            self.reference_director(row, place),
-            np.zeros(3),
-        )
-
-    def reference_director(self, row: int, place: Point) -> Floats:
-        """Return the unit director at a place of a row in the reference film, shape (3,)."""
-        film = self._shell.reference
-        T = np.array(shape_functions(place)) @ film.t[film.quads[row]]
-        return np.asarray(T / np.linalg.norm(T))
-
-    def carried_on(self, row: int, place: Point, heading: Floats) -> Floats:
-        """Return weights of a row's nodes that give, of their positions, a heading, shape (4,).
-
-        The heading is a direction in the reference film behind a tip. It goes on into the tangent
-        plane of the row ahead, by projection, and moves with that row: as the line of film ahead of
-        the tip that lay in its direction.
-        """
-        (xi, eta), film = place, self._shell.reference
-        gradients = 0.25 * np.array(
-            [
-                [eta - 1.0, 1.0 - eta, 1.0 + eta, -1.0 - eta],
-                [xi - 1.0, -1.0 - xi, 1.0 + xi, 1.0 - xi],
-            ]
-        )
-        along, *_ = np.linalg.lstsq((gradients @ film.x[film.quads[row]]).T, heading, rcond=None)
-        return np.asarray(along @ gradients)
-
-    def reference_of(self, state: State, tip: Tip) -> Floats:
-        """Return where a tip lies in the reference film [mm], shape (3,)."""
-        if tip.flank is not None:
-            X = state.node.X[self._shell.mesh_quads[tip.quad]]
-            return np.asarray(np.array(shape_functions(tip.flank)) @ X)
-        a, b = state.node.X[list(tip.ends)]
-        return np.asarray(a + tip.s * (b - a))
+class CrackPath(TipPlaces):
+    """Finds the segments through the rows ahead of tips."""
 
     def rim_tip(self, state: State, start: Floats, end: Floats) -> Tip | None:
         """Return a tip on the rim where a line between two points first crosses it.
@@ -250,8 +101,15 @@ class CrackPath:
         lean : of the plane in which it lies, see :meth:`segment`.
         """
         ahead = self.rows_ahead(tip)
-        found = (self.segment(state, row, entry, direction, lean) for row, entry in ahead)
-        return next((one for one in found if one is not None), None)
+        for find in (self._to_an_end, self.segment):
+            for row, entry in ahead:
+                if (found := find(state, row, entry, direction, lean)) is not None:
+                    return found
+        return None
+
+    def is_end(self, row: int, corner: int) -> bool:
+        """Return whether a crack ends at a corner of a row; corner : -1 for none."""
+        return corner >= 0 and self._topology.ends_at(self.ring(row)[corner])
 
     def may_break(self, row: int, start: int, end: int) -> bool:
         """Return whether a crack may run along a side: whole film on both sides of it."""
@@ -274,10 +132,7 @@ class CrackPath:
             node = ring[end.corner]
             tip = Tip((node, node), 0.0, quad, heading, length)
         else:
-            a, b = ring[end.side], ring[(end.side + 1) % 4]
-            s = along_side(end.side, end.exit)
-            ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-            tip = Tip(ends, s, quad, heading, length)
+            tip = Tip(*end.on_side_of(ring), quad, heading, length)
         return tip if self.rows_ahead(tip) else None
 
     def segment(
@@ -295,23 +150,19 @@ class CrackPath:
         direction and the director, from which it leans by ``lean``, shape (3,). None where the
         direction leads out of the polygon, unless it grazes the side on which it begins.
         """
-        polygon, nodes = self._topology.polygon(row), state.quads[row]
-        weights = np.array(shape_functions(entry))
-        x, t = state.node.x[nodes], weights @ state.node.t[nodes]
-        gaps = np.array([shape_functions(p) for p in polygon.points]) @ x - weights @ x
-        t = t / np.linalg.norm(t)
-        normal = np.cross(t if lean is None else t - lean, direction)
-        if (size := float(np.linalg.norm(normal))) < AWAY:
-            return None  # no direction in the sheet
-        off = gaps @ (normal / size)
-        hit = _first_edge(polygon, entry, off, gaps @ direction)
+        polygon = self._topology.polygon(row)
+        ray = self._ray(state, row, entry, direction, lean)
+        if ray is None:
+            return None
+        off, ahead = ray
+        hit = _first_edge(polygon, entry, off, ahead)
         if hit is None:
-            return self._past_a_corner(row, entry, off, gaps @ direction)
+            return self._past_a_corner(row, entry, off, ahead)
         i, along = hit
         j = (i + 1) % len(polygon.points)
         side, a, b = polygon.sides[i], polygon.points[i], polygon.points[j]
         size = self.size(row)
-        for k in (i, j):
+        for k in (i, j) if abs(off[i]) <= abs(off[j]) else (j, i):
             end = polygon.points[k]
             corner = corner_at(end)
             if abs(off[k]) >= (SNAP if corner >= 0 else MERGE) * size:
@@ -319,7 +170,7 @@ class CrackPath:
             on = common_side(polygon, entry, end)
             if on is None:
                 return Segment(row, entry, end, side, corner)
-            if on == FLANK and abs(off[k]) < ALONG * (gaps[k] @ direction):
+            if on == FLANK and abs(off[k]) < ALONG * ahead[k]:
                 return None  # there is a crack already
             start = corner_at(entry)
             if corner >= 0 and start >= 0 and on != FLANK and self.may_break(row, start, corner):
@@ -331,6 +182,7 @@ class CrackPath:
         s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
         places = [on_side(side, s)]
         ring = self.ring(row)
+        x = state.node.x[state.quads[row]]
         reach = MERGE * size / float(np.linalg.norm(x[(side + 1) % 4] - x[side]))
         for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
             if abs(known - s) < reach and holds(polygon, on_side(side, known)):
@@ -339,6 +191,64 @@ class CrackPath:
             if common_side(polygon, entry, place) is None:
                 return Segment(row, entry, place, side, -1)
         return None
+
+    def _ray(
+        self, state: State, row: int, entry: Point, direction: Floats, lean: Floats | None
+    ) -> tuple[Floats, Floats] | None:
+        """Return where the points of a row's polygon lie from a ray, shape (n_point,) each [mm].
+
+        Beside the plane of the ray (:meth:`segment`), and along it from the entry; None if the
+        direction is none in the sheet.
+        """
+        nodes, weights = state.quads[row], np.array(shape_functions(entry))
+        points = np.array([shape_functions(p) for p in self._topology.polygon(row).points])
+        t = weights @ state.node.t[nodes]
+        t = t / np.linalg.norm(t)
+        normal = np.cross(t if lean is None else t - lean, direction)
+        if (size := float(np.linalg.norm(normal))) < AWAY:
+            return None
+        gaps = (points - weights) @ state.node.x[nodes]
+        return gaps @ (normal / size), gaps @ direction
+
+    def _to_an_end(
+        self, state: State, row: int, entry: Point, direction: Floats, lean: Floats | None
+    ) -> Segment | None:
+        """Return the segment through a row to where another crack ends near the ray, if one does.
+
+        Of several ends the nearest to it.
+        """
+        polygon = self._topology.polygon(row)
+        ray = self._ray(state, row, entry, direction, lean)
+        if ray is None:
+            return None
+        nearest, found = JOIN * self.size(row), None
+        for place, side, i, part in self._ends(row):
+            j = (i + 1) % len(polygon.points)
+            off, ahead = ((1.0 - part) * way[i] + part * way[j] for way in ray)
+            through = common_side(polygon, entry, place) is None
+            if through and abs(off) < nearest and ahead > 0.0:
+                nearest = abs(off)
+                found = Segment(row, entry, place, side, corner_at(place))
+        return found
+
+    def _ends(self, row: int) -> Iterator[tuple[Point, int, int, float]]:
+        """Yield where other cracks end at a row.
+
+        The place, its side, the point of the polygon before it, and the part of the way from there
+        to the next point.
+        """
+        polygon, ring = self._topology.polygon(row), self.ring(row)
+        points = polygon.points
+        for i, (a, side) in enumerate(zip(points, polygon.sides, strict=True)):
+            if self.is_end(row, corner_at(a)):
+                yield a, polygon.sides[i - 1] if side == FLANK else side, i, 0.0
+            if side == FLANK:
+                continue
+            s_a, s_b = along_side(side, a), along_side(side, points[(i + 1) % len(points)])
+            for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
+                part = (known - s_a) / (s_b - s_a)
+                if AWAY < part < 1.0 - AWAY:  # at an end of the span the crack has passed the row
+                    yield on_side(side, known), side, i, part
 
     def _past_a_corner(self, row: int, entry: Point, off: Floats, ahead: Floats) -> Segment | None:
         """Return the segment that passes a corner which a ray along a side just misses.

@@ -23,7 +23,6 @@ import numpy as np
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-from .crack_path import Segment
 from .cut_topology import Corner, CutTopology
 from .flank_points import bearable_area
 from .quad_polygon import (
@@ -37,6 +36,7 @@ from .quad_polygon import (
     share_of,
     span,
 )
+from .segment import Segment
 
 LEAST_MASS = 0.05
 """Of a quad or copy that is cut, the mass that either part gets at least."""

@@ -17,10 +17,10 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
-from .crack_path import Segment
 from .cut_state import cut_row, nodes_at, renew_nodes, sides_of
 from .cut_topology import CutTopology
 from .quad_polygon import Point, corner_at, shape_functions
+from .segment import Segment
 from .segment_cables import SegmentCables
 
 

@@ -20,11 +20,11 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .crack_path import Segment
 from .criterion import Fracture, Split, SplitCriterion
 from .cuts import Cuts
 from .quad_fans import boundary_edges, crack_tips, is_tip, open_edges
 from .quad_polygon import CORNERS
+from .segment import Segment
 
 
 class EdgeCracks:

@@ -24,13 +24,14 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .crack_path import CrackPath, Segment, common_side
+from .crack_path import CrackPath, common_side
 from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
+from .segment import Segment
 from .tip import Tip, restored_tips, saved_tips
 from .tip_across import tip_across
 from .tip_watch import TipWatch
@@ -38,6 +39,10 @@ from .trial_cut import TrialCut
 
 _ON_SIDE = 1e-9
 """Of a segment's length: a notch that ends closer than this before a side or node ends there."""
+
+
+_OPPOSITE = -0.7
+"""Cosine of the headings of two cracks that meet at their ends, beyond which they are one."""
 
 
 class FreeCracks:
@@ -210,16 +215,17 @@ class FreeCracks:
         """Return the tip at an end of what has been cut, None at a rim.
 
         Where the crack is open there it has come to a rim or to another crack, whose tip there is
-        one no more: it goes on from the other flank.
+        one no more: it goes on from the other flank, unless that crack leads on as it would.
 
         segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
             return self._path.tip_at(segment, heading, cut.length)
-        if segment.corner >= 0:
-            joined = self._path.ring(segment.row)[segment.corner]
-            self.tips = [tip for tip in self.tips if self._path.node_of(tip) != joined]
+        joined = [tip for tip in self.tips if self._path.ends_at(tip, segment)]
+        self.tips = [tip for tip in self.tips if not any(tip is one for one in joined)]
+        if any(tip.heading @ heading < _OPPOSITE for tip in joined):
+            return None  # two that came towards each other are one crack now
         way = cut.way(state, heading)
         return tip_across(state, self._cuts.topology, self._path, segment, heading, way)
 

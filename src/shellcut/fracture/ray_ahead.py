@@ -1,98 +1,32 @@
 """Through which side or corner a driven crack would leave the row ahead: all tips in one kernel.
 
 The same rules as :meth:`.blade_drive.BladeDrive.directions` and
-:meth:`.crack_path.CrackPath.segment`, which a test compares with this. What lasts as long as the
-topology is found once (:func:`rows_ahead`); with every step only the ray turns.
+:meth:`.crack_path.CrackPath.segment_from`, which a test compares with this. What lasts as long as
+the topology is found once (:mod:`.rows_ahead`); with every step only the ray turns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import sqrt
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
-from shellcut.mitc4.shell import MITC4Shell
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, sub
-from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL
 
 from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
-from .crack_path import ALONG, AWAY, GRAZE, MERGE, SNAP, CrackPath, common_side, is_on
-from .cut_topology import CutTopology
-from .quad_polygon import (
-    FLANK,
-    Point,
-    corner_at,
-    density,
-    holds,
-    on_side,
-    shape_functions,
-    share_of,
-)
-from .tip import Tip
+from .crack_path import ALONG, GRAZE, JOIN, MERGE, SNAP
+from .quad_polygon import FLANK
+from .rows_ahead import NO_SIDE, RowsAhead, Tips
+from .tip_places import AWAY
 
 AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
 """Where a segment ends: at a point of the polygon, the same along a side of the mesh, on a crossing
 of another crack, on a side between crossings, on a flank."""
-
-# Of ``common``: two points of a polygon are on no common edge.
-_NO_SIDE = -2
-
-
-class Tips(NamedTuple):
-    """Crack tips as kernels take them: what lasts as long as the topology."""
-
-    nodes: Annotated[Ints, "(n_tip, 4)"]
-    """Of the first row ahead."""
-    weight: Annotated[Floats, "(n_tip, 4)"]
-    """Their shape functions at the tip."""
-    size: Annotated[Floats, "(n_tip,)"]
-    """Local edge length [mm]."""
-    forward: Annotated[Floats, "(n_tip, 4)"]
-    """Weights that give of their positions in which direction it came."""
-    reference: Annotated[Floats, "(n_tip, 3)"]
-    """Unit director there in the reference film."""
-    start: Annotated[Ints, "(n_tip + 1,)"]
-    """First of its rows ahead, and the end."""
-
-
-class RowsAhead(NamedTuple):
-    """Rows ahead of tips and their polygons, likewise."""
-
-    row: Annotated[Ints, "(n_ahead,)"]
-    nodes: Annotated[Ints, "(n_ahead, 4)"]
-    size: Annotated[Floats, "(n_ahead,)"]
-    """sqrt(quad area) [mm]."""
-    entry: Annotated[Floats, "(n_ahead, 2)"]
-    """Place of the tip."""
-    first: Annotated[Ints, "(n_ahead,)"]
-    """First point of the polygon after the entry, counter-clockwise."""
-    J: Annotated[Floats, "(n_ahead, 3)"]
-    """Density, see :mod:`.quad_polygon`, over that of the whole polygon."""
-    n_point: Annotated[Ints, "(n_ahead,)"]
-    point: Annotated[Floats, "(n_ahead, most, 2)"]
-    """Points of the polygon."""
-    side: Annotated[Ints, "(n_ahead, most)"]
-    """Side of the quad of the edge from each point to the next, or FLANK."""
-    corner: Annotated[Ints, "(n_ahead, most)"]
-    """Corner of the quad at each point, -1 if none."""
-    common: Annotated[Ints, "(n_ahead, most)"]
-    """On which side both entry and point are, -2 if on no common edge."""
-    breaks: Annotated[Bools, "(n_ahead, most)"]
-    """Whether a crack may run to that point along a side."""
-    on_edge: Annotated[Bools, "(n_ahead, most)"]
-    """Whether the entry is on the edge from each point to the next."""
-    crossing: Annotated[Ints, "(n_ahead, most, 2)"]
-    """First crossing on each edge, and the end."""
-    known: Annotated[Floats, "(n_crossing,)"]
-    """Crossings of other cracks, as fractions of the side, from the last to the first."""
-    can_meet: Annotated[Bools, "(n_crossing,)"]
-    """Whether a segment may end there."""
 
 
 class Aimed(NamedTuple):
@@ -104,91 +38,6 @@ class Aimed(NamedTuple):
     exit: Annotated[Floats, "(n_tip, 2)"]
     right: Annotated[Floats, "(n_tip,)"]
     """Share of the row to the right of the segment."""
-
-
-def rows_ahead(
-    state: State, topology: CutTopology, path: CrackPath, shell: MITC4Shell, tips: Sequence[Tip]
-) -> tuple[Tips, RowsAhead]:
-    """Return the tables of some tips; there must be rows ahead of each."""
-    ahead = [path.rows_ahead(tip) for tip in tips]
-    every = [(row, entry) for rows in ahead for row, entry in rows]
-    rows = np.array([row for row, _ in every], np.int64)
-    first = np.array([rows[0][0] for rows in ahead], np.int64)
-    sizes = np.sqrt(shell.area)
-    table = Tips(
-        nodes=state.quads[first].astype(np.int64),
-        weight=np.array([shape_functions(rows[0][1]) for rows in ahead]),
-        size=sizes[first],
-        forward=np.array(
-            [path.carried_on(*rows[0], tip.heading) for rows, tip in zip(ahead, tips, strict=True)]
-        ),
-        reference=np.array([path.reference_director(*rows[0]) for rows in ahead]),
-        start=np.cumsum([0, *map(len, ahead)]),
-    )
-    n, most = len(every), max(len(topology.polygon(row).points) for row, _ in every)
-    found = RowsAhead(
-        row=rows,
-        nodes=state.quads[rows].astype(np.int64),
-        size=sizes[rows],
-        entry=np.array([entry for _, entry in every]),
-        first=np.zeros(n, np.int64),
-        J=np.array([_relative_density(state, topology, row) for row in rows.tolist()]),
-        n_point=np.zeros(n, np.int64),
-        point=np.zeros((n, most, 2)),
-        side=np.zeros((n, most), np.int64),
-        corner=np.zeros((n, most), np.int64),
-        common=np.zeros((n, most), np.int64),
-        breaks=np.zeros((n, most), np.bool_),
-        on_edge=np.zeros((n, most), np.bool_),
-        crossing=np.zeros((n, most, 2), np.int64),
-        known=np.zeros(0),
-        can_meet=np.zeros(0, np.bool_),
-    )
-    known: list[tuple[float, bool]] = []
-    for k, (row, entry) in enumerate(every):
-        _fill(found, k, topology, path, row, entry, known)
-    return table, found._replace(
-        known=np.array([s for s, _ in known]),
-        can_meet=np.array([can for _, can in known], np.bool_),
-    )
-
-
-def _relative_density(state: State, topology: CutTopology, row: int) -> Floats:
-    J = density(state.node.X[state.quads[row]])
-    return np.array(J) / (4.0 * J[0] * share_of(topology.polygon(row), J))
-
-
-def _fill(
-    table: RowsAhead,
-    k: int,
-    topology: CutTopology,
-    path: CrackPath,
-    row: int,
-    entry: Point,
-    known: list[tuple[float, bool]],
-) -> None:
-    """Write the polygon of row k of the table; append the crossings on it to ``known``."""
-    polygon, ring, start = topology.polygon(row), path.ring(row), corner_at(entry)
-    points, n = polygon.points, len(polygon.points)
-    table.n_point[k] = n
-    for j in range(n):
-        side, after = polygon.sides[j], points[(j + 1) % n]
-        common = common_side(polygon, entry, points[j])
-        table.point[k, j], table.side[k, j] = points[j], side
-        table.corner[k, j] = corner_at(points[j])
-        table.common[k, j] = _NO_SIDE if common is None else common
-        if common not in (None, FLANK) and start >= 0 and table.corner[k, j] not in (-1, start):
-            table.breaks[k, j] = path.may_break(row, start, int(table.corner[k, j]))
-        table.on_edge[k, j] = is_on(entry, points[j], after)
-        if table.on_edge[k, j] and np.hypot(*np.subtract(after, entry)) > AWAY:
-            table.first[k] = (j + 1) % n
-        table.crossing[k, j, 0] = len(known)
-        if side != FLANK:
-            for s in reversed(topology.crossings(ring[side], ring[(side + 1) % 4])):
-                place = on_side(side, s)
-                can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
-                known.append((s, can_meet))
-        table.crossing[k, j, 1] = len(known)
 
 
 @kernel
@@ -247,9 +96,12 @@ def aim(
             if turn < len(LOOK_AHEAD):
                 way = combine(LOOK_AHEAD[turn] * tips.size[i], trace, -1.0, aside)
             way = scale(1.0 / max(norm(way), TANGENT), way)
-            for k in range(tips.start[i], tips.start[i + 1]):
-                if aimed.way[i, 0] < 0 and _through(ahead, k, i, x, t, way, lean, aimed):
-                    aimed.way[i, 0] = k
+            for joining in (True, False):
+                for k in range(tips.start[i], tips.start[i + 1]):
+                    if aimed.way[i, 0] < 0 and _through(
+                        ahead, k, i, x, t, way, lean, joining, aimed
+                    ):
+                        aimed.way[i, 0] = k
         if aimed.way[i, 0] >= 0:
             aimed.right[i] = _share_to_the_right(ahead, aimed, i)
             count += 1
@@ -265,16 +117,22 @@ def _through(
     t: Floats,
     way: Vec3,
     lean: Vec3,
+    joining: bool,
     aimed: Aimed,
 ) -> bool:
-    """Write the segment through row k of the table for tip i; return whether there is one."""
+    """Write the segment through row k of the table for tip i; return whether there is one.
+
+    joining : whether it must lead to where another crack ends.
+    """
     here = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], x)
     director = _at(ahead, k, ahead.entry[k, 0], ahead.entry[k, 1], t)
     normal = cross(sub(scale(1.0 / norm(director), director), lean), way)
     if norm(normal) < AWAY:
         return False
     normal = scale(1.0 / norm(normal), normal)
-    n, hit, along, best = ahead.n_point[k], -1, 0.0, np.inf
+    if joining:
+        return _to_an_end(ahead, k, i, here, normal, way, x, aimed)
+    n, hit, along, best, first_is_nearer = ahead.n_point[k], -1, 0.0, np.inf, True
     for j in range(n):
         if ahead.on_edge[k, j]:
             continue
@@ -287,16 +145,16 @@ def _through(
         s = off_a / (off_a - off_b)
         far = dot(start, way) + s * (dot(stop, way) - dot(start, way))
         if 0.0 < far < best:
-            best, hit, along = far, j, s
+            best, hit, along, first_is_nearer = far, j, s, abs(off_a) <= abs(off_b)
     if hit < 0:
         return _past_a_corner(ahead, k, i, here, normal, way, x, aimed)
     for end in range(2):
-        j = (hit + end) % n
+        j = (hit + (end if first_is_nearer else 1 - end)) % n
         gap = sub(_at(ahead, k, ahead.point[k, j, 0], ahead.point[k, j, 1], x), here)
         reach = SNAP if ahead.corner[k, j] >= 0 else MERGE
         if abs(dot(gap, normal)) >= reach * ahead.size[k]:
             continue
-        through = ahead.common[k, j] == _NO_SIDE
+        through = ahead.common[k, j] == NO_SIDE
         if through or ahead.breaks[k, j]:
             aimed.way[i, 1] = AT_POINT if through else ALONG_SIDE
             aimed.way[i, 2], aimed.way[i, 3] = j, 0
@@ -305,6 +163,46 @@ def _through(
         if ahead.common[k, j] == FLANK and abs(dot(gap, normal)) < ALONG * dot(gap, way):
             return False
     return _onto_edge(ahead, k, i, hit, along, x, aimed)
+
+
+@inline
+def _to_an_end(
+    ahead: RowsAhead,
+    k: int,
+    i: int,
+    here: Vec3,
+    normal: Vec3,
+    way: Vec3,
+    x: Floats,
+    aimed: Aimed,
+) -> bool:
+    """Write the segment of tip i through row k to where another crack ends near the ray."""
+    n, nearest, found = ahead.n_point[k], JOIN * ahead.size[k], False
+    for j in range(n):
+        after = (j + 1) % n
+        a, b = ahead.point[k, j], ahead.point[k, after]
+        start = sub(_at(ahead, k, a[0], a[1], x), here)
+        stop = sub(_at(ahead, k, b[0], b[1], x), here)
+        off = abs(dot(start, normal))
+        is_end = ahead.is_end_point[k, j] and ahead.common[k, j] == NO_SIDE
+        if is_end and off < nearest and dot(start, way) > 0.0:
+            nearest, found = off, True
+            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = AT_POINT, j, 0
+            aimed.exit[i, 0], aimed.exit[i, 1] = a[0], a[1]
+        side = ahead.side[k, j]
+        for c in range(ahead.crossing[k, j, 0], ahead.crossing[k, j, 1]):
+            s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
+            s = (ahead.known[c] - s_a) / (s_b - s_a)
+            gap = combine(1.0 - s, start, s, stop)
+            off = abs(dot(gap, normal))
+            can = ahead.can_meet[c] and ahead.is_end[c]
+            if can and off < nearest and dot(gap, way) > 0.0:
+                nearest, found = off, True
+                aimed.way[i, 1], aimed.way[i, 2] = AT_CROSSING, j
+                aimed.way[i, 3] = c - ahead.crossing[k, j, 0]
+                for d in range(2):
+                    aimed.exit[i, d] = a[d] + s * (b[d] - a[d])
+    return found
 
 
 @inline

@@ -10,9 +10,10 @@ from __future__ import annotations
 from shellcut.arrays import Floats
 from shellcut.state import State
 
-from .crack_path import CrackPath, Segment
+from .crack_path import CrackPath
 from .cut_state import nodes_at
 from .cut_topology import CutTopology
+from .segment import Segment
 from .tip import Tip
 
 

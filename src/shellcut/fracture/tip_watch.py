@@ -19,21 +19,13 @@ from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
 
-from .crack_path import CrackPath, Segment
+from .crack_path import CrackPath
 from .cut_topology import CutTopology
 from .poses_beyond import PosesBeyond
 from .quad_polygon import FLANK, along_side, on_side
-from .ray_ahead import (
-    ALONG_SIDE,
-    AT_CROSSING,
-    AT_POINT,
-    Aimed,
-    RowsAhead,
-    Tips,
-    aim,
-    place_tips,
-    rows_ahead,
-)
+from .ray_ahead import ALONG_SIDE, AT_CROSSING, AT_POINT, Aimed, aim, place_tips
+from .rows_ahead import RowsAhead, Tips, rows_ahead
+from .segment import Segment
 from .tip import Tip
 from .trial_cut import Pair, TrialCut
 from .trial_sums import Trial, TrialSums

@@ -34,10 +34,10 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import BROKEN, State
 
 from .anisotropy import Anisotropy
-from .crack_path import Segment
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, density, divide, shape_functions, share_of
+from .segment import Segment
 from .tip import Tip
 
 UNCUT, RIGHT, LEFT = 0, 1, 2

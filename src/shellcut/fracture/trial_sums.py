@@ -16,7 +16,8 @@ from shellcut.numerics.jit import bound_once, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm
 from shellcut.state import BROKEN, State
 
-from .ray_ahead import Aimed, RowsAhead
+from .ray_ahead import Aimed
+from .rows_ahead import RowsAhead
 from .trial_cut import Pair, TrialCut
 
 # The measures of the kernel are those of the rules but for this.
