@@ -57,8 +57,9 @@ class Places:
         self.blocks, self.tables, self.points = blocks, tables, points
         self.n_whole = blocks.quad.shape[0]
         """Number of blocks before those of copies."""
-        self.n_copy = 0
-        """Number of places that copies have."""
+        self.copy_start = np.array([self.n_whole, self.n_whole])
+        """First block of copies, and the end of those in use, shape (2,)."""
+        self._n_copy = 0
 
     def cut(self, state: State, row: int, new: int) -> None:
         """Give the two parts of a row that has just been cut their places, and fill them.
@@ -72,6 +73,16 @@ class Places:
         self._place(state, new, before)
         for copy in (row, new):
             self._fill(state, copy)
+
+    @property
+    def has_copies(self) -> bool:
+        """Whether a quad has been cut."""
+        return self._n_copy > 0
+
+    def _count_copies(self, n: int) -> None:
+        """Take the number of places that copies have."""
+        self._n_copy = n
+        self.copy_start[1] = self.n_whole + -(-n // self.blocks.width)
 
     def mass_of(self, state: State, row: int) -> Floats:
         """Return the corners' shares in the mass of a copy [t], shape (4,)."""
@@ -95,7 +106,7 @@ class Places:
             empty_place(int(self.blocks.slot[quad]), self.blocks, self.tables, self.points)
         self._grow(state.strain.shape[0] - self.blocks.quad.shape[0])
         self.blocks = replace(self.blocks, slot=slot.copy())
-        self.n_copy = rows.size
+        self._count_copies(rows.size)
         for row in rows[np.argsort(slot[rows])].tolist():
             b, lane = divmod(int(slot[row]), self.blocks.width)
             self.blocks.quad[b, lane:] = row
@@ -131,8 +142,8 @@ class Places:
     def _place(self, state: State, row: int, before: int) -> None:
         """Give a copy the next place; its strains and history are those of the place before."""
         width = self.blocks.width
-        slot = self.n_whole * width + self.n_copy
-        self.n_copy += 1
+        slot = self.n_whole * width + self._n_copy
+        self._count_copies(self._n_copy + 1)
         if slot >= self.blocks.quad.size:
             n = max(MORE_BLOCKS, (self.blocks.quad.shape[0] - self.n_whole) // 2)
             self._grow(n)

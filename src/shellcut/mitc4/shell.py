@@ -205,13 +205,14 @@ class MITC4Shell:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
         threads, damping = self._workers.count, self._damping(state)
         damped, rho = damping.damped, damping.rho
-        sums = np.zeros((self.blocks.n_strip, 3))
+        n_strip, copies = self.blocks.n_strip, self._places.has_copies
+        sums = np.zeros((n_strip + copies, 3))
         rows = state.node.force_rows
         quads = self._present.held(state)
         step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
-        for parity in range(min(2, len(sums))):
+        for parity in range(min(2, n_strip)):
 
             def part(thread: int, parity: int = parity) -> None:
                 for add, start in self._kernels:
@@ -219,13 +220,9 @@ class MITC4Shell:
                     add(first, stride, start, quads, step, rows, sums, self._lane)
 
             self._workers.run(part)
-        places = self._places
-        if places.n_copy:
-            used = -(-places.n_copy // self.blocks.width)
-            start = np.array([places.n_whole, places.n_whole + used])
-            of_copies = np.zeros((1, 3))
-            self._add_copies(0, 1, start, quads, step, rows, of_copies, self._lane)
-            sums = np.concatenate([sums, of_copies])
+        if copies:  # they are the last strip
+            start = self._places.copy_start
+            self._add_copies(0, 1, start, quads, step, rows, sums[n_strip:], self._lane)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
         p0, p1, p2 = in_order(sums)
