@@ -24,10 +24,10 @@ def slanted_strip(slope=0.15):
 def cut_strip(*, material=None, mesh=None, notched=True, **options):
     """Return the strip with a notch through its quads and a blade before it."""
     options.setdefault("fracture", Fracture(path="free", check_every=5))
+    options.setdefault("supports", [Support.clamped("bottom"), Support.clamped("top")])
     simulation = Simulation(
         mesh or slanted_strip(),
         material or ShellMaterial.homogeneous(),
-        supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=straight_blade(half_thickness=0.1, length=6.0, height=2.0).translated((-0.1, 0, 0)),
         motion=StraightMotion((1, 0, 0), 2e4, ramp=5e-6),
         law=CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3),

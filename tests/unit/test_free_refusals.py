@@ -15,16 +15,13 @@ def test_fracture_names_every_option_that_does_not_go():
         sc.Fracture(path="quads")
 
 
-def test_simulation_names_supports_and_loads():
+def test_simulation_refuses_anisotropy_under_a_tool():
     sim = cutting()
-    moving = sc.Support("top", translation="xyz", rotation="", velocity={"y": lambda time: 1.0})
     film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=0.5)
-    with pytest.raises(ValueError, match=r"supports that rest.*no blade drives.*a pressure"):
+    with pytest.raises(ValueError, match=r"cracks that no blade drives, got a tool"):
         sc.Simulation(
             sim.mesh,
             sim.material,
-            supports=[moving],
-            loads=[sc.Pressure(0.1)],
             tool=sim.tool,
             motion=sim.motion,
             law=sc.CohesiveLaw(),

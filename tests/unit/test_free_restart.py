@@ -18,11 +18,23 @@ LAYERED = ShellMaterial(
     [Layer(Elastic(2000.0, 0.3, 1.1e-9), 0.03), Layer(Elastic(900.0, 0.4, 0.9e-9), 0.05)],
     points_per_layer=2,
 )
+LOADS = [
+    sc.Pressure(0.002, following=True, factor=lambda time: min(time / 1e-4, 1.0)),
+    sc.Pressure(0.001),
+    sc.EdgeTraction("right", (0.01, 0.0, 0.0)),
+    sc.Gravity((0.0, 0.0, -9810.0)),
+]
+PULLED = [
+    sc.Support("bottom"),
+    sc.Support("top", velocity={"y": lambda time: 300.0 * min(time / 1e-4, 1.0)}),
+]
 RUNS = {
     "plain": {},
     "layers": {"material": LAYERED},
     "single": {"precision": "single"},
     "threads": {"threads": 2},
+    "loads": {"loads": LOADS},
+    "pulled": {"supports": PULLED},
 }
 
 

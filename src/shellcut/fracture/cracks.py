@@ -48,7 +48,7 @@ class Cracks:
         motion: Motion | None = None,
     ) -> None:
         self._check_every = fracture.check_every
-        self.cuts = Cuts(state, shell, law, fracture.anisotropy)
+        self.cuts = Cuts(state, shell, law, fracture.anisotropy, loads=loads)
         """Carries them out."""
         self.edges: EdgeCracks | None = None
         """Cracks along the sides of the mesh ..."""

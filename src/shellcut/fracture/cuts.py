@@ -13,13 +13,14 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
 from .cut_state import cut_row, nodes_at, renew_nodes, sides_of
 from .cut_topology import CutTopology
-from .quad_polygon import Point, corner_at, shape_functions
+from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
 from .segment import Segment
 from .segment_cables import SegmentCables
 
@@ -68,6 +69,8 @@ class Cuts:
         Of the cables.
     anisotropy : Anisotropy, optional
         Of the film.
+    loads : LoadSet, optional
+        Learns which part of a quad each copy holds.
     """
 
     def __init__(
@@ -76,9 +79,11 @@ class Cuts:
         shell: MITC4Shell,
         law: CohesiveLaw,
         anisotropy: Anisotropy | None = None,
+        *,
+        loads: LoadSet | None = None,
     ) -> None:
         n = state.node
-        self._shell = shell
+        self._shell, self._loads = shell, loads
         self._cables = SegmentCables(law, shell.material, anisotropy)
         self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
         """Which corners of quads and copies share a node."""
@@ -109,6 +114,7 @@ class Cuts:
             corners = [a, b]
         else:
             rows = [segment.row, cut_row(state, shell, topology, segment)]
+            self._share_loads(rows)
             chords = [(segment.entry, segment.exit)] * 2
             corners = shell.mesh_quads[segment.row].tolist()
             self._cables.follow(state, topology, *rows)
@@ -161,6 +167,14 @@ class Cuts:
         """Make the cables of segments that have come to be open at one of their ends."""
         self._cables.wake(state, self._shell.area)
 
+    def _share_loads(self, rows: list[int]) -> None:
+        """Tell the loads which part of their quad some rows hold."""
+        if self._loads is None:
+            return
+        for row in rows:
+            polygon = self.topology.polygon(row)
+            self._loads.cut.take(row, film_moments(polygon), spans(polygon))
+
     def saved(self) -> dict[str, Any]:
         """Return the topology and the sleeping cables."""
         return {"topology": self.topology.saved(), "cables": self._cables.saved()}
@@ -168,6 +182,7 @@ class Cuts:
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self.topology.restore(saved["topology"])
+        self._share_loads(self.topology.cut_rows())
         self._cables.restore(saved["cables"])
 
 

@@ -203,6 +203,31 @@ def shape_functions(point: Point) -> tuple[float, float, float, float]:
     )
 
 
+def film_moments(polygon: Polygon) -> Floats:
+    """Return ∫ N_a (1, xi, eta) over a polygon for the four shape functions, shape (4, 3).
+
+    By six points of each triangle of a fan, exact for these polynomials of degree three.
+    """
+    points = np.array(polygon.points)
+    a, b, c = points[0], points[1:-1], points[2:]
+    (u, by_u), (v, by_v) = (np.polynomial.legendre.leggauss(n) for n in (3, 2))
+    u, v = 0.5 * (u[:, None] + 1.0), 0.5 * (v + 1.0)
+    # From a the way u to the opposite side, there v from b to c; the density is 2 A u.
+    towards = (b - a)[:, None, None] + v[:, None] * (c - b)[:, None, None]
+    at = a + u[..., None] * towards
+    twice_area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    weights = 0.25 * twice_area[:, None, None] * (u * by_u[:, None] * by_v)
+    xi, eta = at[..., 0].ravel(), at[..., 1].ravel()
+    N = 0.25 * np.array([(1.0 + x * xi) * (1.0 + y * eta) for x, y in CORNERS])
+    one = weights.ravel()
+    return np.asarray(N @ np.stack([one, one * xi, one * eta], axis=1))
+
+
+def spans(polygon: Polygon) -> Floats:
+    """Return from where to where a polygon lies on each side, two zeros if nowhere, (4, 2)."""
+    return np.array([span(polygon, side) or (0.0, 0.0) for side in range(4)])
+
+
 def _integral(polygon: Polygon, J: tuple[float, float, float]) -> float:
     a = polygon.points[0]
     total = 0.0

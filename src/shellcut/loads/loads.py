@@ -1,7 +1,8 @@
 """Loads: gravity, pressure (dead or following), edge traction, nodal forces ([Frangi2010] 17).
 
 Dead loads are summed to the nodes once; when a node splits, the loads of both halves are recomputed
-from their own quads. A nodal force stays with the node that keeps the id.
+from their own quads (:mod:`.dead_loads`). Of a cut quad each copy has what acts on its own part of
+the film (:mod:`.cut_quads`). A nodal force stays with the node that keeps the id.
 """
 
 from __future__ import annotations
@@ -12,16 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, Number
+from shellcut.arrays import Floats, Ints, Number
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import always_inline, bound_once, kernel
 from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
-from shellcut.state import KnownTopology, State, columns
+from shellcut.state import State
 
-from .pressure import pressure_on_nodes, pressure_rows, scatter_rows
+from .cut_quads import CutQuads
+from .dead_loads import DeadLoad, DeadPressure, EdgeForces, Rule, Weight
+from .following_pressure import FollowingPressure
 from .supports import NodeChoice, choose_nodes
 
 Factor = Callable[[float], float]
@@ -132,14 +135,17 @@ class LoadSet:
         self._begun, self._added = (
             bound_once(k) for k in (_begin_with_dead_force, _add_dead_force)
         )
-        self._dead: list[_DeadLoad] = []
-        self._following: list[tuple[Bools, float, Factor]] = []
+        self.cut = CutQuads()
+        """Which part of its quad each copy holds; whoever cuts a quad writes it down here."""
+        self._dead: list[DeadLoad] = []
+        self._following: list[FollowingPressure] = []
+        rule: Rule
         self._nodal: list[tuple[Ints, Floats, Factor]] = []
         self._moment: list[tuple[Ints, Floats, Factor]] = []
         for one in loads:
             if isinstance(one, Gravity):
                 g = np.array(_vector("acceleration", one.acceleration))
-                self._dead.append(_DeadLoad(one.factor, _Weight(g)))
+                self._dead.append(DeadLoad(one.factor, Weight(g)))
             elif isinstance(one, NodalForce):
                 ids = choose_nodes(mesh, one.nodes)
                 self._nodal.append((ids, np.array(_vector("force", one.force)), one.factor))
@@ -151,14 +157,16 @@ class LoadSet:
                     raise ValueError(f"value of a pressure must be finite in MPa, got {one.value}")
                 quads = np.arange(mesh.n_quad) if one.quads is None else mesh.quad_set(one.quads)
                 if one.following:
-                    pressed = np.zeros(mesh.n_quad, np.bool_)
-                    pressed[quads] = True
-                    self._following.append((pressed, float(one.value), one.factor))
+                    push = FollowingPressure(
+                        mesh.n_quad, quads, float(one.value), one.factor, self.cut
+                    )
+                    self._following.append(push)
                 else:
-                    rule = _DeadPressure(mesh, quads, float(one.value))
-                    self._dead.append(_DeadLoad(one.factor, rule))
+                    rule = DeadPressure(mesh, quads, float(one.value), self.cut)
+                    self._dead.append(DeadLoad(one.factor, rule))
             else:
-                self._dead.append(_DeadLoad(one.factor, _CornerForces(*_edge_rows(mesh, one))))
+                rule = EdgeForces(*_loaded_sides(mesh, one), self.cut)
+                self._dead.append(DeadLoad(one.factor, rule))
 
     def begin_forces(self, state: State) -> float:
         """Set the nodal forces to the loads at t_n; return their work since t_{n-1} [N·mm]."""
@@ -176,11 +184,8 @@ class LoadSet:
             work += dt * float((n.velocity_half[ids] @ mean).sum())
         if self._following:
             pushed = np.zeros((n.count, 3))
-            for pressed, value, factor in self._following:
-                quads = np.flatnonzero(pressed)
-                rows = np.empty((quads.size, 4, 3))
-                pressure_rows(n.x, state.quads, quads, value * factor(now), rows)
-                scatter_rows(state.quads, quads, rows, pushed)
+            for push in self._following:
+                push.add_forces(state, push.at(now), pushed)
             step = dt * n.velocity_half[: n.count]
             work += 0.5 * float(((n.load_force[: n.count] + pushed) * step).sum())
             n.load_force[: n.count] = pushed
@@ -198,7 +203,7 @@ class LoadSet:
         self._workers.run(lambda thread: self._cleared(thread, stride, n.count, n.force_rows))
 
     def _dead_force(
-        self, add: Any, state: State, dead: _DeadLoad, now: float, before: float
+        self, add: Any, state: State, dead: DeadLoad, now: float, before: float
     ) -> float:
         n, stride = state.node, self._workers.count
         dead.follow(state)
@@ -234,107 +239,17 @@ class LoadSet:
             Added to.
         """
         for dead in self._dead:
-            if not isinstance(dead.rule, _Weight):
-                force += dead.factor(state.time) * dead.rule.through(state, quads, nodes)
-        for loaded, value, factor in self._following:
-            mine = np.flatnonzero(loaded[quads])
-            rows = np.empty((mine.size, 4, 3))
-            pressure = value * factor(state.time)
-            pressure_rows(state.node.x, state.quads, quads[mine], pressure, rows)
+            through = dead.rule.through(state, quads, nodes)
+            if through is not None:
+                force += dead.factor(state.time) * through
+        for push in self._following:
+            mine = np.flatnonzero(push.acts_on(state, quads))
+            rows = push.rows(state, quads[mine], push.at(state.time))
             force[mine] += rows[state.quads[quads[mine]] == nodes[mine, None]]
 
 
-class _Weight:
-    """Mass times an acceleration g : (3,)."""
-
-    def __init__(self, g: Floats) -> None:
-        self._g = g
-
-    def on(self, state: State, nodes: Ints) -> Floats:
-        return np.asarray(state.node.mass[nodes, None] * self._g)
-
-
-class _DeadPressure:
-    """Dead pressure on some quads: area and direction of the reference."""
-
-    def __init__(self, mesh: Mesh, quads: Ints, value: float) -> None:
-        self._mesh, self._value = mesh, value
-        self._pressed = np.zeros(mesh.n_quad, np.bool_)
-        self._pressed[quads] = True
-
-    def on(self, state: State, nodes: Ints) -> Floats:
-        force = np.zeros((nodes.size, 3))
-        n = state.node
-        pressure_on_nodes(
-            nodes,
-            n.quads,
-            n.n_quad_at,
-            state.quads,
-            self._pressed,
-            self._mesh.nodes,
-            self._mesh.quads,
-            self._value,
-            force,
-        )
-        return force
-
-    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
-        rows = np.zeros((quads.size, 4, 3))
-        mine = np.flatnonzero(self._pressed[quads])
-        some = np.empty((mine.size, 4, 3))
-        pressure_rows(self._mesh.nodes, self._mesh.quads, quads[mine], self._value, some)
-        rows[mine] = some
-        return np.asarray(rows[state.quads[quads] == nodes[:, None]])
-
-
-class _CornerForces:
-    """Forces given by rows : (n, 4, 3) at the corners of some quads."""
-
-    def __init__(self, quads: Ints, rows: Floats) -> None:
-        self._quads, self._rows = quads, rows
-
-    def on(self, state: State, nodes: Ints) -> Floats:
-        force = np.zeros((state.n_node, 3))
-        scatter_rows(state.quads, self._quads, self._rows, force)
-        return np.asarray(force[nodes])
-
-    def through(self, state: State, quads: Ints, nodes: Ints) -> Floats:
-        force = np.zeros((quads.size, 3))
-        for i in np.flatnonzero(np.isin(quads, self._quads)).tolist():
-            corner = state.quads[quads[i]] == nodes[i]
-            force[i] = self._rows[self._quads == quads[i]][:, corner].sum(axis=(0, 1))
-        return force
-
-
-class _DeadLoad:
-    """A nodal force that keeps its direction, scaled by a factor of time.
-
-    Each half of a split node takes the share of its own quads, recomputed for these two only.
-    """
-
-    def __init__(self, factor: Factor, rule: _Weight | _DeadPressure | _CornerForces) -> None:
-        self.factor, self.rule = factor, rule
-        self.force: Floats = np.zeros((0, 3))
-        """Force at a factor of one [N], shape (n_node, 3)."""
-        self._known = KnownTopology()
-
-    def follow(self, state: State) -> None:
-        """Process the splits since the last call."""
-        if self.force.shape[0] < state.n_node:
-            grown = columns(state.node.x.shape[0], 3)
-            if self.force.shape[0] == 0:
-                grown[: state.n_node] = self.rule.on(state, np.arange(state.n_node))
-                self._known.take(state)
-            else:
-                grown[: self.force.shape[0]] = self.force
-            self.force = grown
-        if not self._known.is_of(state):
-            nodes = np.unique(state.quads[self._known.changed_quads(state)])
-            self.force[nodes] = self.rule.on(state, nodes)
-            self._known.take(state)
-
-
-def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
+def _loaded_sides(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Ints, Floats]:
+    """Return quads and sides on which an edge traction acts, and the force on each [N], (n, 3)."""
     traction = np.array(_vector("traction", one.traction))
     chosen = np.zeros(mesh.n_node, np.bool_)
     chosen[choose_nodes(mesh, one.nodes)] = True
@@ -347,14 +262,10 @@ def _edge_rows(mesh: Mesh, one: EdgeTraction) -> tuple[Ints, Floats]:
             f"an edge traction needs boundary edges between its nodes, found none in {one.nodes!r}"
         )
     quads, side = np.nonzero(loaded)
-    rows = np.zeros((quads.size, 4, 3))
     length = np.linalg.norm(
         mesh.nodes[pair[quads, side, 1]] - mesh.nodes[pair[quads, side, 0]], axis=1
     )
-    half = 0.5 * length[:, None] * traction
-    rows[np.arange(quads.size), side] = half
-    rows[np.arange(quads.size), (side + 1) % 4] = half
-    return quads, rows
+    return quads, side, length[:, None] * traction
 
 
 @always_inline

@@ -1,4 +1,7 @@
-"""Pressure on quads: ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points, for each corner a."""
+"""Pressure on quads: ∫ p N_a a_1 x a_2 over 2 x 2 Gauss points, for each corner a.
+
+On a part of a quad (:mod:`.cut_quads`) the integral is exact by its moments.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.jit import always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, load, scale, store, sub
+from shellcut.numerics.vec3 import add, add_scaled, combine, cross, load, scale, store, sub
 
 _G = 1.0 / np.sqrt(3.0)
 
@@ -52,6 +55,28 @@ def pressure_rows(x: Floats, quads: Ints, which: Ints, pressure: float, rows: Fl
         corners = _pressure_on_corners(x, quads, which[i], pressure)
         for a in range(4):
             store(rows[i], a, corners[a])
+
+
+@kernel
+def pressure_on_parts(
+    x: Floats, quads: Ints, which: Ints, film: Floats, pressure: float, rows: Floats
+) -> None:
+    """Write the pressure on parts of the quads ``which`` into rows : (n, 4, 3).
+
+    film : (n, 4, 3), ∫ N_a (1, xi, eta) over each part.
+    """
+    for i in range(which.shape[0]):
+        e = which[i]
+        x0, x1 = load(x, quads[e, 0]), load(x, quads[e, 1])
+        x2, x3 = load(x, quads[e, 2]), load(x, quads[e, 3])
+        x10, x23, x30, x21 = sub(x1, x0), sub(x2, x3), sub(x3, x0), sub(x2, x1)
+        # a_1 = g_1 + h eta, a_2 = g_2 + h xi.
+        g1, g2 = combine(0.25, x10, 0.25, x23), combine(0.25, x30, 0.25, x21)
+        h = combine(0.25, x23, -0.25, x10)
+        c0, c1, c2 = cross(g1, g2), cross(g1, h), cross(h, g2)
+        for a in range(4):
+            force = combine(film[i, a, 0], c0, film[i, a, 1], c1)
+            store(rows[i], a, scale(pressure, add_scaled(force, film[i, a, 2], c2)))
 
 
 @kernel

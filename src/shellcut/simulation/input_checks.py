@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +11,6 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import Fracture
-from shellcut.loads.loads import EdgeTraction, Load, Pressure
-from shellcut.loads.supports import Support
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
@@ -40,26 +38,14 @@ def without_partner(
         yield "contact needs a tool to be in contact with: give tool and motion too"
 
 
-def not_with_free_path(
-    fracture: Fracture | None, tool: Tool | None, supports: Sequence[Support], loads: Sequence[Load]
-) -> Iterator[str]:
+def not_with_free_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
     """Yield what cracks through quads cannot do yet."""
     if fracture is None or fracture.path != "free":
         return
-    if tool is not None and any(support.velocity or support.spin for support in supports):
-        yield (
-            "Fracture.path = 'free' with a tool takes supports that rest, got one that moves: "
-            "leave out its velocity and spin, or take path='edges'"
-        )
     if tool is not None and fracture.anisotropy is not None:
         yield (
             "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
             "them"
-        )
-    if any(isinstance(load, Pressure | EdgeTraction) for load in loads):
-        yield (
-            "Fracture.path = 'free' takes gravity and loads on nodes, got a pressure or an edge "
-            "traction: a cut quad would not share it yet; take path='edges'"
         )
 
 

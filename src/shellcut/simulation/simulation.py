@@ -116,7 +116,7 @@ class Simulation:
         problems = [
             *negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
             *without_partner(tool, motion, law, contact, fracture),
-            *not_with_free_path(fracture, tool, supports, loads),
+            *not_with_free_path(fracture, tool),
         ]
         if problems:
             raise ValueError("; ".join(problems))
