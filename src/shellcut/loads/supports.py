@@ -32,7 +32,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
-from shellcut.state import State
+from shellcut.state import KnownTopology, State
 
 _AXES = "xyz"
 
@@ -160,7 +160,9 @@ class SupportSet:
     """
 
     def __init__(self, mesh: Mesh, supports: Sequence[Support]) -> None:
-        self._directors = mesh.directors
+        self._directors, self._quads = mesh.directors, mesh.quads
+        self._known = KnownTopology()
+        self._now: list[Ints] = []
         self._moving: list[tuple[Ints, int, Rate]] = []
         self.nodes = [choose_nodes(mesh, s.nodes) for s in supports]
         self._supports = tuple(supports)
@@ -207,9 +209,28 @@ class SupportSet:
 
     def prescribe(self, state: State, time_half: float) -> None:
         """Write the prescribed velocities at t_{n+1/2}."""
-        for ids, c, rate in self._moving:
+        if not self._moving:
+            return
+        if not self._known.is_of(state):
+            self._now = [self._held_copies(state, ids) for ids, _, _ in self._moving]
+            self._known.take(state)
+        for (_, c, rate), ids in zip(self._moving, self._now, strict=True):
             state.node.support_rate[ids, c] = rate(time_half)
 
     def reaction(self, state: State, which: int) -> Floats:
         """Return the resultant reaction of one support [N], shape (3,)."""
-        return np.asarray(state.node.reaction[self.nodes[which], :3].sum(axis=0))
+        ids = self._held_copies(state, self.nodes[which])
+        return np.asarray(state.node.reaction[ids, :3].sum(axis=0))
+
+    def _held_copies(self, state: State, ids: Ints) -> Ints:
+        """Return some nodes of the mesh with the held ones that cuts have made of them.
+
+        A cut across a held edge gives both flanks nodes with film there, which the support holds as
+        before; virtual nodes it does not hold.
+        """
+        n_mesh, n, quad = len(self._directors), state.node, state.quad
+        copies = n_mesh + np.flatnonzero(n.supported[n_mesh : n.count])
+        rows = n.quads[copies, 0]
+        corner = np.argmax(quad.nodes[rows] == copies[:, None], axis=1)
+        of = self._quads[quad.parent[rows], corner]
+        return np.concatenate([ids, copies[np.isin(of, ids)]])
