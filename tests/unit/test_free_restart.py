@@ -34,6 +34,7 @@ RUNS = {
     "single": {"precision": "single"},
     "threads": {"threads": 2},
     "loads": {"loads": LOADS},
+    "gauss": {"fracture": Fracture(path="free", check_every=5, cable_places="gauss")},
     "pulled": {"supports": PULLED},
 }
 

@@ -48,7 +48,14 @@ class Cracks:
         motion: Motion | None = None,
     ) -> None:
         self._check_every = fracture.check_every
-        self.cuts = Cuts(state, shell, law, fracture.anisotropy, loads=loads)
+        self.cuts = Cuts(
+            state,
+            shell,
+            law,
+            fracture.anisotropy,
+            loads=loads,
+            at_gauss_points=fracture.cable_places == "gauss",
+        )
         """Carries them out."""
         self.edges: EdgeCracks | None = None
         """Cracks along the sides of the mesh ..."""

@@ -50,6 +50,7 @@ Measure: TypeAlias = Literal["force", "stress"]
 StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
 Candidates: TypeAlias = Literal["tips", "all"]
 Path: TypeAlias = Literal["edges", "free"]
+CablePlaces: TypeAlias = Literal["ends", "gauss"]
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,9 @@ class Fracture:
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
+    cable_places : {"ends", "gauss"}
+        Where the two cables across a segment of a crack through the quads are: at its ends, or at
+        its two Gauss points, where the force of a cut ripples less.
 
     Examples
     --------
@@ -95,6 +99,7 @@ class Fracture:
     equilibrium_start: bool = False
     path: Path = "edges"
     anisotropy: Anisotropy | None = None
+    cable_places: CablePlaces = "ends"
 
     def __post_init__(self) -> None:
         problems = []
@@ -102,6 +107,7 @@ class Fracture:
             ("criterion", Measure),
             ("candidates", Candidates),
             ("stress_place", StressPlace),
+            ("cable_places", CablePlaces),
         ):
             if getattr(self, name) not in (allowed := get_args(choices)):
                 problems.append(f"{name} must be one of {allowed}, got {getattr(self, name)!r}")
@@ -115,6 +121,8 @@ class Fracture:
             problems.append(f"path must be one of {allowed}, got {self.path!r}")
         elif self.path == "edges" and self.anisotropy is not None:
             problems.append("anisotropy is of cracks through the quads only: take path='free'")
+        elif self.path == "edges" and self.cable_places != "ends":
+            problems.append("cable_places is of cracks through the quads only: take path='free'")
         elif self.path == "free":
             problems += [
                 f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"

@@ -71,6 +71,8 @@ class Cuts:
         Of the film.
     loads : LoadSet, optional
         Learns which part of a quad each copy holds.
+    at_gauss_points : bool
+        Where the cables of segments are, else at their ends.
     """
 
     def __init__(
@@ -81,10 +83,13 @@ class Cuts:
         anisotropy: Anisotropy | None = None,
         *,
         loads: LoadSet | None = None,
+        at_gauss_points: bool = False,
     ) -> None:
         n = state.node
         self._shell, self._loads = shell, loads
-        self._cables = SegmentCables(law, shell.material, anisotropy)
+        self._cables = SegmentCables(
+            law, shell.material, anisotropy, at_gauss_points=at_gauss_points
+        )
         self.topology = CutTopology(shell.mesh_quads.copy(), n.quads, n.n_quad_at)
         """Which corners of quads and copies share a node."""
 

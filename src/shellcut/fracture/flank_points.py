@@ -108,7 +108,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     return node
 
 
-def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
+def tie(state: State, changed: Ints, areas: Floats, density: float, untouched: Ints) -> None:
     """Tie all flank points to the nodes that their copies have now.
 
     Of several at one place contact sees the first, and its film is that of the first two: which
@@ -128,6 +128,8 @@ def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
         Of whole quads [mm²].
     density : float
         rho h [t/mm²].
+    untouched : ndarray of int
+        Those, by their ids among the nodes, that contact does not see.
     """
     f, n = state.flank, state.node
     row, node = f.row[: f.count], f.node[: f.count]
@@ -137,7 +139,11 @@ def tie(state: State, changed: Ints, areas: Floats, density: float) -> None:
     near = np.isin(f.nodes[: f.count], state.quads[changed]).any(axis=1)
     anew = near | ~sliver
     n.quads[node[anew], 0], n.n_quad_at[node[anew]] = row[anew], 1
-    n.real[node], (first, other) = _seen_by_contact(f.nodes[: f.count], f.weight[: f.count])
+    touched = np.flatnonzero(~np.isin(node, untouched))
+    seen, (first, other) = _seen_by_contact(f.nodes[touched], f.weight[touched])
+    n.real[node] = False
+    n.real[node[touched]] = seen
+    first, other = touched[first], touched[other]
     first, other = first[anew[first]], other[anew[first]]
     n.quads[node[first], 1], n.n_quad_at[node[first]] = row[other], 2
     for k in np.flatnonzero(sliver & near).tolist():

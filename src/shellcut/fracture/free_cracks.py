@@ -84,8 +84,9 @@ class FreeCracks:
         ]
         self._shell = shell
         topology, film = self._cuts.topology, fracture.anisotropy
+        gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
-        self._trial = TrialCut(topology, shell, loads, law.strength, film)
+        self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
         self._direction = FreeDirection(shell, self._path, law, film)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None

@@ -1,10 +1,15 @@
 """The cables across the segments of a crack through quads: one for either half of each.
 
-Across a segment of length L the film is held by two cables of the area h L/2, at its two ends. An
-end of a cable is a node where the crack runs through a corner, else a flank point
-(:mod:`shellcut.fracture.flank_points`). As long as the crack is closed there, both its ends are at
-the same nodes: the cable *sleeps*, and is made when they part. Its m is the normal to the segment
-in the sheet at that moment.
+Across a segment of length L the film is held by two cables of the area h L/2, at its two ends, or
+at its two Gauss points, (1 ± 1/√3)/2 of the way along it. An end of a cable is a node where the
+crack runs through a corner, else a flank point (:mod:`shellcut.fracture.flank_points`). As long as
+the crack is closed there, both its ends are at the same nodes: the cable *sleeps*, and is made when
+they part. Its m is the normal to the segment in the sheet at that moment.
+
+Cables at Gauss points sum up the work of an opening that is linear along the segment exactly to the
+third power, those at the ends to the first. They are made as soon as their segment is cut, and take
+up force along all of it while it opens. The blade touches the flanks at the ends of segments as
+before: there are then flank points without a cable, and those of the cables touch nothing.
 
 When a copy is cut again, the end of a cable goes with the part that holds the film a little further
 along its segment; the place itself may lie on the new cut.
@@ -33,6 +38,12 @@ from .quad_polygon import Point, corner_at, holds, shape_functions
 # Of the segment: where a flank point belongs when its copy is cut again.
 _INWARD = 0.15
 
+GAUSS = 0.5 * (1.0 - 3.0**-0.5)
+"""Of the segment, where its two Gauss points are from its ends."""
+
+# The film around a Gauss point is where it is; a hair further shows the way of the segment.
+_HAIR = 1e-3
+
 
 @dataclass
 class _Sleeping:
@@ -52,7 +63,7 @@ class _Sleeping:
     way: float
     """1 if that lies in the way of the crack, -1 against it."""
     length: float
-    """That it holds [mm]."""
+    """That it holds [mm]; zero of a pair of flank points that only touch the blade."""
 
     N_NUMBER: ClassVar[int] = 14
 
@@ -74,12 +85,20 @@ class SegmentCables:
         Of the film.
     anisotropy : Anisotropy, optional
         Of the film; a cable's area is that of the film it holds times f.
+    at_gauss_points : bool
+        Where the cables are, else at the ends of segments.
     """
 
     def __init__(
-        self, law: CohesiveLaw, material: ShellMaterial, anisotropy: Anisotropy | None = None
+        self,
+        law: CohesiveLaw,
+        material: ShellMaterial,
+        anisotropy: Anisotropy | None = None,
+        *,
+        at_gauss_points: bool = False,
     ) -> None:
         self._law, self._material, self._anisotropy = law, material, anisotropy
+        self._at_gauss_points = at_gauss_points
         self._sleeping: list[_Sleeping] = []
         self._known = KnownTopology()
 
@@ -105,19 +124,38 @@ class SegmentCables:
         """
         for end in ends:
             minus, plus = (chord[::-1] if end else chord for chord in chords)
-            self._sleeping.append(
-                _Sleeping(
-                    rows[0],
-                    rows[1],
-                    minus[0],
-                    plus[0],
-                    _between(*minus),
-                    _between(*plus),
-                    minus[1],
-                    -1.0 if end else 1.0,
-                    0.5 * length,
-                )
+            way = -1.0 if end else 1.0
+            if not self._at_gauss_points:
+                self._put(rows, minus, plus, 0.0, way, 0.5 * length)
+                continue
+            self._put(rows, minus, plus, GAUSS, way, 0.5 * length)
+            if corner_at(minus[0]) < 0 or corner_at(plus[0]) < 0:
+                self._put(rows, minus, plus, 0.0, way, 0.0)
+
+    def _put(
+        self,
+        rows: list[int],
+        minus: tuple[Point, Point],
+        plus: tuple[Point, Point],
+        at: float,
+        way: float,
+        length: float,
+    ) -> None:
+        """Lay a cable at a part ``at`` of the chord in either row."""
+        inward = at + _HAIR if at else _INWARD
+        self._sleeping.append(
+            _Sleeping(
+                rows[0],
+                rows[1],
+                _between(*minus, at),
+                _between(*plus, at),
+                _between(*minus, inward),
+                _between(*plus, inward),
+                minus[1],
+                way,
+                length,
             )
+        )
 
     def follow(self, state: State, topology: CutTopology, row: int, new: int) -> None:
         """Give the ends of cables on a row that has been cut to the part that they belong to."""
@@ -153,7 +191,9 @@ class SegmentCables:
         at_corner = c.row[: c.count] >= 0
         row, corner = c.row[: c.count][at_corner], c.corner[: c.count][at_corner]
         c.ends[: c.count][at_corner] = state.quads[row, corner]
-        tie(state, self._known.changed_quads(state), areas, self._material.area_density)
+        untouched = c.ends[: c.count][~at_corner] if self._at_gauss_points else c.ends[:0]
+        changed, density = self._known.changed_quads(state), self._material.area_density
+        tie(state, changed, areas, density, untouched.ravel())
         self._known.take(state)
 
     def _make(self, state: State, one: _Sleeping) -> None:
@@ -161,6 +201,11 @@ class SegmentCables:
             (one.row_minus, one.place_minus, one.inward_minus),
             (one.row_plus, one.place_plus, one.inward_plus),
         ]
+        if one.length == 0.0:
+            for row, place, inward in ends:
+                if corner_at(place) < 0:
+                    add_flank_point(state, row, place, inward)
+            return
         k = state.cable.append_blank()
         c = state.cable
         for end, (row, place, inward) in enumerate(ends):
@@ -204,8 +249,7 @@ class SegmentCables:
         self._known = KnownTopology()
 
 
-def _between(start: Point, end: Point) -> Point:
-    return (
-        start[0] + _INWARD * (end[0] - start[0]),
-        start[1] + _INWARD * (end[1] - start[1]),
-    )
+def _between(start: Point, end: Point, at: float) -> Point:
+    if at == 0.0:
+        return start
+    return start[0] + at * (end[0] - start[0]), start[1] + at * (end[1] - start[1])

@@ -158,7 +158,7 @@ class TipWatch:
             key = i, way.tobytes()
             if key not in self._pairs:
                 self._pairs[key] = self._trial_cut.pairs(state, segment)
-            trials.append(Trial(i, self._tips[i].length, self._pairs[key]))
+            trials.append(Trial(i, self._trial_cut.behind(self._tips[i]), self._pairs[key]))
         return trials
 
     def segment(self, i: int) -> Segment | None:

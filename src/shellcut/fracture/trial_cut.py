@@ -81,6 +81,9 @@ class TrialCut:
         sigma_F [MPa].
     anisotropy : Anisotropy, optional
         Of the film.
+    held_behind : bool
+        Whether the segment behind a tip has all its cables already, at its Gauss points: L_in is
+        0 then, for the new cables only hold what is ahead.
     """
 
     def __init__(
@@ -90,9 +93,11 @@ class TrialCut:
         loads: LoadSet,
         strength: float,
         anisotropy: Anisotropy | None = None,
+        *,
+        held_behind: bool = False,
     ) -> None:
         self._topology, self._shell, self._loads = topology, shell, loads
-        self._anisotropy = anisotropy
+        self._anisotropy, self._held_behind = anisotropy, held_behind
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
@@ -102,7 +107,11 @@ class TrialCut:
         if force is None:
             return -np.inf
         m, length = _across(state, segment)
-        return float(force @ m) / (self.carried * 0.5 * (tip.length + length))
+        return float(force @ m) / (self.carried * 0.5 * (self.behind(tip) + length))
+
+    def behind(self, tip: Tip) -> float:
+        """Return L_in, of the segment behind a tip that has a cable to come [mm]."""
+        return 0.0 if self._held_behind else tip.length
 
     def measure_of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
         """Return |F_c| over what the cables would carry, 0 under pressure; a tear is due at 1."""
@@ -112,7 +121,7 @@ class TrialCut:
         m, length = _across(state, segment)
         pull = float(np.linalg.norm(force)) if force @ m >= 0.0 else 0.0
         before, after = self._factors(state, tip, segment)
-        return pull / (self.carried * 0.5 * (before * tip.length + after * length))
+        return pull / (self.carried * 0.5 * (before * self.behind(tip) + after * length))
 
     def _factors(self, state: State, tip: Tip, segment: Segment) -> tuple[float, float]:
         """Return the factors on the strength before and behind a tip, of the way there and on."""

@@ -7,7 +7,14 @@ from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw, Unloading
 from shellcut.contact.settings import Contact
-from shellcut.fracture.criterion import Candidates, Fracture, Measure, Path, StressPlace
+from shellcut.fracture.criterion import (
+    CablePlaces,
+    Candidates,
+    Fracture,
+    Measure,
+    Path,
+    StressPlace,
+)
 from shellcut.loads.loads import (
     EdgeTraction,
     Gravity,
@@ -103,6 +110,10 @@ class FractureSection(Section):
     path: str = key(
         choice(*get_args(Path)),
         "of cracks: along edges of the mesh, or free through its quads",
+    )
+    cable_places: str = key(
+        choice(*get_args(CablePlaces)),
+        "cables across a segment of a crack through quads, at its ends or its Gauss points",
     )
 
 
