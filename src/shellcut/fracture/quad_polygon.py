@@ -39,6 +39,9 @@ UNUSED = 1e-9
 _SAME = 1e-9
 
 
+# Gauss points and weights of the two ways through a triangle.
+_LINE_POINTS = [np.polynomial.legendre.leggauss(n) for n in (3, 2)]
+
 # Of the parametric square: a quarter of an edge, clear of the mid-plane of a blade in the cut.
 _CLEAR = 0.5
 
@@ -210,7 +213,7 @@ def film_moments(polygon: Polygon) -> Floats:
     """
     points = np.array(polygon.points)
     a, b, c = points[0], points[1:-1], points[2:]
-    (u, by_u), (v, by_v) = (np.polynomial.legendre.leggauss(n) for n in (3, 2))
+    (u, by_u), (v, by_v) = _LINE_POINTS
     u, v = 0.5 * (u[:, None] + 1.0), 0.5 * (v + 1.0)
     # From a the way u to the opposite side, there v from b to c; the density is 2 A u.
     towards = (b - a)[:, None, None] + v[:, None] * (c - b)[:, None, None]
