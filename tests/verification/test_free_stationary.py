@@ -15,8 +15,8 @@ import pytest
 import scipy
 
 import shellcut as sc
-from shellcut.fracture.crack_path import Segment
 from shellcut.fracture.quad_polygon import CORNERS, on_side
+from shellcut.fracture.segment import Segment
 from shellcut.fracture.tip_force import TipForce
 from shellcut.mesh.structured import rectangle
 from shellcut.state import NOTCH
