@@ -33,8 +33,10 @@ def led(path, heading, seed, *, enters):
     if enters:
         before, early = [places[0] - 1.2 * ahead], np.array([1.2]) / SPEED
     else:
-        before = places[0] + np.array([[0.0, 0.0, z * ABOVE] for z in (1.0, 0.5, 0.0)])
-        early = np.array([2.0, 1.2, 0.4]) * ABOVE / SPEED
+        # Many rows: between them the motion is smooth, and would swing beside the start.
+        left = np.linspace(2.0, 0.05, 20)
+        before = places[0] + np.outer(np.clip(left - 0.4, 0.0, None) * ABOVE / 1.6, [0.0, 0.0, 1.0])
+        early = left * ABOVE / SPEED
     motion = sc.TableMotion(
         np.append(early[0] - early, early[0] + time),
         np.vstack([before, places]),
