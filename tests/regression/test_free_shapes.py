@@ -136,11 +136,10 @@ def hanging_together(state, first):
     return np.flatnonzero(np.isin(state.quads[:, 0], list(nodes)))
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_closed_loop_frees_its_piece(seed):
+def test_a_closed_loop_frees_its_piece():
     radius, angle = 2.6, np.linspace(0.0, 2.2 * np.pi, 160)
     circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    sim = led(circle, angle + 0.5 * np.pi, seed, enters=False)
+    sim = led(circle, angle + 0.5 * np.pi, 1, enters=False)
     s, topology = sim.state, sim.cracks.cuts.topology
     centres = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     rows = hanging_together(s, int(np.argmin(np.linalg.norm(centres, axis=1))))

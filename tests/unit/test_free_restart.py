@@ -26,16 +26,18 @@ LOADS = [
 ]
 PULLED = [
     sc.Support("bottom"),
-    sc.Support("top", velocity={"y": lambda time: 300.0 * min(time / 1e-4, 1.0)}),
+    sc.Support("top", velocity={"y": lambda time: 30.0 * min(time / 1e-4, 1.0)}),
 ]
 RUNS = {
     "plain": {},
     "layers": {"material": LAYERED},
     "single": {"precision": "single"},
     "threads": {"threads": 2},
-    "loads": {"loads": LOADS},
-    "gauss": {"fracture": Fracture(path="free", check_every=5, cable_places="gauss")},
-    "pulled": {"supports": PULLED},
+    "loaded and pulled, cables at Gauss points": {
+        "loads": LOADS,
+        "supports": PULLED,
+        "fracture": Fracture(path="free", check_every=5, cable_places="gauss"),
+    },
 }
 
 
