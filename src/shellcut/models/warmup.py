@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from shellcut.fracture.criterion import Fracture, Measure
+from shellcut.fracture.criterion import Fracture, Measure, Path
 from shellcut.imprinting import PathCurve, imprint
 from shellcut.mesh.structured import rectangle
 from shellcut.view._raster import Canvas
@@ -20,35 +20,44 @@ from .guillotine import guillotine
 
 
 def warmup(
-    criteria: Sequence[Measure] = ("force", "stress"), precisions: Sequence[str] = ("double",)
+    criteria: Sequence[Measure] = ("force", "stress"),
+    precisions: Sequence[str] = ("double",),
+    paths: Sequence[Path] = ("edges", "free"),
 ) -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, splits, imprint.
+    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts, imprint.
 
     Also compile the kernels for pictures of the film.
 
     Parameters
     ----------
     criteria : sequence of str
-        Criteria of :class:`Fracture` to compile for.
+        Criteria of :class:`Fracture` to compile for, of cracks along edges.
     precisions : sequence of str
         Precisions of :class:`Simulation` to compile for.
+    paths : sequence of str
+        Paths of :class:`Fracture` to compile for.
 
     Examples
     --------
     >>> import shellcut
     >>> shellcut.warmup()  # doctest: +SKIP
     """
-    for criterion, precision in product(criteria, precisions):
-        case = guillotine(
-            1.0,
-            length=6.0,
-            width=4.0,
-            notch=1.0,
-            travel=1.5,
-            fracture=Fracture(criterion=criterion),
-            precision=precision,
-        )
-        case.simulation.run(case.duration)
+    along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
+    ways = {"edges": along_edges, "free": [Fracture(path="free")]}
+    between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
+    for path, precision in product(paths, precisions):
+        film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
+        for fracture in ways[path]:
+            case = guillotine(
+                1.0,
+                length=6.0,
+                width=4.0,
+                travel=1.5,
+                fracture=fracture,
+                precision=precision,
+                **film,
+            )
+            case.simulation.run(case.duration)
     imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))
     canvas = Canvas((1, 1))
     canvas.draw(np.zeros((0, 3, 3)), np.ones(3))
