@@ -104,18 +104,28 @@ def test_rows_that_are_cut_behind_a_tip_stay_behind_it():
     assert not {other for other, _ in free._path.rows_ahead(tip)} & set(cut.rows)
 
 
-def test_a_tip_that_another_crack_joins_is_none_any_more():
-    sim = cut_strip(mesh=aligned())
-    free, quads = sim.cracks.free, sim.mesh.quads
-    quad = 40
-    node = int(quads[quad, 2])
-    tips = [
-        Tip((node, node), 0.0, -1, FORWARD, 0.0),
-        Tip((-1, -1), 0.0, quad, FORWARD, 0.0, (1.0, 1.0)),
-        Tip((-1, -1), 0.0, quad, FORWARD, 0.0, (0.5, 1.0)),
-        Tip((0, 1), 0.5, -1, FORWARD, 0.0),
-    ]
-    assert [free._path.node_of(tip) for tip in tips] == [node, node, -1, -1]
+def test_a_crack_that_passes_the_end_of_another_goes_on():
+    sim = cut_strip(mesh=aligned(), notched=False)
+    free, x = sim.cracks.free, start_of(sim)
+    sim.notch((x + 2.03, -2.0, 0.0), (x + 2.03, -0.3, 0.0))
+    (end,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    sim.notch((x - 1.0, end[1] + 0.06, 0.0), (x + 4.0, end[1] + 0.06, 0.0))
+    ends = np.array([free._path.reference_of(sim.state, tip) for tip in free.tips])
+    assert ends[:, 0].max() > x + 3.5
+
+
+def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
+    """The second crack comes from the other side to where the first waits on the far flank."""
+    sim = cut_strip(mesh=slanted_strip(), notched=False)
+    free, x = sim.cracks.free, start_of(sim)
+    sim.notch((x + 1.9, -2.0, 0.0), (x + 1.9, 1.0, 0.0))
+    free.tips.clear()
+    sim.notch((x - 1.0, 0.01, 0.0), (x + 1.89, 0.01, 0.0))
+    (waiting,) = free.tips
+    assert waiting.flank is not None
+    there = free._path.reference_of(sim.state, waiting)
+    sim.notch((x + 7.0, there[1], 0.0), (there[0] - 0.5, there[1], 0.0))
+    assert not free.tips
 
 
 @pytest.mark.parametrize("reach", [LOOK_AHEAD[0], -1.0])

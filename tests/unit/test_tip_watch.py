@@ -42,7 +42,7 @@ class Rules:
                 edge, motion = int(driven.edge_of[i]), self.sim.motion
                 off, then = self.drive.beyond(place.x, place.size, edge, motion, state.time)
                 ways, lean = self.drive.directions(edge, off, place, then)
-                segments = (self.path.segment_from(state, tip, way, lean) for way in ways)
+                segments = (self.path.segment_from(state, tip, way, lean, tips) for way in ways)
                 segment = next((one for one in segments if one is not None), None)
             if segment is not None:
                 measure = self.trial.measure(state, tip, segment)

@@ -4,7 +4,7 @@ A tip lies on a side of the mesh, at a node of it, or on the flank of an earlier
 has run into. From there a ray goes through the polygon of the row ahead. Where its segment ends
 ([METHOD2] 12, rule 8, each line the cure of a failure), in this order:
 
-1. where another crack ends, within ``JOIN`` edge lengths, measured across the ray;
+1. where a crack that comes towards it ends, within ``JOIN`` edge lengths, measured across the ray;
 2. on a crossing of another crack within ``MERGE``; if that crack leads there from the tip, there is
    nothing left to cut;
 3. at a corner within ``SNAP``, if it is not on the side where the segment begins; from a
@@ -16,8 +16,9 @@ Distances across the ray are those in the sheet: out of it, folds under a blade 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,9 +42,11 @@ from .tip import Tip
 from .tip_places import AWAY, TipPlaces
 
 JOIN = 0.3
-"""Places where another crack ends are met if nearer than this, in edge lengths across the ray: two
-cracks that come towards each other would run past each other with a strip between them that no mesh
-resolves."""
+"""Ends of cracks that come towards a tip are met if nearer than this, in edge lengths across the
+ray: the two would run past each other with a strip between them that no mesh resolves."""
+
+ONCOMING = -0.7
+"""Cosine of the headings of two cracks below which they come towards each other."""
 
 MERGE = 0.15
 """Crossings of another crack that are nearer than this are met."""
@@ -59,6 +62,15 @@ it."""
 GRAZE = 0.2
 """Of the way ahead: a ray that misses a corner at the end of the tip's own side by less, on the far
 side of it, runs along that side, and the segment passes the corner on the near side."""
+
+
+class End(NamedTuple):
+    """Where a crack ends at the boundary of a row."""
+
+    place: Point
+    edge: int
+    """Edge of the polygon on which it lies, or point at which it is."""
+    at_point: bool
 
 
 class CrackPath(TipPlaces):
@@ -94,22 +106,61 @@ class CrackPath(TipPlaces):
         return found
 
     def segment_from(
-        self, state: State, tip: Tip, direction: Floats, lean: Floats | None = None
+        self,
+        state: State,
+        tip: Tip,
+        direction: Floats,
+        lean: Floats | None = None,
+        others: Sequence[Tip] = (),
     ) -> Segment | None:
         """Return the segment from a tip in a direction in space, None if no row lies there.
 
-        lean : of the plane in which it lies, see :meth:`segment`.
+        lean : of the plane in which it lies, see :meth:`segment`.  others : tips that it may join.
         """
         ahead = self.rows_ahead(tip)
-        for find in (self._to_an_end, self.segment):
-            for row, entry in ahead:
-                if (found := find(state, row, entry, direction, lean)) is not None:
-                    return found
-        return None
+        for row, entry in ahead:
+            ends = self.oncoming(row, entry, tip, others)
+            joined = self._to_an_end(state, row, entry, direction, lean, ends) if ends else None
+            if joined is not None:
+                return joined
+        found = (self.segment(state, row, entry, direction, lean) for row, entry in ahead)
+        return next((one for one in found if one is not None), None)
 
-    def is_end(self, row: int, corner: int) -> bool:
-        """Return whether a crack ends at a corner of a row; corner : -1 for none."""
-        return corner >= 0 and self._topology.ends_at(self.ring(row)[corner])
+    def oncoming(self, row: int, entry: Point, tip: Tip, others: Sequence[Tip]) -> list[End]:
+        """Return where cracks that come towards a tip end at the boundary of a row ahead of it."""
+        polygon, found = self._topology.polygon(row), []
+        points = polygon.points
+        for other in others:
+            if other.heading @ tip.heading > ONCOMING or row in other.behind:
+                continue
+            place = self._place_at(row, other)
+            if place is None or common_side(polygon, entry, place) is not None:
+                continue
+            for i, point in enumerate(points):
+                if hypot(point[0] - place[0], point[1] - place[1]) < AWAY:
+                    found.append(End(point, i, at_point=True))
+                    break
+                if is_between(place, point, points[i + 1 - len(points)]):
+                    found.append(End(place, i, at_point=False))
+                    break
+        return found
+
+    def _place_at(self, row: int, tip: Tip) -> Point | None:
+        """Return where a tip lies in the quad of a row, None if it does not touch that."""
+        ring = self.ring(row)
+        if tip.flank is not None:
+            return tip.flank if self._topology.parent(row) == tip.quad else None
+        a, b = tip.ends
+        if a not in ring or b not in ring:
+            return None
+        if tip.at_node:
+            return CORNERS[ring.index(a)]
+        side = next((k for k in range(4) if {ring[k], ring[(k + 1) % 4]} == {a, b}), None)
+        if side is None:
+            return None
+        s = tip.s if ring[side] == a else 1.0 - tip.s
+        known = self._topology.crossings(ring[side], ring[(side + 1) % 4])
+        return on_side(side, next((one for one in known if abs(one - s) < AWAY), s))
 
     def may_break(self, row: int, start: int, end: int) -> bool:
         """Return whether a crack may run along a side: whole film on both sides of it."""
@@ -151,7 +202,7 @@ class CrackPath(TipPlaces):
         direction leads out of the polygon, unless it grazes the side on which it begins.
         """
         polygon = self._topology.polygon(row)
-        ray = self._ray(state, row, entry, direction, lean)
+        ray = self._ray(state, row, entry, polygon.points, direction, lean)
         if ray is None:
             return None
         off, ahead = ray
@@ -193,62 +244,54 @@ class CrackPath(TipPlaces):
         return None
 
     def _ray(
-        self, state: State, row: int, entry: Point, direction: Floats, lean: Floats | None
+        self,
+        state: State,
+        row: int,
+        entry: Point,
+        places: Sequence[Point],
+        direction: Floats,
+        lean: Floats | None,
     ) -> tuple[Floats, Floats] | None:
-        """Return where the points of a row's polygon lie from a ray, shape (n_point,) each [mm].
+        """Return where places in a row lie from a ray, shape (n_place,) each [mm].
 
         Beside the plane of the ray (:meth:`segment`), and along it from the entry; None if the
         direction is none in the sheet.
         """
         nodes, weights = state.quads[row], np.array(shape_functions(entry))
-        points = np.array([shape_functions(p) for p in self._topology.polygon(row).points])
         t = weights @ state.node.t[nodes]
         t = t / np.linalg.norm(t)
         normal = np.cross(t if lean is None else t - lean, direction)
         if (size := float(np.linalg.norm(normal))) < AWAY:
             return None
-        gaps = (points - weights) @ state.node.x[nodes]
+        gaps = (np.array([shape_functions(p) for p in places]) - weights) @ state.node.x[nodes]
         return gaps @ (normal / size), gaps @ direction
 
     def _to_an_end(
-        self, state: State, row: int, entry: Point, direction: Floats, lean: Floats | None
+        self,
+        state: State,
+        row: int,
+        entry: Point,
+        direction: Floats,
+        lean: Floats | None,
+        ends: Sequence[End],
     ) -> Segment | None:
-        """Return the segment through a row to where another crack ends near the ray, if one does.
+        """Return the segment through a row to the one of some ends that is nearest to the ray.
 
-        Of several ends the nearest to it.
+        None if there is none ahead within ``JOIN``.
         """
         polygon = self._topology.polygon(row)
-        ray = self._ray(state, row, entry, direction, lean)
+        ray = self._ray(state, row, entry, [end.place for end in ends], direction, lean)
         if ray is None:
             return None
         nearest, found = JOIN * self.size(row), None
-        for place, side, i, part in self._ends(row):
-            j = (i + 1) % len(polygon.points)
-            off, ahead = ((1.0 - part) * way[i] + part * way[j] for way in ray)
-            through = common_side(polygon, entry, place) is None
-            if through and abs(off) < nearest and ahead > 0.0:
+        for end, off, ahead in zip(ends, *ray, strict=True):
+            if abs(off) < nearest and ahead > 0.0:
+                side = polygon.sides[end.edge]
+                if side == FLANK and end.at_point:
+                    side = polygon.sides[end.edge - 1]
                 nearest = abs(off)
-                found = Segment(row, entry, place, side, corner_at(place))
+                found = Segment(row, entry, end.place, side, corner_at(end.place))
         return found
-
-    def _ends(self, row: int) -> Iterator[tuple[Point, int, int, float]]:
-        """Yield where other cracks end at a row.
-
-        The place, its side, the point of the polygon before it, and the part of the way from there
-        to the next point.
-        """
-        polygon, ring = self._topology.polygon(row), self.ring(row)
-        points = polygon.points
-        for i, (a, side) in enumerate(zip(points, polygon.sides, strict=True)):
-            if self.is_end(row, corner_at(a)):
-                yield a, polygon.sides[i - 1] if side == FLANK else side, i, 0.0
-            if side == FLANK:
-                continue
-            s_a, s_b = along_side(side, a), along_side(side, points[(i + 1) % len(points)])
-            for known in self._topology.crossings(ring[side], ring[(side + 1) % 4]):
-                part = (known - s_a) / (s_b - s_a)
-                if AWAY < part < 1.0 - AWAY:  # at an end of the span the crack has passed the row
-                    yield on_side(side, known), side, i, part
 
     def _past_a_corner(self, row: int, entry: Point, off: Floats, ahead: Floats) -> Segment | None:
         """Return the segment that passes a corner which a ray along a side just misses.
@@ -304,6 +347,13 @@ def _first_edge(
         if 0.0 < way < best:
             best, found = way, (i, along)
     return found
+
+
+def is_between(point: Point, a: Point, b: Point) -> bool:
+    """Return whether a point lies on the way from a to b."""
+    d = b[0] - a[0], b[1] - a[1]
+    part = (point[0] - a[0]) * d[0] + (point[1] - a[1]) * d[1]
+    return is_on(point, a, b) and 0.0 < part < d[0] ** 2 + d[1] ** 2
 
 
 def is_on(point: Point, a: Point, b: Point) -> bool:

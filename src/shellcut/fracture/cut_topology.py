@@ -29,7 +29,7 @@ import numpy as np
 
 from shellcut.arrays import Ints, SmallIds
 
-from .quad_polygon import FLANK, WHOLE, Point, Polygon, corner_at, divide, has_corner, span
+from .quad_polygon import WHOLE, Point, Polygon, divide, has_corner, span
 
 Corner = tuple[int, int]
 """Row of a copy and which of its corners."""
@@ -114,21 +114,6 @@ class CutTopology:
             if held is not None:
                 found |= {s if up else 1.0 - s for s in held}
         return sorted(s for s in found if _OVERLAP < s < 1.0 - _OVERLAP)
-
-    def ends_at(self, node: int) -> bool:
-        """Return whether a crack ends at a node of the mesh: it has come there, and is closed."""
-        came = any(self._is_at_flank(row, corner) for row, corner in self.corners_at(node))
-        return came and len(self.classes(node)) == 1
-
-    def _is_at_flank(self, row: int, corner: int) -> bool:
-        """Return whether a flank of a row, or a broken side, leads to one of its corners."""
-        ring = self._quads[self.parent(row)].tolist()
-        node, far = ring[corner], (ring[(corner + 1) % 4], ring[corner - 1])
-        if any(self.is_broken(other, node) for other in far):
-            return True
-        polygon = self.polygon(row)
-        at = next((k for k, p in enumerate(polygon.points) if corner_at(p) == corner), -1)
-        return at >= 0 and FLANK in (polygon.sides[at], polygon.sides[at - 1])
 
     def mend(self, row: int, new: int, polygon: Polygon) -> None:
         """Undo the last cut, which has made the row ``new`` of a polygon of ``row``."""

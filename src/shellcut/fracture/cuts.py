@@ -153,7 +153,7 @@ class Cuts:
             Its twin.
         """
         topology, shell, n = self.topology, self._shell, state.node
-        rows = []
+        rows, here = [], -1
         for side in sides:
             start, stop, beside, chords = sides_of(topology, shell, side)
             at_start = int(state.quads[side.row, corner_at(side.entry)]) == node

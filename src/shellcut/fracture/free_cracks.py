@@ -24,7 +24,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .crack_path import CrackPath, common_side
+from .crack_path import ONCOMING, CrackPath, common_side
 from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
@@ -41,8 +41,8 @@ _ON_SIDE = 1e-9
 """Of a segment's length: a notch that ends closer than this before a side or node ends there."""
 
 
-_OPPOSITE = -0.7
-"""Cosine of the headings of two cracks that meet at their ends, beyond which they are one."""
+_SAME_PLACE = 1e-6
+"""Of the local edge length: tips that are no farther from each other are at one place."""
 
 
 class FreeCracks:
@@ -119,7 +119,7 @@ class FreeCracks:
                 self.tips.remove(tip)
                 continue
             ways = self._direction.ways(state, tip)
-            found = (self._path.segment_from(state, tip, way) for way in ways)
+            found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None or state.node.support_rate[state.quads[segment.row]].any():
                 continue  # moving supports hold their film together
@@ -144,11 +144,11 @@ class FreeCracks:
             across = np.cross(at.t, way) if across is None else across
             # The trace of the plane in the sheet there, and how it leans from the director.
             trace, lean = np.cross(across, at.t), (at.t @ across) / (across @ across) * across
-            segment = self._path.segment_from(state, tip, trace, lean)
+            segment = self._path.segment_from(state, tip, trace, lean, self.tips)
             if segment is None:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)
-            tip = self._tip_after(state, segment, cut, 1)
+            tip = self._tip_after(state, segment, cut, 1, tip.heading)
             if tip is None:
                 return
             short = (end - self._path.reference_of(state, tip)) @ way
@@ -180,7 +180,7 @@ class FreeCracks:
             edge = int(driven.edge_of[i])
             off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time)
             ways, lean = drive.directions(edge, off, at, then)
-            found = (self._path.segment_from(state, tip, way, lean) for way in ways)
+            found = (self._path.segment_from(state, tip, way, lean, self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None:
                 continue
@@ -203,30 +203,37 @@ class FreeCracks:
         """Run a crack on along a segment."""
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
-        self._end_at(state, segment, cut, 1)
+        self._end_at(state, segment, cut, 1, tip.heading)
         self._cuts.wake(state)
 
-    def _end_at(self, state: State, segment: Segment, cut: Cut, end: int) -> None:
+    def _end_at(self, state: State, segment: Segment, cut: Cut, end: int, came: Floats) -> None:
         """Put a tip where the crack goes on from an end of what has been cut."""
-        tip = self._tip_after(state, segment, cut, end)
+        tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
             self.tips.append(tip)
 
-    def _tip_after(self, state: State, segment: Segment, cut: Cut, end: int) -> Tip | None:
+    def _tip_after(
+        self, state: State, segment: Segment, cut: Cut, end: int, came: Floats
+    ) -> Tip | None:
         """Return the tip at an end of what has been cut, None at a rim.
 
         Where the crack is open there it has come to a rim or to another crack, whose tip there is
-        one no more: it goes on from the other flank, unless that crack leads on as it would.
+        one no more: it goes on from the other flank, unless that crack has come towards it; the two
+        are one then.
 
-        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.
+        segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.  came : (3,),
+        heading before the cut.
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
             return self._path.tip_at(segment, heading, cut.length)
-        joined = [tip for tip in self.tips if self._path.ends_at(tip, segment)]
-        self.tips = [tip for tip in self.tips if not any(tip is one for one in joined)]
-        if any(tip.heading @ heading < _OPPOSITE for tip in joined):
-            return None  # two that came towards each other are one crack now
+        here = np.array(shape_functions(segment.exit)) @ state.node.X[state.quads[segment.row]]
+        near = _SAME_PLACE * self._path.size(segment.row)
+        gaps = [np.linalg.norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
+        joined = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
+        self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
+        if any(tip.heading @ came < ONCOMING for tip in joined):
+            return None
         way = cut.way(state, heading)
         return tip_across(state, self._cuts.topology, self._path, segment, heading, way)
 
@@ -248,8 +255,8 @@ class FreeCracks:
                 continue
             chord = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
             cut = self._cut(state, chord, "blade", 0.0)
-            self._end_at(state, back, cut, 0)
-            self._end_at(state, ahead, cut, 1)
+            self._end_at(state, back, cut, 0, -cut.heading)
+            self._end_at(state, ahead, cut, 1, cut.heading)
             self._cuts.wake(state)
 
     def _towards(

@@ -21,7 +21,7 @@ from shellcut.tool.cutting_edge import NORMAL
 from .blade_drive import LEAST, LOOK_AHEAD, TANGENT
 from .crack_path import ALONG, GRAZE, JOIN, MERGE, SNAP
 from .quad_polygon import FLANK
-from .rows_ahead import NO_SIDE, RowsAhead, Tips
+from .rows_ahead import AT_END_ON_FLANK, AT_END_POINT, NO_SIDE, RowsAhead, Tips
 from .tip_places import AWAY
 
 AT_POINT, ALONG_SIDE, AT_CROSSING, ON_SIDE, ON_FLANK = range(5)
@@ -176,32 +176,21 @@ def _to_an_end(
     x: Floats,
     aimed: Aimed,
 ) -> bool:
-    """Write the segment of tip i through row k to where another crack ends near the ray."""
-    n, nearest, found = ahead.n_point[k], JOIN * ahead.size[k], False
-    for j in range(n):
-        after = (j + 1) % n
-        a, b = ahead.point[k, j], ahead.point[k, after]
-        start = sub(_at(ahead, k, a[0], a[1], x), here)
-        stop = sub(_at(ahead, k, b[0], b[1], x), here)
-        off = abs(dot(start, normal))
-        is_end = ahead.is_end_point[k, j] and ahead.common[k, j] == NO_SIDE
-        if is_end and off < nearest and dot(start, way) > 0.0:
+    """Write the segment of tip i through row k to where an oncoming crack ends near the ray."""
+    nearest, found = JOIN * ahead.size[k], False
+    for c in range(ahead.first_end[k], ahead.first_end[k + 1]):
+        gap = sub(_at(ahead, k, ahead.end[c, 0], ahead.end[c, 1], x), here)
+        off = abs(dot(gap, normal))
+        if off < nearest and dot(gap, way) > 0.0:
             nearest, found = off, True
-            aimed.way[i, 1], aimed.way[i, 2], aimed.way[i, 3] = AT_POINT, j, 0
-            aimed.exit[i, 0], aimed.exit[i, 1] = a[0], a[1]
-        side = ahead.side[k, j]
-        for c in range(ahead.crossing[k, j, 0], ahead.crossing[k, j, 1]):
-            s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
-            s = (ahead.known[c] - s_a) / (s_b - s_a)
-            gap = combine(1.0 - s, start, s, stop)
-            off = abs(dot(gap, normal))
-            can = ahead.can_meet[c] and ahead.is_end[c]
-            if can and off < nearest and dot(gap, way) > 0.0:
-                nearest, found = off, True
-                aimed.way[i, 1], aimed.way[i, 2] = AT_CROSSING, j
-                aimed.way[i, 3] = c - ahead.crossing[k, j, 0]
-                for d in range(2):
-                    aimed.exit[i, d] = a[d] + s * (b[d] - a[d])
+            nth, kind = ahead.end_nth[c], AT_CROSSING
+            if nth == AT_END_POINT:
+                kind = AT_POINT
+            elif nth == AT_END_ON_FLANK:
+                kind = ON_FLANK
+            aimed.way[i, 1], aimed.way[i, 2] = kind, ahead.end_edge[c]
+            aimed.way[i, 3] = max(nth, 0)
+            aimed.exit[i, 0], aimed.exit[i, 1] = ahead.end[c, 0], ahead.end[c, 1]
     return found
 
 

@@ -27,6 +27,9 @@ from .quad_polygon import (
 from .tip import Tip
 from .tip_places import AWAY
 
+AT_END_POINT, AT_END_ON_FLANK = -1, -2
+"""Of ``end_nth``: the other crack ends at a point of the polygon, or on a flank."""
+
 NO_SIDE = -2
 """Of ``common``: two points of a polygon are on no common edge."""
 
@@ -68,8 +71,6 @@ class RowsAhead(NamedTuple):
     """Side of the quad of the edge from each point to the next, or FLANK."""
     corner: Annotated[Ints, "(n_ahead, most)"]
     """Corner of the quad at each point, -1 if none."""
-    is_end_point: Annotated[Bools, "(n_ahead, most)"]
-    """Whether another crack ends there."""
     common: Annotated[Ints, "(n_ahead, most)"]
     """On which side both entry and point are, -2 if on no common edge."""
     breaks: Annotated[Bools, "(n_ahead, most)"]
@@ -82,8 +83,14 @@ class RowsAhead(NamedTuple):
     """Crossings of other cracks, as fractions of the side, from the last to the first."""
     can_meet: Annotated[Bools, "(n_crossing,)"]
     """Whether a segment may end there."""
-    is_end: Annotated[Bools, "(n_crossing,)"]
-    """Whether the other crack has come from beyond the row and ends there."""
+    first_end: Annotated[Ints, "(n_ahead + 1,)"]
+    """First end of a crack that comes towards the tip of each row, and the end of them."""
+    end: Annotated[Floats, "(n_end, 2)"]
+    """Their places."""
+    end_edge: Annotated[Ints, "(n_end,)"]
+    """Edge of the polygon on which one lies, or point at which it is ..."""
+    end_nth: Annotated[Ints, "(n_end,)"]
+    """... and which crossing of that edge it is, -1 at a point, -2 on a flank."""
 
 
 def rows_ahead(
@@ -117,22 +124,36 @@ def rows_ahead(
         point=np.zeros((n, most, 2)),
         side=np.zeros((n, most), np.int64),
         corner=np.zeros((n, most), np.int64),
-        is_end_point=np.zeros((n, most), np.bool_),
         common=np.zeros((n, most), np.int64),
         breaks=np.zeros((n, most), np.bool_),
         on_edge=np.zeros((n, most), np.bool_),
         crossing=np.zeros((n, most, 2), np.int64),
         known=np.zeros(0),
         can_meet=np.zeros(0, np.bool_),
-        is_end=np.zeros(0, np.bool_),
+        first_end=np.zeros(n + 1, np.int64),
+        end=np.zeros((0, 2)),
+        end_edge=np.zeros(0, np.int64),
+        end_nth=np.zeros(0, np.int64),
     )
-    known: list[tuple[float, bool, bool]] = []
+    known: list[tuple[float, bool]] = []
+    ends: list[tuple[Point, int, int]] = []
+    of = np.repeat(np.arange(len(tips)), np.diff(table.start)).tolist()
     for k, (row, entry) in enumerate(every):
         _fill(found, k, topology, path, row, entry, known)
+        for place, edge, at_point in path.oncoming(row, entry, tips[of[k]], tips):
+            side, nth = int(found.side[k, edge]), AT_END_POINT if at_point else AT_END_ON_FLANK
+            if side != FLANK and not at_point:
+                s = along_side(side, place)
+                crossings = known[found.crossing[k, edge, 0] : found.crossing[k, edge, 1]]
+                nth = int(np.argmin([abs(one - s) for one, _ in crossings]))
+            ends.append((place, edge, nth))
+        found.first_end[k + 1] = len(ends)
     return table, found._replace(
-        known=np.array([s for s, _, _ in known]),
-        can_meet=np.array([can for _, can, _ in known], np.bool_),
-        is_end=np.array([end for _, _, end in known], np.bool_),
+        known=np.array([s for s, _ in known]),
+        can_meet=np.array([can for _, can in known], np.bool_),
+        end=np.array([place for place, _, _ in ends]).reshape(-1, 2),
+        end_edge=np.array([edge for _, edge, _ in ends], np.int64),
+        end_nth=np.array([nth for _, _, nth in ends], np.int64),
     )
 
 
@@ -148,7 +169,7 @@ def _fill(
     path: CrackPath,
     row: int,
     entry: Point,
-    known: list[tuple[float, bool, bool]],
+    known: list[tuple[float, bool]],
 ) -> None:
     """Write the polygon of row k of the table; append the crossings on it to ``known``."""
     polygon, ring, start = topology.polygon(row), path.ring(row), corner_at(entry)
@@ -159,7 +180,6 @@ def _fill(
         common = common_side(polygon, entry, points[j])
         table.point[k, j], table.side[k, j] = points[j], side
         table.corner[k, j] = corner_at(points[j])
-        table.is_end_point[k, j] = path.is_end(row, int(table.corner[k, j]))
         table.common[k, j] = NO_SIDE if common is None else common
         if common not in (None, FLANK) and start >= 0 and table.corner[k, j] not in (-1, start):
             table.breaks[k, j] = path.may_break(row, start, int(table.corner[k, j]))
@@ -171,7 +191,5 @@ def _fill(
             for s in reversed(topology.crossings(ring[side], ring[(side + 1) % 4])):
                 place = on_side(side, s)
                 can_meet = holds(polygon, place) and common_side(polygon, entry, place) is None
-                s_a, s_b = along_side(side, points[j]), along_side(side, after)
-                part = (s - s_a) / (s_b - s_a)
-                known.append((s, can_meet, AWAY < part < 1.0 - AWAY))
+                known.append((s, can_meet))
         table.crossing[k, j, 1] = len(known)

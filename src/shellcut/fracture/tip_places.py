@@ -11,7 +11,6 @@ from shellcut.state import State
 from .cut_topology import CutTopology
 from .quad_polygon import (
     CORNERS,
-    FLANK,
     Point,
     along_side,
     corner_at,
@@ -22,7 +21,6 @@ from .quad_polygon import (
     side_of,
     span,
 )
-from .segment import Segment
 from .tip import Place, Tip
 
 AWAY = 1e-6
@@ -71,23 +69,6 @@ class TipPlaces:
             if held is not None and held[0] < s - AWAY and held[1] > s + AWAY:
                 found.append((row, on_side(side, s)))
         return found
-
-    def node_of(self, tip: Tip) -> int:
-        """Return the node of the mesh at which a tip lies, -1 if at none."""
-        if tip.flank is None:
-            return tip.ends[0] if tip.at_node else -1
-        corner = corner_at(tip.flank)
-        return self.ring(tip.quad)[corner] if corner >= 0 else -1
-
-    def ends_at(self, tip: Tip, segment: Segment) -> bool:
-        """Return whether a tip lies where a segment has come to a corner or a side."""
-        ring = self.ring(segment.row)
-        if segment.corner >= 0:
-            return self.node_of(tip) == ring[segment.corner]
-        if segment.side == FLANK or tip.flank is not None:
-            return False
-        ends, s = segment.on_side_of(ring)
-        return tip.ends == ends and abs(tip.s - s) < AWAY
 
     def rows_at(self, quad: int, place: Point) -> list[tuple[int, Point]]:
         """Return the rows whose film touches a place on the boundary of a row, and where it is.

@@ -36,7 +36,7 @@ from shellcut.state import BROKEN, State
 from .anisotropy import Anisotropy
 from .cut_state import sides_of
 from .cut_topology import Corner, CutTopology
-from .quad_polygon import UNUSED, density, divide, shape_functions, share_of
+from .quad_polygon import UNUSED, Polygon, density, divide, holds, shape_functions, share_of
 from .segment import Segment
 from .tip import Tip
 
@@ -175,13 +175,18 @@ class TrialCut:
                 pairs.append(Pair(weights[c], sides))
         return pairs
 
+    def _parts(self, segment: Segment) -> dict[int, Polygon]:
+        """Return the parts of a row on the right and left of a segment, by the trial's rows."""
+        whole = self._topology.polygon(segment.row)
+        right, left = divide(whole, segment.entry, segment.exit)
+        return {segment.row: right, self._topology.n_row: left}
+
     def _shares(self, state: State, segment: Segment) -> tuple[float, float]:
         """Return which parts of the row lie to the right and left of a segment."""
         if segment.along_side:
             return 1.0, 1.0
-        whole = self._topology.polygon(segment.row)
         J = density(state.node.X[state.quads[segment.row]])
-        right, left = (share_of(p, J) for p in divide(whole, segment.entry, segment.exit))
+        right, left = (share_of(p, J) for p in self._parts(segment).values())
         return right / (right + left), left / (right + left)
 
     def _tried(
@@ -207,12 +212,23 @@ class TrialCut:
         parts = {} if segment.along_side else {segment.row: RIGHT, new: LEFT}
         rows = np.array([row if row < new else segment.row for row, _ in members])
         corner = np.array([corner for _, corner in members])
+        tried = {} if segment.along_side else self._parts(segment)
+        part = {row: tried[row] for row, _ in members if row in tried}
+
+        def holds_end(row: int, inward: Floats) -> bool:
+            """Return whether the side has an end: of the row that is tried it is one part."""
+            return row != segment.row or all(holds(p, tuple(inward)) for p in part.values())
+
         f, c = state.flank, state.cable
         at_corner = np.isin(c.row[: c.count] * 4 + c.corner[: c.count], rows * 4 + corner)
-        cables = [(k, end, 1.0) for k, end in np.argwhere(at_corner).tolist()]
+        cables = [
+            (k, end, 1.0)
+            for k, end in np.argwhere(at_corner).tolist()
+            if holds_end(c.row[k, end], c.inward[k, end])
+        ]
         for k in np.flatnonzero(np.isin(f.row[: f.count], rows)).tolist():
             weight = float(f.weight[k, corner[rows == f.row[k]][0]])
-            if weight > UNUSED:
+            if weight > UNUSED and holds_end(f.row[k], f.inward[k]):
                 for cable, end in np.argwhere(c.ends[: c.count] == f.node[k]).tolist():
                     cables.append((cable, end, weight))
         return Side(

@@ -65,9 +65,11 @@ class CrackEnds(NamedTuple):
         place, t = free.at_tips(sim.mesh.nodes), free.at_tips(sim.mesh.directors)
         size = np.sqrt(sim.shell.area)
         n_tip, flanks = len(place), f.node[: f.count]
-        halves = n.halved & n.real
-        halves[flanks] = False
-        nodes = np.union1d(rim, np.flatnonzero(halves[: sim.state.n_node]))
+        # Nodes through which a crack goes: both flanks have film there.
+        film = np.flatnonzero(n.real[: sim.state.n_node])
+        film = film[~np.isin(film, flanks)]
+        origin = n.origin[film]
+        nodes = np.union1d(rim, film[np.bincount(origin)[origin] > 1])
         return cls(
             place,
             t / np.linalg.norm(t, axis=1)[:, None],

@@ -38,7 +38,6 @@ class KnownTopology:
         """Return the quads that may have got other nodes since it was taken last, ascending."""
         if self.revision > state.revision or (self._state is not None and self._state is not state):
             return np.arange(len(state.quads))
-        # A split gives quads to its twin only; a later one may have passed them on to another twin.
         # A cut changes the nodes of the copies on both its sides, and of those that share them.
         node, new = state.node, self.new_splits(state)
         cut = np.array([row for s in new for row in s.rows if row >= 0], np.int64)
