@@ -50,6 +50,7 @@ PAGES = {
         "howto/model-file",
         "howto/own-tool",
         "howto/own-film",
+        "howto/tear",
         "howto/hand-built",
         "howto/resume",
         "howto/imprint",

@@ -9,6 +9,7 @@ from sphinx_gallery.scrapers import figure_rst
 QUICK = {
     "opening_test": ["--mesh", "quick", "--angle", "40", "--duration", "2.5e-3"],
     "guillotine": ["--size", "0.8", "--length", "14"],
+    "trouser": ["--size", "0.75", "--length", "15"],
     "own_tooth": [],
     "cut_quality": [],
     "compare_with_measured": [],

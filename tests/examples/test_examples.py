@@ -57,6 +57,14 @@ def test_guillotine(run_example, tmp_path):
     assert (tmp_path / "force.png").stat().st_size > 10_000
 
 
+def test_trouser(run_example, tmp_path):
+    run_example("trouser.py", tmp_path, "--size", "0.75", "--length", "15")
+    summary = figures(tmp_path / "summary.json")
+    # G h of both legs within 5 %: discretisation, a crack of eight edges; measured 2.35.
+    assert summary["force_plateau_N"] == pytest.approx(2.304, rel=0.05)
+    assert (tmp_path / "force.png").stat().st_size > 10_000
+
+
 def test_own_tooth(run_example, tmp_path):
     told = run_example("own_tooth.py", tmp_path)
     means = dict(re.findall(r"(four|six) teeth: (\d+) N\*mm", told))

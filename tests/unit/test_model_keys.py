@@ -44,7 +44,7 @@ GIVEN = {
     ("loads", "traction"): {"nodes": "rim", "traction": [0.0, 0.0, 1.0]},
     ("supports", ""): {"nodes": "rim"},
 }
-GIVEN_TO_THE_GUILLOTINE = {("motion", "straight"): {"speed": 100.0}}
+GIVEN_TO_STRIPS = {("motion", "straight"): {"speed": 100.0}}
 PLY = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
 # Other values where a tenth more, one more, or the other choice would not do.
 VARIED = {
@@ -180,8 +180,9 @@ def model_text(model, title, kind, values):
         texts["motion"] = {"kind": "screw", "angle_deg": 20.0, "duration": 1e-3}
     elif model == "opening":
         texts["membrane"] = {"mesh": "quick"}
-    if title == "loads" and model == "guillotine":
-        values = {**values, **({"nodes": "top"} if values.get("nodes") == "rim" else {})}
+    there = {"guillotine": "top", "trouser": "up"}.get(model)
+    if title == "loads" and there and values.get("nodes") == "rim":
+        values = {**values, "nodes": there}
     if title == "material.layers":
         texts["material"] = {}
     elif kind.kind:
@@ -229,7 +230,7 @@ def built(monkeypatch, files):
                 return spy
 
             monkeypatch.setattr(kind, "constructor", staticmethod(reader()))
-    for name in ("opening_test", "guillotine", "free_cut"):
+    for name in ("opening_test", "guillotine", "free_cut", "trouser"):
 
         def keep(*positional, _name=name, **named):
             return Case(_name, (positional, named), 1.0)
@@ -260,8 +261,8 @@ def with_sets_of(kind, title, model, values):
 @pytest.mark.parametrize(("model", "title", "kind", "key"), list(cases()))
 def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
     given = {**GIVEN.get((title, kind.kind), {})}
-    if model == "guillotine":
-        given = GIVEN_TO_THE_GUILLOTINE.get((title, kind.kind), given)
+    if model in ("guillotine", "trouser"):
+        given = GIVEN_TO_STRIPS.get((title, kind.kind), given)
     if model == "opening" and (title, kind.kind) == ("motion", "screw"):
         given = {}
     if title == "material.layers":
@@ -307,8 +308,10 @@ def test_every_parameter_has_a_key_with_its_default(kind):
             continue
         default = kind.__dataclass_fields__[name].default
         wanted = parameters[parameter].default
-        # The blade of the guillotine is made by the guillotine, and a rectangle by its size or not.
-        if kind.__name__ in ("StripBlade", "Strip") or wanted is inspect.Parameter.empty:
+        # The blade of the guillotine is made by the guillotine, a rectangle by its size or not, and
+        # the trouser test has its own film and law.
+        own = ("StripBlade", "Strip", "TornFilm", "TornLaw")
+        if kind.__name__ in own or wanted is inspect.Parameter.empty:
             continue
         assert default == wanted, name
 

@@ -36,9 +36,9 @@ def free(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("name", ["opening", "guillotine", "free"])
+@pytest.mark.parametrize("name", ["opening", "guillotine", "free", "trouser"])
 def test_they_are_those_of_the_case(name, free):
-    overrides = {"opening": {"mesh": "quick"}, "guillotine": {"size": 0.5}, "free": {}}[name]
+    overrides = {"opening": {"mesh": "quick"}, "guillotine": {"size": 0.5}}.get(name, {})
     model = read_model(free if name == "free" else name, overrides)
     case, parts = model.build(), model.parts()
     sim = case.simulation
@@ -46,6 +46,9 @@ def test_they_are_those_of_the_case(name, free):
     assert np.array_equal(parts.mesh.nodes, sim.mesh.nodes[: parts.mesh.n_node])
     held = np.flatnonzero(sim.state.node.supported[: sim.mesh.n_node])
     assert parts.held.tolist() == held.tolist()
+    if name == "trouser":
+        assert (parts.tool, parts.motion, parts.duration) == (None, None, case.duration)
+        return
     assert np.array_equal(parts.tool.vertices, sim.tool.vertices)
     assert parts.duration == case.duration
     for at in (0.0, 0.4 * case.duration, case.duration):

@@ -16,16 +16,20 @@ from open_files import is_open
 from opening_frame import opening_frame
 from shellcut.checks import RefusedModel
 from shellcut.files.run_folder import snapshot, snapshots
+from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_summary import run_summary
+from shellcut.recording.tool_resistance import Resistance
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history
 from shellcut.results.run_results import read
 from shellcut.results.verdict import Line
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.table_motion import TableMotion
@@ -208,7 +212,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
         [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
     )
     sim = cutting(motion=motion)
-    r = shellcut.recording.recorder.Resistance(motion, 1.0)
+    r = Resistance(motion, 1.0)
     assert r.coordinate_unit == "deg"
     angle = np.linspace(0.0, 80.0, 1601)
     energies = ("tool_work", "cohesive_work", "imbalance", "kinetic_translation")
@@ -324,9 +328,9 @@ def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys)
     assert capsys.readouterr().err.count("100 %") == 2
 
 
-def test_a_recorder_needs_a_tool(tmp_path):
-    sim = cutting(motion=StraightMotion((1, 0, 0), 2e4, ramp=5e-6))
-    sim.motion = None
+def test_a_recorder_needs_a_tool_or_a_support_that_moves(tmp_path):
+    film = rectangle(4.0, 2.0, size=1.0)
+    sim = Simulation(film, ShellMaterial.homogeneous(), supports=[Support.clamped("left")])
     with pytest.raises(ValueError, match="needs a simulation with a tool"):
         Recorder(sim, tmp_path / "none", until=END, name="cut")
     assert not (tmp_path / "none").exists()

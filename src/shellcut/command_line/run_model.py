@@ -29,7 +29,14 @@ _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 _FIGURES = (
     *("n_step", "wall_s", "torque_plateau_Nmm", "torque_peak_Nmm", "axial_force_plateau_N"),
-    *("force_plateau_N", "force_peak_N", "tool_work_Nmm", "cohesive_work_Nmm", "crack_length_mm"),
+    *(
+        "force_plateau_N",
+        "force_peak_N",
+        "tool_work_Nmm",
+        "support_work_Nmm",
+        "cohesive_work_Nmm",
+        "crack_length_mm",
+    ),
     *("n_cable_created", "n_cable_jointed", "n_cable_broken", "imbalance_rel", "kinetic_rel"),
 )
 """Figures of ``summary.json`` that are printed at the end."""
@@ -103,8 +110,8 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
     """Build, check and compile the model, and print its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation
+    from shellcut.recording.resistance import resistance_of
     from shellcut.recording.status_line import start_lines
-    from shellcut.recording.tool_resistance import Resistance
 
     began: list[float] = []
 
@@ -117,10 +124,9 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
         if not options["resume"]:
             case.check.enforce(force=options["force"])
         sim = case.simulation
-        assert sim.motion is not None
         if case.imprint is not None and case.imprint.changed:
             log.say(case.imprint.report())
-        resistance = Resistance(sim.motion, case.duration)
+        resistance = resistance_of(sim, case.duration)
         for line in start_lines(sim, resistance, case.duration, case.check.sweep):
             log.say(line)
         warmup([sim.fracture.criterion])

@@ -47,6 +47,8 @@ class Cracks:
         tool: Tool | None,
         motion: Motion | None = None,
     ) -> None:
+        if tool is not None and not tool.n_edge:
+            tool = None  # a blunt tool cuts nothing: it only pushes
         self._check_every = fracture.check_every
         self.cuts = Cuts(
             state,

@@ -12,7 +12,7 @@ import numpy as np
 from shellcut.imprinting import ImprintError
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
-from shellcut.models import Case, free_cut, guillotine, opening_test
+from shellcut.models import Case, free_cut, guillotine, opening_test, trouser
 
 from .errors import ModelFileError, Problem
 from .key import Section
@@ -42,6 +42,7 @@ class _Build:
             "opening": self._opening,
             "guillotine": self._guillotine,
             "free": self._free,
+            "trouser": self._trouser,
         }[self._model.head.model]
         with self._blame(()):
             return builder()
@@ -115,6 +116,19 @@ class _Build:
                 **self._options(mesh),
             )
 
+    def _trouser(self) -> Case:
+        film, motion = self._of["membrane"], self._of["motion"]
+        return trouser(
+            film.size,
+            length=film.length,
+            width=film.width,
+            notch=film.notch,
+            travel=motion.travel,
+            speed=motion.speed,
+            ramp=motion.ramp,
+            **self._options(self._made("membrane")),
+        )
+
     def _options(self, mesh: Mesh) -> dict[str, Any]:
         head, damping = self._model.head, self._of["damping"]
         loads = []
@@ -128,7 +142,6 @@ class _Build:
         return {
             "material": self._made("material"),
             "law": self._made("cohesive"),
-            "contact": self._made("contact"),
             "fracture": self._made("fracture"),
             "stepping": self._made("time"),
             "damping_alpha": damping.alpha,
@@ -137,6 +150,7 @@ class _Build:
             "precision": head.precision,
             "threads": head.threads,
             "loads": loads,
+            **({"contact": self._made("contact")} if "contact" in self._of else {}),
         }
 
     def _made(self, title: str, section: Section | None = None) -> Any:

@@ -13,6 +13,7 @@ from shellcut.loads.supports import choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.models.guillotine import blade_before
 from shellcut.models.preview import ModelParts
+from shellcut.models.trouser import duration_of
 from shellcut.tool.motion import Motion, ScrewMotion
 from shellcut.tool.tool import Tool
 
@@ -20,6 +21,7 @@ from .build import as_long_as
 from .model import Model
 
 _BY_ITSELF = {"opening": ("rim",), "strip": ("bottom", "top")}
+_PULLED = ("tail", "up", "down")
 """Node sets at which films of the package are clamped, by kind."""
 
 # Refusals are ignored here: the error of the model reports them.
@@ -38,12 +40,14 @@ class _Parts:
 
     def made(self) -> ModelParts:
         mesh: Mesh | None = self._try(lambda: self._of["membrane"].made())
+        if self._model.head.model == "trouser":
+            return ModelParts(mesh=mesh, held=self._held_of(mesh), duration=self._try(self._pull))
         tool: Tool | None = self._try(lambda: self._tool(mesh))
         moved = self._try(lambda: self._motion(mesh, tool))
         motion, duration = (None, None) if moved is None else moved[1:]
         return ModelParts(
             mesh=mesh,
-            held=np.zeros(0, np.int64) if mesh is None else self._held(mesh),
+            held=self._held_of(mesh),
             tool=tool if moved is None else moved[0],
             motion=motion,
             duration=duration,
@@ -79,9 +83,20 @@ class _Parts:
         duration = section.duration
         return tool, given, float(given.times[-1]) if duration is None else duration
 
+    def _pull(self) -> float:
+        film, way = self._of["membrane"], self._of["motion"]
+        return duration_of(
+            film.length, film.width, travel=way.travel, speed=way.speed, ramp=way.ramp
+        )
+
+    def _held_of(self, mesh: Mesh | None) -> Ints:
+        return np.zeros(0, np.int64) if mesh is None else self._held(mesh)
+
     def _held(self, mesh: Mesh) -> Ints:
         film = self._of["membrane"]
         names = _BY_ITSELF.get(film.kind, ())
+        if self._model.head.model == "trouser":
+            names = _PULLED
         if self._model.head.model == "free" or not names:
             names = getattr(film, "clamp", ())
         found: list[Ints] = []

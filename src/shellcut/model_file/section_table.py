@@ -44,6 +44,14 @@ from .tool_sections import (
     Teeth,
     ToolFile,
 )
+from .trouser_sections import (
+    LegWay,
+    TornDamping,
+    TornFilm,
+    TornFracture,
+    TornLaw,
+    TrouserStrip,
+)
 
 Kinds = tuple[type[Section], ...]
 
@@ -79,6 +87,16 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (Teeth, Blade, ToolFile),
         (Screw, Straight, Table),
     ),
+    "trouser": {
+        "membrane": (TrouserStrip,),
+        "material": (TornFilm, Laminate),
+        "cohesive": (TornLaw,),
+        "motion": (LegWay,),
+        "fracture": (TornFracture,),
+        "time": (Time,),
+        "damping": (TornDamping,),
+        "output": (Output,),
+    },
 }
 """By model: the sections that occur once."""
 

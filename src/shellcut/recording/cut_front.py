@@ -76,26 +76,25 @@ class _EdgeLength:
 
 
 class CutFront:
-    """Measure the cuts of a simulation with a tool; results are kept until a cable changes.
+    """Measure the cuts of a tool's edges, if any; results are kept until a cable changes.
 
     Parameters
     ----------
     sim : Simulation
-        With a tool.
     until : float
         End of the run [s].
     """
 
     def __init__(self, sim: Simulation, until: float) -> None:
-        assert sim.tool is not None
-        self._chain = sim.tool.edge_chain
-        self._n_chain = sim.tool.n_chain
+        tool = sim.tool if sim.tool is not None and sim.tool.n_edge else None
+        self._chain = np.zeros(0, np.int64) if tool is None else tool.edge_chain
+        self._n_chain = 0 if tool is None else tool.n_chain
         self._rim = sim.mesh.boundary_nodes()
         self._extent = float(np.linalg.norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
         self._seen = (-1, -1, -1)
         self._rows = np.zeros((self._n_chain, 4))
-        self._edge = _EdgeLength(sim.tool)
+        self._edge = None if tool is None else _EdgeLength(tool)
 
     def rows(self, sim: Simulation) -> Floats:
         """Return cut length, process zone, uncut film ahead, edge to spare, (n_chain, 4), [mm].
@@ -103,7 +102,7 @@ class CutFront:
         The last two are 0 for an edge without process zone.
         """
         seen = (sim.state.revision, sim.cables.n_joint_made, sim.cables.n_broken)
-        if seen != self._seen:
+        if self._n_chain and seen != self._seen:
             self._seen, self._rows = seen, self._read(sim)
         return self._rows
 
@@ -127,6 +126,7 @@ class CutFront:
         ends = CrackEnds.of(sim, self._rim)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]
+            assert self._edge is not None
             rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
             tip = self._driven(sim, cable.ends[mine, 0], ends.place)
             if tip is not None:

@@ -8,7 +8,7 @@ from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, U
 from shellcut.simulation.simulation import Simulation
 
 from .cut_front import CutFront
-from .tool_resistance import COMPONENTS, Resistance
+from .resistance import AnyResistance
 
 _ENERGIES = (
     "tool_work",
@@ -32,7 +32,7 @@ _ENERGIES = (
 
 
 def history_row(
-    sim: Simulation, resistance: Resistance, front: CutFront, *, unfelt: float
+    sim: Simulation, resistance: AnyResistance, front: CutFront, *, unfelt: float
 ) -> Iterator[tuple[str, str, float]]:
     """Yield name, unit and value of every column.
 
@@ -41,31 +41,18 @@ def history_row(
     Parameters
     ----------
     sim : Simulation
-        Between two steps, with a tool.
-    resistance : Resistance
-        Resistance of its motion.
+        Between two steps.
+    resistance : Resistance or SupportPull
+        To the motion of its tool or supports.
     front : CutFront
         Front of its cuts.
     unfelt : float
         Penetration between nodes, which nodal contact misses, when last measured [mm].
     """
     s, r = sim.state, resistance
-    origin = sim.pose.translation
     yield "time", "s", s.time
     yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
-    of_terms = [
-        (term.name, r.of(term.forces.wrench.sum(axis=0), origin, s.time)) for term in sim.tool_terms
-    ]
-    for k, (figure, unit) in enumerate(r.columns):
-        yield figure, unit, sum(values[k] for _, values in of_terms)
-        for name, values in of_terms:
-            yield f"{figure}_{name}", unit, values[k]
-    first, unit = r.columns[0]
-    for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
-        yield f"{first}_tooth_{tooth}", unit, r.of(wrench, origin, s.time)[0]
-    whole = r.components(sum(term.forces.wrench.sum(axis=0) for term in sim.tool_terms), origin)
-    for (component, unit), value in zip(COMPONENTS, whole, strict=True):
-        yield component, unit, value
+    yield from r.row(sim)
     ledger = sim.close_ledger()
     for energy in _ENERGIES:
         yield energy, "N*mm", getattr(ledger, energy)
@@ -81,5 +68,6 @@ def history_row(
         yield f"{PROCESS_ZONE}{edge}", "mm", zone
         yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
         yield f"{TO_SPARE}{edge}", "mm", spare
-    yield "deepest_penetration", "mm", sim.contact.forces.deepest if sim.contact else 0.0
-    yield "unfelt_penetration", "mm", unfelt
+    if sim.contact is not None:
+        yield "deepest_penetration", "mm", sim.contact.forces.deepest
+        yield "unfelt_penetration", "mm", unfelt

@@ -38,12 +38,12 @@ from .cut_evidence import cut_evidence
 from .cut_front import CutFront
 from .frame_capture import Exposure
 from .history_row import history_row
+from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunOptions
 from .run_summary import run_summary
 from .schedule import Schedule
 from .status_line import status_line
-from .tool_resistance import Resistance
 
 _log = logging.getLogger(__name__)
 
@@ -59,12 +59,12 @@ class RunEnded(Exception):
 
 
 class Recorder:
-    """Write history, frames, snapshots and a summary of a run with a moving tool.
+    """Write history, frames, snapshots and a summary of a run with a moving tool or support.
 
     Parameters
     ----------
     sim : Simulation
-        The run; it must have a tool.
+        The run; a tool or a support must move.
     folder : path
         Output folder; created if missing, and locked until :meth:`close`: no other run can write
         there. All files of an earlier run, and no others, are removed unless it is resumed.
@@ -116,8 +116,7 @@ class Recorder:
         also: Sequence[str] = (),
         **options: Any,
     ) -> None:
-        if sim.motion is None or sim.tool is None:
-            raise ValueError("a Recorder needs a simulation with a tool and its motion")
+        self.resistance = resistance_of(sim, until)
         chosen = RunOptions(**options)
         self._check = check or check_model(sim, until)
         if not chosen.resume:
@@ -126,7 +125,6 @@ class Recorder:
         self.verdict: tuple[Line, ...] = ()
         self.folder = Path(folder)
         self.name = name
-        self.resistance = Resistance(sim.motion, until)
         self._sim = sim
         self._front = CutFront(sim, until)
         self._until = until
@@ -148,7 +146,7 @@ class Recorder:
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
         self._progress = self._make_progress(chosen.log) if chosen.progress else None
-        self._wires = ToolWires(sim.tool)
+        self._wires = None if sim.tool is None else ToolWires(sim.tool)
         self._checkpoint_every = (
             np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
         )
@@ -210,7 +208,7 @@ class Recorder:
         if schedule.row_due(now):
             self._files.history.append({column: value for column, _, value in self._row()})
             schedule.row_time = now
-        if schedule.look_due(now):
+        if schedule.look_due(now) and self._wires is not None:
             _, schedule.unfelt = missed_penetration(self._wires, sim.state, sim.pose)
             schedule.largest_unfelt = max(schedule.largest_unfelt, schedule.unfelt)
         frame_due = schedule.frame_due(now)
@@ -319,9 +317,8 @@ class Recorder:
         return history_row(self._sim, self.resistance, self._front, unfelt=self._schedule.unfelt)
 
     def _felt(self) -> list[float]:
-        """Return the resistance from contact and joints of all teeth together."""
-        sim, origin = self._sim, self._sim.pose.translation
-        return self.resistance.of(sim.tooth_wrenches.sum(axis=0), origin, sim.state.time)
+        """Return the resistance of the whole tool, or to all supports."""
+        return self.resistance.felt(self._sim)
 
     def _show_end(self) -> None:
         """Write a frame and a picture of the end of the run.

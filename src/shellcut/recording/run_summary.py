@@ -12,12 +12,12 @@ from shellcut.results.energy_balance import largest_shares, trusted_rows
 from shellcut.results.steady_window import steady_figures
 from shellcut.simulation.simulation import Simulation
 
-from .tool_resistance import Resistance
+from .resistance import AnyResistance
 
 
 def run_summary(
     sim: Simulation,
-    resistance: Resistance,
+    resistance: AnyResistance,
     history: Mapping[str, Floats],
     *,
     stepping: float,
@@ -31,9 +31,9 @@ def run_summary(
     Parameters
     ----------
     sim : Simulation
-        At its end, with a tool.
-    resistance : Resistance
-        Resistance of its motion.
+        At its end.
+    resistance : Resistance or SupportPull
+        To the motion of its tool or supports.
     history : mapping of ndarray, shape (n_row,)
         Its history.
     stepping, drawing : float
@@ -51,25 +51,20 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        "tool_work_Nmm": ledger.tool_work,
+        **({"tool_work_Nmm": ledger.tool_work} if sim.tool is not None else {}),
+        **({"support_work_Nmm": ledger.support_work} if sim.tool is None else {}),
         "kinetic_Nmm": ledger.kinetic,
         "strain_Nmm": ledger.strain,
         "material_dissipated_Nmm": ledger.material_dissipated,
         "cohesive_work_Nmm": ledger.cohesive_work,
         "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
         "cohesive_stored_Nmm": ledger.cohesive_stored,
-        "contact_Nmm": ledger.contact_work,
-        "contact_absorbed_Nmm": ledger.contact_absorbed,
         "damping_Nmm": ledger.damping,
         **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
-        "n_cable_jointed": sim.cables.n_joint_made,
         "n_cable_broken": sim.cables.n_broken,
         "crack_length_mm": s.crack_length,
-        "deepest_penetration_mm": sim.contact.deepest if sim.contact else 0.0,
-        "tool_half_thickness_mm": sim.contact.law.tool_half_thickness if sim.contact else 0.0,
-        "unfelt_penetration_mm": unfelt,
-        "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
+        **_of_the_tool(sim, unfelt),
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
@@ -87,7 +82,23 @@ def run_summary(
     return finite | {"resistance": r.meaning}
 
 
-def _peaks(history: Mapping[str, Floats], r: Resistance) -> dict[str, float]:
+def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
+    """Return the figures of contact and of cables that meet the tool, none without a tool."""
+    s, ledger = sim.state, sim.ledger
+    if sim.contact is None:
+        return {}
+    return {
+        "contact_Nmm": ledger.contact_work,
+        "contact_absorbed_Nmm": ledger.contact_absorbed,
+        "n_cable_jointed": sim.cables.n_joint_made,
+        "deepest_penetration_mm": sim.contact.deepest,
+        "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
+        "unfelt_penetration_mm": unfelt,
+        "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
+    }
+
+
+def _peaks(history: Mapping[str, Floats], r: AnyResistance) -> dict[str, float]:
     """Return the value of largest magnitude, with its sign, and where it occurred."""
     name, unit = r.columns[0]
     values = history[name]

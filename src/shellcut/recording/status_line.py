@@ -12,7 +12,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.view.progress import percent
 
 if TYPE_CHECKING:
-    from .tool_resistance import Resistance
+    from .resistance import AnyResistance
 
 # Time of a step [s] from the opening test in docs/performance.md, M1 and M2 on one free core: a
 # constant part and a part per quad.
@@ -20,16 +20,16 @@ _STEP_COST, _QUAD_COST = 50e-6, 48e-9
 
 
 def start_lines(
-    sim: Simulation, resistance: Resistance, until: float, sweep: Sweep | None = None
+    sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
     """Yield lines on film, tool, time step and estimated run time.
 
     Parameters
     ----------
     sim : Simulation
-        Before its first step, with a tool.
-    resistance : Resistance
-        Resistance of its motion.
+        Before its first step.
+    resistance : Resistance or SupportPull
+        To the motion of its tool or supports.
     until : float
         End of the run [s].
     sweep : Sweep, optional
@@ -62,15 +62,15 @@ def start_lines(
     )
 
 
-def status_line(sim: Simulation, resistance: Resistance, share: float) -> str:
+def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str:
     """Return a status line: coordinate, resistance, energies, balance, crack and cables.
 
     Parameters
     ----------
     sim : Simulation
-        After a complete step, with a tool.
-    resistance : Resistance
-        Resistance of its motion.
+        After a complete step.
+    resistance : Resistance or SupportPull
+        To the motion of its tool or supports.
     share : float
         Completed part of the run, 0 to 1.
     """
@@ -85,7 +85,7 @@ def status_line(sim: Simulation, resistance: Resistance, share: float) -> str:
         "damping": ledger.damping,
         "ext": ledger.put_in,
     }
-    felt = r.of(sim.tooth_wrenches.sum(axis=0), sim.pose.translation, s.time)[0]
+    felt = r.felt(sim)[0]
     parts = " ".join(f"{name} {energy:.4g}" for name, energy in energies.items())
     return (
         f"{percent(share)} %: {r.coordinate_name} {r.coordinate(s.time):.4g} "

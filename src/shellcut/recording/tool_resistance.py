@@ -27,11 +27,12 @@ The whole wrench is also given in world axes, with its moment about the world's 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
 
@@ -104,6 +105,30 @@ class Resistance:
         # Plain floats: NumPy takes ten times as long for six numbers.
         *force, mx, my, mz = wrench.tolist()
         return self._reading.of(force, (mx, my, mz), origin.tolist(), time)
+
+    def felt(self, sim: Simulation) -> list[float]:
+        """Return the figures from contact and joints of all teeth together."""
+        wrench = sim.tooth_wrenches.sum(axis=0)
+        return self.of(wrench, sim.pose.translation, sim.state.time)
+
+    def row(self, sim: Simulation) -> Iterator[tuple[str, str, float]]:
+        """Yield name, unit and value of its columns of the history."""
+        time, origin = sim.state.time, sim.pose.translation
+        of_terms = [
+            (term.name, self.of(term.forces.wrench.sum(axis=0), origin, time))
+            for term in sim.tool_terms
+        ]
+        for k, (figure, unit) in enumerate(self.columns):
+            yield figure, unit, sum(values[k] for _, values in of_terms)
+            for name, values in of_terms:
+                yield f"{figure}_{name}", unit, values[k]
+        first, unit = self.columns[0]
+        for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
+            yield f"{first}_tooth_{tooth}", unit, self.of(wrench, origin, time)[0]
+        whole = sum(term.forces.wrench.sum(axis=0) for term in sim.tool_terms)
+        components = self.components(whole, origin)
+        for (component, unit), value in zip(COMPONENTS, components, strict=True):
+            yield component, unit, value
 
     def components(self, wrench: Floats, origin: Floats) -> list[float]:
         """Return the wrench exerted by the tool, in the order of :data:`COMPONENTS`.

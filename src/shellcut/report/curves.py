@@ -10,7 +10,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.results.comparison_table import rows_of, scope_of
-from shellcut.results.energy_balance import energy_shares, work_put_in
+from shellcut.results.energy_balance import energy_shares, is_pulled, work_put_in
 from shellcut.results.summary_figures import window_of
 
 from .chart import Curve, chart
@@ -19,7 +19,7 @@ from .markup import figure_of, in_unit, missing, pretty, table
 
 
 def resistance(run: Gathered) -> str:
-    """Return torque (or force) over the tool's coordinate."""
+    """Return torque (or force) over the coordinate of the motion."""
     if not run.history:
         return missing("No curve: the history is missing.")
     first, unit = run.resistance
@@ -28,11 +28,12 @@ def resistance(run: Gathered) -> str:
     if len(teeth) > 1:
         label = f"each of {len(teeth)} teeth"
         curves += [Curve(label, run.history[name], "tooth") for name in teeth]
-    curves += [
-        Curve("from contact", run.history[f"{first}_contact"], "contact"),
-        Curve("from cables at the edge", run.history[f"{first}_joints"], "joints"),
-        Curve("total", run.history[first], "total"),
-    ]
+    if not is_pulled(run.history):
+        curves += [
+            Curve("from contact", run.history[f"{first}_contact"], "contact"),
+            Curve("from cables at the edge", run.history[f"{first}_joints"], "joints"),
+        ]
+    curves.append(Curve("total", run.history[first], "total"))
     found = run.measured
     if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], first):
         x, y = found.measured_curve
@@ -47,7 +48,8 @@ def _said_of(run: Gathered) -> str:
     figures = run.figures
     said = []
     if "resistance" in figures:
-        said.append(f"Shown is the {figures['resistance']}; positive resists the tool.")
+        resists = "the tool" if "tool_work_Nmm" in figures else "the motion"
+        said.append(f"Shown is the {figures['resistance']}; positive resists {resists}.")
     mean = figures.get(f"{first}_plateau_{unit.replace('*', '')}")
     if mean is not None:
         said.append(
@@ -146,7 +148,7 @@ def _chart(
     # A motion may rest or reverse; a curve over its coordinate needs ascending values.
     ahead = np.concatenate(([True], x[1:] > np.maximum.accumulate(x)[:-1]))
     if ahead.sum() < 2:
-        return missing(f"No curve of {name}: the tool has not moved.")
+        return missing(f"No curve of {name}: nothing has moved.")
     last = ", ".join(f"{curve.name} {curve.values[-1]:.4g} {unit}" for curve in curves[-3:])
     shown = [c if c.x is not None else replace(c, values=_finite(c.values[ahead])) for c in curves]
     return chart(

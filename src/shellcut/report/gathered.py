@@ -14,7 +14,7 @@ from shellcut.arrays import Bools, Floats
 from shellcut.files.run_folder import HISTORY, SUMMARY
 from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
-from shellcut.results.energy_balance import largest_shares, trusted_rows
+from shellcut.results.energy_balance import driving_work, is_pulled, largest_shares, trusted_rows
 from shellcut.results.history import read_history
 from shellcut.results.run_results import Results, read
 from shellcut.results.steady_window import steady_figures
@@ -79,7 +79,7 @@ class Gathered:
 
     @property
     def trusted(self) -> Bools:
-        """Rows in which the tool has done enough work for comparison, shape (n_row,)."""
+        """Rows in which the tool or supports have done enough work to compare, shape (n_row,)."""
         return trusted_rows(self.history)
 
     @property
@@ -88,15 +88,17 @@ class Gathered:
         h = self.history
         if self.summary or "tool_work" not in h:
             return self.summary
+        driver = "support" if is_pulled(h) else "tool"
         figures = {
-            "tool_work_Nmm": float(h["tool_work"][-1]),
+            f"{driver}_work_Nmm": float(driving_work(h)[-1]),
             **largest_shares(h, self.trusted),
-            "contact_Nmm": float(h["contact_work"][-1]),
             "damping_Nmm": float((h["damping_stiffness"] + h["damping_mass"])[-1]),
             "crack_length_mm": float(h["crack_length"][-1]),
             **steady_figures(h, self.coordinate, self.resistance),
         }
-        if "contact_absorbed" in h:  # runs of older versions lack it
+        if driver == "tool":
+            figures["contact_Nmm"] = float(h["contact_work"][-1])
+        if driver == "tool" and "contact_absorbed" in h:  # runs of older versions lack it
             figures["contact_absorbed_Nmm"] = float(h["contact_absorbed"][-1])
         return figures
 

@@ -45,27 +45,39 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     return shares
 
 
-def trusted_rows(history: Mapping[str, Floats]) -> Bools:
-    """Return the rows in which the tool has done enough work for comparison, shape (n_row,).
+def driving_work(history: Mapping[str, Floats]) -> Floats:
+    """Return the work of the tool, or that of the supports where no tool works, shape (n_row,)."""
+    work = history["tool_work"]
+    return history["support_work"] if is_pulled(history) else work
 
-    These are the rows with at least a tenth of the largest work of the run; none if the tool has
-    done no work.
+
+def is_pulled(history: Mapping[str, Floats]) -> bool:
+    """Whether supports and no tool drive the run."""
+    pulled = history.get("support_work", np.zeros(0))
+    return bool(np.any(pulled) and not np.any(history["tool_work"]))
+
+
+def trusted_rows(history: Mapping[str, Floats]) -> Bools:
+    """Return the rows with enough work of tool or supports to compare with, shape (n_row,).
+
+    These are the rows with at least a tenth of the largest work of the run; none if there was no
+    work.
 
     Examples
     --------
     >>> trusted_rows({"tool_work": np.array([0.0, 0.4, 1.0, 9.0])})
     array([False, False,  True,  True])
     """
-    work = np.abs(history["tool_work"])
+    work = np.abs(driving_work(history))
     finite = np.isfinite(work)
     most = work[finite].max(initial=0.0)
     return np.asarray(finite & (work > 0.0) & (work >= _COMPARED_FROM * most))
 
 
 def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
-    """Return the largest imbalance and kinetic energy relative to the tool's work, [-].
+    """Return the largest imbalance and kinetic energy relative to the driving work, [-].
 
-    Empty if no row can be trusted: without work of the tool there is no balance to close.
+    Empty if no row can be trusted: without work there is no balance to close.
 
     Examples
     --------
@@ -77,7 +89,7 @@ def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, f
     """
     if not trusted.any():
         return {}
-    work = np.maximum(np.abs(history["tool_work"][trusted]), np.finfo(float).tiny)
+    work = np.maximum(np.abs(driving_work(history)[trusted]), np.finfo(float).tiny)
     kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
     return {
         "imbalance_rel": float((np.abs(history["imbalance"][trusted]) / work).max()),

@@ -15,10 +15,13 @@ boundary is at least Z / 2.
 entering or leaving the film. An edge that takes three times its median travel per millimetre of cut
 has stopped.
 
-The window is the longest stretch in which all of this holds for all edges. Resistance is a sawtooth
-with the node spacing, so the window is shortened to whole periods of the edge that meets the fewest
-cables; it must contain two of them. An edge that has cut less than a tenth of the longest cut is
-ignored.
+*Without a tool* nothing is met: the window is where the crack grows from a third of its last length
+on, the first third being the way in which the film takes the shape that tears.
+
+With a tool, the window is the longest stretch in which all of this holds for all edges. Resistance
+is a sawtooth with the node spacing, so the window is shortened to whole periods of the edge that
+meets the fewest cables; it must contain two of them. An edge that has cut less than a tenth of the
+longest cut is ignored.
 """
 
 from __future__ import annotations
@@ -30,6 +33,8 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.trapezoid import integral
+
+from .energy_balance import driving_work, is_pulled
 
 CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE = (
     "cut_length_edge_",
@@ -45,6 +50,7 @@ _STOPPED = 3.0  # travel per millimetre of cut over the median
 _BYSTANDER = 0.1  # relative to the longest cut
 _UP_TO_SPEED = 0.95  # relative to the median speed
 _LEAST_PERIODS = 2
+_TORN = 1.0 / 3.0  # of the last crack length, without a tool
 _ROUND_OFF = 1e-10  # of lengths, over that of the cut
 
 
@@ -91,7 +97,7 @@ def steady_figures(
     """Return the figures of a run in its steady window, by names that include the units.
 
     These are the window, the mean of the resistance (and of the axial force) and the work of cables
-    and of the tool per radian or millimetre; or ``no_window``, the reason why there is none.
+    and of tool or supports per radian or millimetre; or ``no_window``, why there is none.
 
     Parameters
     ----------
@@ -112,6 +118,8 @@ def steady_figures(
     def mean(column: str) -> float:
         return integral(way, history[column][window.rows]) / length
 
+    work = driving_work(history)[window.rows]
+
     def growth(column: str) -> float:
         return float(history[column][window.last] - history[column][window.first]) / length
 
@@ -121,7 +129,7 @@ def steady_figures(
         f"window_to_{x_unit}": window.high,
         f"{name}_plateau_{unit.replace('*', '')}": mean(name),
         f"dWcoh_{per}": growth("cohesive_work"),
-        f"dW_{per}": growth("tool_work"),
+        f"dW_{per}": float(work[-1] - work[0]) / length,
     }
     if "axial_force" in history:
         figures["axial_force_plateau_N"] = mean("axial_force")
@@ -138,6 +146,8 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
     coordinate : (str, str)
         Name and unit of the coordinate.
     """
+    if is_pulled(history):
+        return _torn(history, coordinate)
     cuts = _cuts(history)
     if isinstance(cuts, str):
         return SteadyWindow(reason=cuts)
@@ -157,6 +167,19 @@ def steady_window(history: Mapping[str, Floats], coordinate: tuple[str, str]) ->
         )
     low, high = int(joints[0]), int(joints[-1])
     return SteadyWindow(float(x[low]), float(x[high]), low, high)
+
+
+def _torn(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> SteadyWindow:
+    """Return the steady window of a film that is torn without a tool."""
+    crack, x = history["crack_length"], history[coordinate[0]]
+    if not crack[-1] > 0.0:
+        return SteadyWindow(reason="nothing was torn")
+    grown = np.flatnonzero(np.diff(crack, prepend=0.0) > _ROUND_OFF * crack[-1])
+    within = grown[crack[grown] >= _TORN * crack[-1]]
+    if len(within) <= _LEAST_PERIODS:
+        return SteadyWindow(reason=f"the crack grew in {len(grown)} rows of the history only")
+    first, last = int(within[0]), int(within[-1])
+    return SteadyWindow(float(x[first]), float(x[last]), first, last)
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     holds: The energy ledger closes within 0.02 % of the tool's work (limit 1 %).
     """
     lines = [Line("doubt", f"Before the run: {text}") for text in doubts]
-    lines += [line for judge in _JUDGES for line in judge(figures)]
+    lines += [_of_its_driver(figures, line) for judge in _JUDGES for line in judge(figures)]
     if lines:
         lines.append(
             Line(
@@ -96,6 +96,13 @@ def say(lines: Iterable[Line]) -> None:
         LOGGER.log(logging.WARNING if line.kind == "doubt" else logging.INFO, "%s", line)
 
 
+def _of_its_driver(figures: Figures, line: Line) -> Line:
+    """Return a line that compares with the tool's work in words that fit what does the work."""
+    if "tool_work_Nmm" in figures or "support_work_Nmm" not in figures:
+        return line
+    return Line(line.kind, line.text.replace("the tool's work", "the supports' work"))
+
+
 def _told(figures: Figures, along_edges: str, through_quads: str) -> str:
     """Return the one of two texts that fits how cracks ran."""
     return through_quads if "n_copy" in figures else along_edges
@@ -111,7 +118,7 @@ def _percent(share: float) -> str:
 
 
 def _share_of_work(figures: Figures, name: str) -> float | None:
-    work = abs(figures.get("tool_work_Nmm", 0.0))
+    work = abs(figures.get("tool_work_Nmm", figures.get("support_work_Nmm", 0.0)))
     return figures[name] / work if work > 0.0 and name in figures else None
 
 
@@ -300,14 +307,24 @@ def _cables(figures: Figures) -> Iterator[Line]:
     if "cables_rel" not in figures:
         return
     taken = figures["cables_rel"]
+    pulled = "support_work_Nmm" in figures
     share, limit = _percent(taken), _percent(CABLES_LIMIT)
     yield _judged(
         taken >= CABLES_LIMIT,
         f"Cables took {share} of the dissipated work (at least {limit}).",
-        f"Cables took {share} of the dissipated work, less than {limit}: the tool presses on film "
-        "that does not part. "
-        + _told(figures, "Put a row of edges under its path (imprint), keep", "Keep")
-        + " held nodes out of its way, and use edges shorter than half of opening_u.",
+        f"Cables took {share} of the dissipated work, less than {limit}: "
+        + (
+            "damping takes the rest. "
+            if pulled
+            else "the tool presses on film that does not part. "
+        )
+        + (
+            "Pull more slowly, and use"
+            if pulled
+            else _told(figures, "Put a row of edges under its path (imprint), keep", "Keep")
+            + " held nodes out of its way, and use"
+        )
+        + " edges shorter than half of opening_u.",
     )
 
 

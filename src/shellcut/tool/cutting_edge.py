@@ -83,7 +83,7 @@ class CuttingEdges(NamedTuple):
         end = start + vector
         corners = np.stack([start, end, start - widened + deepest, end + widened + deepest], axis=1)
         aside = beside * np.abs(normal)[:, None]
-        mine = [self.body == b for b in range(int(self.body.max()) + 1)]
+        mine = [self.body == b for b in range(int(self.body.max(initial=-1)) + 1)]
         low = [(corners - aside)[m].min(axis=(0, 1)) for m in mine]
         high = [(corners + aside)[m].max(axis=(0, 1)) for m in mine]
         return np.array(low), np.array(high)

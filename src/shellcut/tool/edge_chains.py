@@ -53,7 +53,7 @@ def chains_of(segments: Ints) -> tuple[Ints, Ints]:
         ordered += links
         chain += [n_chain] * len(links)
         n_chain += 1
-    return np.array(ordered, dtype=np.int64), np.array(chain, dtype=np.int64)
+    return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(chain, dtype=np.int64)
 
 
 def chains_facing_back(body: Ints, chain: Ints, normal: Floats) -> npt.NDArray[np.bool_]:

@@ -155,7 +155,7 @@ class Tool:
     @property
     def n_chain(self) -> int:
         """Number of chains of cutting segments."""
-        return int(self.edge_chain.max()) + 1
+        return int(self.edge_chain.max(initial=-1)) + 1
 
     @classmethod
     def from_triangles(
@@ -179,7 +179,8 @@ class Tool:
             Counter-clockwise seen from outside.
         edges : array_like of int, shape (n_edge, 2), optional
             The cutting segments, as ids into ``vertices``; each chain keeps the direction of its
-            first segment, which decides the plus side. By default they are found by angle.
+            first segment, which decides the plus side; none, shape (0, 2), for a blunt tool, which
+            only pushes. By default they are found by angle.
         sharp_angle_deg : float, [deg]
             If no edges are given: the least angle between the two outward normals at a convex
             edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this way
@@ -396,7 +397,7 @@ def _cast(
     ids = _cast_ids(triangles, 3, "triangles", "(n_triangle, 3)", n_vertex, problems)
     given = None
     if edges is not None:
-        given = _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)
+        given = _cast_edges(edges, n_vertex, problems)
     if not 0.0 < sharp_angle_deg < 180.0:
         problems.append(f"sharp_angle_deg must be between 0 and 180, got {sharp_angle_deg}")
     if not 0.0 < flank_angle_deg < 90.0:
@@ -404,6 +405,12 @@ def _cast(
     if problems:
         raise ToolError(problems)
     return coordinates, ids, given
+
+
+def _cast_edges(edges: npt.ArrayLike, n_vertex: int, problems: list[str]) -> Ints:
+    if np.shape(edges) == (0, 2):
+        return np.zeros((0, 2), dtype=np.int64)
+    return _cast_ids(edges, 2, "edges", "(n_edge, 2)", n_vertex, problems)
 
 
 def _cast_ids(

@@ -1,0 +1,163 @@
+"""The trouser test: two legs of a notched strip are pulled apart, out of its plane, and tear it.
+
+A leg that is pulled straight up turns the way of the crack into way of its end: each end rises by
+1 mm per mm of crack. So all work goes into G h per mm of it, and the force on a leg is G h / 2. The
+legs must be stiff beside that force, the pull slow beside it (rho h b V² of a leg of breadth b),
+and the process zone short against the strip; the defaults are so chosen. Nothing steers the crack:
+a free crack goes through the quads (docs/theory/free-cracks.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+
+from .case import Case, check_length
+
+LAW = CohesiveLaw(
+    strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
+)
+"""Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
+
+THICKNESS = 0.2
+"""Default thickness [mm]: the legs are stiff in bending beside their width."""
+
+CHECK_EVERY = 20
+"""Default steps between two checks; a crack advances by one quad in that time at most."""
+
+MASS_DAMPING = 50.0
+"""Default mass damping [1/s]: legs swing, and little else damps them."""
+
+# Strip left before its clamped end when the run ends, over its width: less would be stiffer.
+_LEFT = 2.0 / 3.0
+
+
+@dataclass(frozen=True)
+class _Pull:
+    """Velocity that rises from 0 over a ramp."""
+
+    speed: float
+    """[mm/s], with its sign."""
+    ramp: float
+    """[s]"""
+
+    def __call__(self, time: float) -> float:
+        """Return the velocity at a time [s]."""
+        return self.speed * min(1.0, time / self.ramp) if self.ramp > 0.0 else self.speed
+
+
+def trouser_strip(length: float, width: float, size: float) -> Mesh:
+    """Return a strip from x = 0 with the node sets ``up``, ``down`` and ``tail``.
+
+    ``up`` and ``down`` are the ends of the legs, y > 0 and y < 0 at x = 0; ``tail`` is the other
+    end.
+
+    Parameters
+    ----------
+    length, width, size : float
+        Of the strip and of its quads [mm].
+    """
+    mesh = rectangle(length, width, size=size)
+    start, y = mesh.node_set("left"), mesh.nodes[:, 1]
+    off = 1e-9 * width
+    sets = {
+        "up": start[y[start] > off],
+        "down": start[y[start] < -off],
+        "tail": mesh.node_set("right"),
+    }
+    return mesh.with_sets(node_sets=sets)
+
+
+def duration_of(
+    length: float, width: float, *, travel: float | None, speed: float, ramp: float
+) -> float:
+    """Return the duration of a test [s], with the parameters of :func:`trouser`."""
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise ValueError(f"speed must be positive in mm/s, got {speed!r}")
+    if not (np.isfinite(ramp) and ramp >= 0.0):
+        raise ValueError(f"ramp must be a time in s that is not negative, got {ramp!r}")
+    way = length - _LEFT * width if travel is None else travel
+    if not way > 0.0:
+        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
+    return way / speed + 0.5 * ramp
+
+
+def trouser(
+    size: float = 0.5,
+    *,
+    length: float = 19.0,
+    width: float = 6.0,
+    notch: float = 6.0,
+    travel: float | None = None,
+    speed: float = 2500.0,
+    ramp: float = 3e-4,
+    material: ShellMaterial | None = None,
+    law: CohesiveLaw | None = None,
+    **options: Any,
+) -> Case:
+    """Build the trouser test.
+
+    Parameters
+    ----------
+    size : float
+        Edge length of the quads [mm].
+    length, width, notch : float
+        Of the strip and of the notch that parts its legs [mm].
+    travel : float, optional
+        Way of each leg's end [mm]; by default ``length`` - 2/3 ``width``, when about that much of
+        the strip is left.
+    speed, ramp : float
+        Of each end, one up and one down, after a ramp [mm/s], [s].
+    material, law : ShellMaterial, CohesiveLaw, optional
+        By default the elastic constants of the paper's film, 0.2 mm thick, and 11.5 N/mm torn over
+        2.4 mm.
+    **options
+        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, and a check
+        every 20 steps; ``damping_alpha`` is 50 /s.
+
+    Returns
+    -------
+    Case
+
+    Examples
+    --------
+    >>> case = trouser(1.0, length=10.0, notch=3.0)
+    >>> case.simulation.mesh.n_quad, round(1e3 * case.duration, 2)
+    (60, 2.55)
+    """
+    if not 0.0 < notch < length:
+        raise ValueError(f"notch must lie between 0 and the length of {length} mm, got {notch}")
+    duration = duration_of(length, width, travel=travel, speed=speed, ramp=ramp)
+    mesh = trouser_strip(length, width, size)
+    simulation = Simulation(
+        mesh,
+        material or ShellMaterial.homogeneous(thickness=THICKNESS),
+        supports=[
+            Support.clamped("tail"),
+            *(
+                Support(leg, translation="yz", rotation="", velocity={"z": _Pull(rate, ramp)})
+                for leg, rate in (("up", speed), ("down", -speed))
+            ),
+        ],
+        law=law or LAW,
+        **{
+            "fracture": Fracture(path="free", check_every=CHECK_EVERY),
+            "damping_alpha": MASS_DAMPING,
+            **options,
+        },
+    )
+    if simulation.fracture.path != "free":
+        raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")
+    simulation.notch((-length, 0.0, 0.0), (notch, 0.0, 0.0))
+    check_length(simulation, duration)
+    return Case("trouser", simulation, duration)
