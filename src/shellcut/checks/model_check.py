@@ -94,7 +94,7 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """
     sim = simulation
     sweep = None
-    if sim.tool is not None and sim.motion is not None:
+    if sim.tool is not None and sim.tool.n_edge and sim.motion is not None:
         sweep = Sweep.of(sim.mesh, sim.tool, sim.motion, until, sim.law)
     order = {REFUSE: 0, DOUBT: 1, NOTE: 2}
     found = sorted(_findings(sim, sweep, until), key=lambda finding: order[finding.severity])
@@ -105,9 +105,11 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     mesh, law = sim.mesh, sim.law
     support = sim.state.node.support[: mesh.n_node]
     yield from check_numbers(mesh, sim.material, law, sim.tool)
-    if sim.tool is None or sweep is None:
+    if sim.tool is None:
         return
     yield from check_hold(mesh, support)
+    if sweep is None:
+        return  # a blunt tool has no edges whose way could be checked
     along_edges = sim.fracture.path == "edges"
     if law is not None:
         yield from check_path(mesh, support, law, sweep, along_edges=along_edges)

@@ -41,6 +41,8 @@ class ModelParts:
         """Return the path of the cutting edges, if all parts for it exist."""
         if self.mesh is None or self.tool is None or self.motion is None or self.duration is None:
             return None
+        if not self.tool.n_edge:
+            return None
         return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
 
 
