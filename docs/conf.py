@@ -68,6 +68,7 @@ PAGES = {
         "theory/scales",
         "theory/fracture",
         "theory/free-cracks",
+        "theory/oscillating",
         "theory/energy",
         "theory/statics",
         "theory/imprint",

@@ -14,7 +14,7 @@ CARD = ("mitc4", "cables", "contact", "loads", "central_difference")
 NOTES = {
     "command_line": "the shellcut command",
     "model_file": "models as files, pages of results",
-    "models": "opening test, guillotine, trouser test, free cut",
+    "models": "opening test, guillotine, tears, free cut",
     "recording": "files a run writes while it goes",
     "simulation": "the step, equilibrium, checks before a run, runs read back",
     "fracture": "when and where the film parts; a path put into the mesh",

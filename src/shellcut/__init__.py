@@ -5,7 +5,7 @@ Frangi, Pagani, Perego and Borsari (CMES 57, 2010). Units throughout: mm, N, s, 
 
 A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, supports, loads, a
 :class:`Tool` with a motion and a :class:`CohesiveLaw`, put into a :class:`Simulation` and run;
-:func:`opening_test`, :func:`guillotine` and :func:`trouser` are ready models.
+:func:`opening_test`, :func:`guillotine`, :func:`trouser` and :func:`oscillating` are ready models.
 """
 
 from importlib.metadata import version
@@ -24,7 +24,7 @@ from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline
 from .mitc4.mesh_quality import mesh_quality
 from .model_file import ModelFileError, read_model
-from .models import guillotine, opening_test, trouser
+from .models import guillotine, opening_test, oscillating, trouser
 from .models.preview import preview
 from .models.warmup import warmup
 from .recording.checkpoint import load_checkpoint, save_checkpoint
@@ -85,6 +85,7 @@ __all__ = [
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
+    "oscillating",
     "preview",
     "read",
     "read_film",

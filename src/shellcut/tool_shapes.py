@@ -1,5 +1,6 @@
-"""Ready-made tools; the code is in :mod:`shellcut.tool.shapes`."""
+"""Ready-made tools; the code is in :mod:`shellcut.tool.shapes` and the files beside it."""
 
+from .tool.round_bar import round_bar
 from .tool.shapes import (
     BLUNTEST_EDGE,
     DEFAULT_DEVIATION,
@@ -18,6 +19,7 @@ __all__ = [
     "FLANK_MARGIN",
     "LONGEST_TRIANGLE",
     "MOST_TRIANGLES",
+    "round_bar",
     "straight_blade",
     "tooth_ring",
 ]

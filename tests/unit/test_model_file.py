@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import ModelFileError, guillotine, opening_test, read_model, trouser
+from shellcut import (
+    ModelFileError,
+    guillotine,
+    opening_test,
+    oscillating,
+    read_model,
+    trouser,
+)
 from shellcut.model_file import shipped_models
 from shellcut.model_file.run_sections import Head
 from shellcut.model_file.section_table import LISTS, SECTIONS
@@ -224,12 +231,12 @@ k = 2
 
 def test_an_unknown_name_lists_those_there_are():
     (line,) = refusal("openign")
-    assert "guillotine, opening, trouser; did you mean opening?" in line
+    assert "guillotine, opening, oscillating, trouser; did you mean opening?" in line
 
 
 def test_the_models_are_package_data():
     shipped = shipped_models()
-    assert set(shipped) == {"guillotine", "opening", "trouser"}
+    assert set(shipped) == {"guillotine", "opening", "oscillating", "trouser"}
     for name, text in shipped.items():
         assert text == files("shellcut.models").joinpath(f"{name}.toml").read_text("utf-8")
         assert all(len(line) <= 90 for line in text.splitlines())
@@ -237,12 +244,18 @@ def test_the_models_are_package_data():
 
 @pytest.mark.parametrize(
     ("name", "builder"),
-    [("opening", opening_test), ("guillotine", guillotine), ("trouser", trouser)],
+    [
+        ("opening", opening_test),
+        ("guillotine", guillotine),
+        ("trouser", trouser),
+        ("oscillating", oscillating),
+    ],
 )
 def test_a_shipped_model_is_the_builder_with_its_defaults(name, builder):
-    smaller = {"size": 1.0, "membrane.length": 8.0}
+    length = 30.0 if name == "oscillating" else 8.0
+    smaller = {"size": 1.0, "membrane.length": length}
     case = read_model(name, {"mesh": "quick"} if name == "opening" else smaller).build()
-    same = builder("quick") if name == "opening" else builder(1.0, length=8.0)
+    same = builder("quick") if name == "opening" else builder(1.0, length=length)
     assert (case.name, case.duration) == (same.name, same.duration)
     for ours, theirs in ((case.simulation, same.simulation),):
         np.testing.assert_array_equal(ours.mesh.nodes, theirs.mesh.nodes)
@@ -324,6 +337,7 @@ def test_what_is_written_has_every_key_its_unit_and_a_digest(tmp_path):
         ("opening", {"mesh": "quick"}),
         ("guillotine", {"size": 1.0, "membrane.length": 8.0}),
         ("trouser", {"size": 1.0, "strength": "8 MPa"}),
+        ("oscillating", {"size": 1.5, "membrane.length": 30.0, "diameter": "5 mm"}),
     ],
 )
 def test_read_back_it_is_the_same_run_bit_for_bit(tmp_path, name, overrides):

@@ -81,6 +81,7 @@ VARIED = {
     "length": 4.4,
     "width": 7.2,
     "notch": 1.0,
+    "opening_a": 0.04,
     "ramp": 1e-4,
     "model": None,
 }
@@ -180,7 +181,7 @@ def model_text(model, title, kind, values):
         texts["motion"] = {"kind": "screw", "angle_deg": 20.0, "duration": 1e-3}
     elif model == "opening":
         texts["membrane"] = {"mesh": "quick"}
-    there = {"guillotine": "top", "trouser": "up"}.get(model)
+    there = {"guillotine": "top", "trouser": "up", "oscillating": "top"}.get(model)
     if title == "loads" and there and values.get("nodes") == "rim":
         values = {**values, "nodes": there}
     if title == "material.layers":
@@ -230,7 +231,7 @@ def built(monkeypatch, files):
                 return spy
 
             monkeypatch.setattr(kind, "constructor", staticmethod(reader()))
-    for name in ("opening_test", "guillotine", "free_cut", "trouser"):
+    for name in ("opening_test", "guillotine", "free_cut", "trouser", "oscillating"):
 
         def keep(*positional, _name=name, **named):
             return Case(_name, (positional, named), 1.0)
@@ -261,7 +262,7 @@ def with_sets_of(kind, title, model, values):
 @pytest.mark.parametrize(("model", "title", "kind", "key"), list(cases()))
 def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
     given = {**GIVEN.get((title, kind.kind), {})}
-    if model in ("guillotine", "trouser"):
+    if model in ("guillotine", "trouser", "oscillating"):
         given = GIVEN_TO_STRIPS.get((title, kind.kind), given)
     if model == "opening" and (title, kind.kind) == ("motion", "screw"):
         given = {}
@@ -272,6 +273,8 @@ def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
     other = other_value(kind, key)
     if key == "file":
         other = "other" + given["file"][given["file"].rindex(".") :]
+    if key == "width" and model == "oscillating":
+        other = 30.0  # more than its band
     varied = with_sets_of(kind, title, model, {**given, key: other})
     before = built(model_text(model, title, kind, given))
     assert built(model_text(model, title, kind, varied)) != before
@@ -309,8 +312,9 @@ def test_every_parameter_has_a_key_with_its_default(kind):
         default = kind.__dataclass_fields__[name].default
         wanted = parameters[parameter].default
         # The blade of the guillotine is made by the guillotine, a rectangle by its size or not, and
-        # the trouser test has its own film and law.
-        own = ("StripBlade", "Strip", "TornFilm", "TornLaw")
+        # the tears have their own films and laws.
+        own = ("StripBlade", "Strip", "TornFilm", "TornLaw", "BrittleFilm", "BrittleLaw")
+        own += ("SoftContact",)
         if kind.__name__ in own or wanted is inspect.Parameter.empty:
             continue
         assert default == wanted, name

@@ -36,7 +36,7 @@ def free(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("name", ["opening", "guillotine", "free", "trouser"])
+@pytest.mark.parametrize("name", ["opening", "guillotine", "free", "trouser", "oscillating"])
 def test_they_are_those_of_the_case(name, free):
     overrides = {"opening": {"mesh": "quick"}, "guillotine": {"size": 0.5}}.get(name, {})
     model = read_model(free if name == "free" else name, overrides)

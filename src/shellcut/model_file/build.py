@@ -12,7 +12,7 @@ import numpy as np
 from shellcut.imprinting import ImprintError
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
-from shellcut.models import Case, free_cut, guillotine, opening_test, trouser
+from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
 
 from .errors import ModelFileError, Problem
 from .key import Section
@@ -43,6 +43,7 @@ class _Build:
             "guillotine": self._guillotine,
             "free": self._free,
             "trouser": self._trouser,
+            "oscillating": self._oscillating,
         }[self._model.head.model]
         with self._blame(()):
             return builder()
@@ -127,6 +128,22 @@ class _Build:
             speed=motion.speed,
             ramp=motion.ramp,
             **self._options(self._made("membrane")),
+        )
+
+    def _oscillating(self) -> Case:
+        film, motion, bar = self._of["membrane"], self._of["motion"], self._of["tool"]
+        return oscillating(
+            film.size,
+            length=film.length,
+            width=film.width,
+            band=film.band,
+            notch=film.notch,
+            offset=film.offset,
+            diameter=bar.diameter,
+            tilt_deg=bar.tilt_deg,
+            travel=motion.travel,
+            speed=motion.speed,
+            **self._options(film.before(bar.diameter)),
         )
 
     def _options(self, mesh: Mesh) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from shellcut.arrays import Ints
 from shellcut.loads.supports import choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.models.guillotine import blade_before
+from shellcut.models.oscillating import duration_of as oscillating_time
+from shellcut.models.oscillating import way_of
 from shellcut.models.preview import ModelParts
 from shellcut.models.trouser import duration_of
 from shellcut.tool.motion import Motion, ScrewMotion
@@ -39,7 +41,7 @@ class _Parts:
         self._of = model.sections
 
     def made(self) -> ModelParts:
-        mesh: Mesh | None = self._try(lambda: self._of["membrane"].made())
+        mesh: Mesh | None = self._try(self._film)
         if self._model.head.model == "trouser":
             return ModelParts(mesh=mesh, held=self._held_of(mesh), duration=self._try(self._pull))
         tool: Tool | None = self._try(lambda: self._tool(mesh))
@@ -79,9 +81,24 @@ class _Parts:
                 raise ValueError("the way of the blade begins where the strip does")
             law = self._of["cohesive"].made()
             return blade_before(mesh, tool, travel=section.travel, speed=section.speed, law=law)
+        if self._model.head.model == "oscillating":
+            if mesh is None:
+                raise ValueError("the way of the bar ends where the strip does")
+            bar, extent = self._of["tool"], float(np.ptp(mesh.nodes[:, 0]))
+            way, speed = section.travel, section.speed
+            duration = oscillating_time(bar.diameter, extent, travel=way, speed=speed)
+            return tool, way_of(speed), duration
         given = section.made()
         duration = section.duration
         return tool, given, float(given.times[-1]) if duration is None else duration
+
+    def _film(self) -> Mesh:
+        film = self._of["membrane"]
+        if self._model.head.model == "oscillating":
+            strip: Mesh = film.before(self._of["tool"].diameter)
+            return strip
+        mesh: Mesh = film.made()
+        return mesh
 
     def _pull(self) -> float:
         film, way = self._of["membrane"], self._of["motion"]

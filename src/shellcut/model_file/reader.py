@@ -37,8 +37,8 @@ def read_model(
     Parameters
     ----------
     name_or_path : str or path
-        ``"opening"``, ``"guillotine"``, ``"trouser"``, or the path of a TOML file. Paths in the
-        file are relative to it.
+        Name of a shipped model, as ``"opening"`` or ``"trouser"``, or the path of a TOML file.
+        Paths in the file are relative to it.
     overrides : mapping from key to value, optional
         Replaces values of the file: ``{"membrane.mesh": "quick"}``, or ``{"mesh": "quick"}`` if
         only one section has such a key. Paths here are relative to the working directory.

@@ -52,7 +52,9 @@ from .key import (
 class Head(Section):
     """Keys before the first section."""
 
-    model: str = key(choice("opening", "guillotine", "free", "trouser"), "kind of model")
+    model: str = key(
+        choice("opening", "guillotine", "free", "trouser", "oscillating"), "kind of model"
+    )
     name: str | None = key(text, "stem of the result file", default=None, unset="the model's name")
     directional: bool = key(
         flag,

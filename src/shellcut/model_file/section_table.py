@@ -19,6 +19,16 @@ from .film_sections import (
     StripFile,
 )
 from .key import Section
+from .oscillating_sections import (
+    BandedStrip,
+    Bar,
+    BarWay,
+    BrittleFilm,
+    BrittleLaw,
+    FreeFracture,
+    LittleDamping,
+    SoftContact,
+)
 from .run_sections import (
     Cohesive,
     ContactSection,
@@ -95,6 +105,18 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         "fracture": (TornFracture,),
         "time": (Time,),
         "damping": (TornDamping,),
+        "output": (Output,),
+    },
+    "oscillating": {
+        "membrane": (BandedStrip,),
+        "material": (BrittleFilm, Laminate),
+        "cohesive": (BrittleLaw,),
+        "tool": (Bar,),
+        "motion": (BarWay,),
+        "contact": (SoftContact,),
+        "fracture": (FreeFracture,),
+        "time": (Time,),
+        "damping": (LittleDamping,),
         "output": (Output,),
     },
 }

@@ -15,7 +15,7 @@ from .key import Key, Section, default_of, key, number, section, whole
 from .run_sections import Cohesive, Damping
 
 
-def _again(of: type[Section], name: str, default: Any) -> Any:
+def again(of: type[Section], name: str, default: Any) -> Any:
     """Return a key of a section with another default."""
     known: Key = of.keys()[name]
     return key(known.kind, known.doc, default=default)
@@ -37,19 +37,19 @@ class TrouserStrip(Section):
 class TornFilm(Homogeneous):
     """A single elastic layer."""
 
-    thickness: float = _again(Homogeneous, "thickness", THICKNESS)
+    thickness: float = again(Homogeneous, "thickness", THICKNESS)
 
 
 @section("cohesive", of=CohesiveLaw)
 class TornLaw(Cohesive):
     """Cable stress as a function of cable length."""
 
-    strength: float = _again(Cohesive, "strength", LAW.strength)
-    plateau: float = _again(Cohesive, "plateau", LAW.plateau)
-    opening_a: float = _again(Cohesive, "opening_a", LAW.opening_a)
-    opening_p: float = _again(Cohesive, "opening_p", LAW.opening_p)
-    opening_u: float = _again(Cohesive, "opening_u", LAW.opening_u)
-    onset: float = _again(Cohesive, "onset", LAW.onset)
+    strength: float = again(Cohesive, "strength", LAW.strength)
+    plateau: float = again(Cohesive, "plateau", LAW.plateau)
+    opening_a: float = again(Cohesive, "opening_a", LAW.opening_a)
+    opening_p: float = again(Cohesive, "opening_p", LAW.opening_p)
+    opening_u: float = again(Cohesive, "opening_u", LAW.opening_u)
+    onset: float = again(Cohesive, "onset", LAW.onset)
 
 
 @section("motion", kind="straight")
@@ -85,4 +85,4 @@ class TornFracture(Section):
 class TornDamping(Damping):
     """Rayleigh damping."""
 
-    alpha: float = _again(Damping, "alpha", MASS_DAMPING)
+    alpha: float = again(Damping, "alpha", MASS_DAMPING)

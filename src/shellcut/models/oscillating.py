@@ -1,0 +1,237 @@
+"""The oscillating cut: a blunt bar driven through a clamped film tears a wavy crack.
+
+Nothing steers the crack but the film: it runs to where most energy is released
+(:mod:`shellcut.fracture.free_direction`). On the side of the bar to which the crack has run, the
+film hangs down as a flap that bends easily; on the other side the bar presses against the edge of
+the crack, stretches the film there and tears it across, until the crack has come to its other side
+([Roman2003], [Audoly2005]). docs/theory/oscillating.md says what of it has been measured.
+
+The flaps must spring back behind the bar, or their inertia opens the crack ahead of it and it runs
+straight: speed is to be compared with thickness times wave speed over diameter.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.settings import Contact
+from shellcut.fracture.criterion import Fracture
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.round_bar import round_bar
+from shellcut.tool.tool import Tool
+
+from .case import Case, check_length
+
+LAW = CohesiveLaw(
+    strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.002
+)
+"""Default law: 3.0 N/mm, softening over 0.1 mm."""
+
+YOUNG, POISSON, DENSITY, THICKNESS = 2200.0, 0.35, 0.9e-9, 0.1
+"""Default film: modulus [MPa] and density [t/mm³] as of bi-oriented polypropylene."""
+
+CHECK_EVERY = 20
+"""Default steps between two checks."""
+
+PENALTY = 200.0
+"""Default contact penalty [N/mm³]: the bar presses with tenths of a newton."""
+
+STIFFNESS_DAMPING = 1e-8
+"""Default stiffness damping [s]."""
+
+# Growth of the rows outside the band from one to the next, and their largest breadth over its own.
+_GROWTH, _WIDEST = 1.6, 5.0
+
+# How far nodes in the film are moved at random, over the size of its quads: no line of nodes leads
+# the crack.
+_MOVED = 0.2
+
+_NOTCH, _OFFSET, _LEFT = 1.5, 0.35, 2.0  # over the diameter
+_CLEARANCE, _RAMP = 0.02, 1e-3  # of the bar before the film [mm], of its speed [s]
+
+
+def banded_strip(length: float, width: float, size: float, band: float) -> Mesh:
+    """Return a strip from x = 0, its quads fine within ``band`` of its middle line.
+
+    Outside, rows grow broader. Nodes inside are moved at random, the same at every call.
+
+    Parameters
+    ----------
+    length, width : float, [mm]
+    size : float
+        Edge length of the quads in the band [mm].
+    band : float
+        Half the breadth of the band [mm].
+
+    Returns
+    -------
+    Mesh
+        With the node sets of :func:`rectangle`.
+    """
+    if not 0.0 < size < band < 0.5 * width:
+        raise ValueError(
+            "size, band and half the width must increase from 0, got "
+            f"{size:g}, {band:g} and {0.5 * width:g} mm"
+        )
+    y = _rows(0.5 * width, size, band)
+    n_x = max(1, round(length / size))
+    mesh = rectangle(length, width, n_x=n_x, n_y=len(y) - 1)
+    X = mesh.nodes.copy()
+    X[:, 1] = np.repeat(y, n_x + 1)
+    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
+    shift = np.random.default_rng(3).uniform(-_MOVED, _MOVED, (inside.size, 2))
+    X[inside, :2] += size * shift
+    return Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+
+
+def _rows(half: float, size: float, band: float) -> Floats:
+    """Return y of all rows of nodes, shape (n,), [mm]."""
+    n = round(band / size)
+    y = [k * size for k in range(n + 1)]
+    breadth = size
+    while y[-1] < half:
+        breadth = min(_GROWTH * breadth, _WIDEST * size)
+        y.append(y[-1] + breadth)
+    up = np.array(y)
+    up[n:] = up[n] + (up[n:] - up[n]) * (half - up[n]) / (up[-1] - up[n])
+    return np.concatenate([-up[:0:-1], up])
+
+
+def oscillating(
+    size: float = 0.75,
+    *,
+    mesh: Mesh | None = None,
+    diameter: float = 6.0,
+    tilt_deg: float = 10.0,
+    length: float | None = None,
+    width: float | None = None,
+    band: float | None = None,
+    notch: float | None = None,
+    offset: float | None = None,
+    travel: float | None = None,
+    speed: float = 3000.0,
+    material: ShellMaterial | None = None,
+    law: CohesiveLaw | None = None,
+    **options: Any,
+) -> Case:
+    """Build the oscillating cut.
+
+    Parameters
+    ----------
+    size : float
+        Edge length of the quads that the crack may come to [mm].
+    mesh : Mesh, optional
+        A flat strip of your own in z = 0, from x = 0 on and about y = 0, with node sets ``bottom``
+        and ``top`` at its long sides; ``size``, ``width`` and ``band`` are then unused.
+    diameter, tilt_deg : float
+        Of the bar, see :func:`round_bar` [mm], [degrees].
+    length, width, band : float, optional
+        Of the strip, and half the breadth of its fine quads [mm]; by default 125/6, 6 and 1.2
+        diameters.
+    notch, offset : float, optional
+        Length of the notch, and how far it lies beside the bar's line, the kick that starts the
+        oscillation [mm]; by default 1.5 and 0.35 diameters.
+    travel : float, optional
+        Of the bar [mm]; by default up to two diameters before the end of the strip.
+    speed : float
+        After a ramp of 1 ms [mm/s].
+    material, law : ShellMaterial, CohesiveLaw, optional
+        By default a film of 0.1 mm with modulus and density of bi-oriented polypropylene, and 3
+        N/mm with 60 MPa: less strength than such a film has, so that its process zone is some
+        quads long.
+    **options
+        Options of :class:`Simulation`. ``fracture`` has ``path="free"`` by default, and a check
+        every 20 steps; ``contact`` a penalty of 200 N/mm³, ``damping_beta`` is 1e-8 s.
+
+    Returns
+    -------
+    Case
+
+    Examples
+    --------
+    >>> case = oscillating(1.5, length=40.0)
+    >>> case.simulation.mesh.n_quad, round(1e3 * case.duration, 2)
+    (432, 9.83)
+    """
+    if not (np.isfinite(diameter) and diameter > 0.0):
+        raise ValueError(f"diameter must be positive in mm, got {diameter!r}")
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise ValueError(f"speed must be positive in mm/s, got {speed!r}")
+    if mesh is None:
+        mesh = film_before(diameter, size=size, length=length, width=width, band=band)
+    extent = float(np.ptp(mesh.nodes[:, 0]))
+    duration = duration_of(diameter, extent, travel=travel, speed=speed)
+    chosen = {
+        "contact": Contact(penalty=PENALTY),
+        "fracture": Fracture(path="free", check_every=CHECK_EVERY),
+        "damping_beta": STIFFNESS_DAMPING,
+        **options,
+    }
+    if chosen["fracture"].path != "free":
+        raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
+    simulation = Simulation(
+        mesh,
+        material or film(),
+        supports=[Support.clamped("bottom"), Support.clamped("top")],
+        tool=bar_before(diameter, tilt_deg),
+        motion=way_of(speed),
+        law=law or LAW,
+        **chosen,
+    )
+    y = _OFFSET * diameter if offset is None else offset
+    end = _NOTCH * diameter if notch is None else notch
+    simulation.notch((-extent, y, 0.0), (end, y, 0.0))
+    check_length(simulation, duration)
+    return Case("oscillating", simulation, duration)
+
+
+def bar_before(diameter: float, tilt_deg: float) -> Tool:
+    """Return the bar just before the strip."""
+    bar = round_bar(diameter=diameter, height=8.0 * diameter, tilt_deg=tilt_deg)
+    return bar.translated((-_CLEARANCE, 0.0, 0.0))
+
+
+def way_of(speed: float) -> StraightMotion:
+    """Return the motion of the bar."""
+    return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
+
+
+def film() -> ShellMaterial:
+    """Return the default film."""
+    return ShellMaterial.homogeneous(
+        young=YOUNG, poisson=POISSON, density=DENSITY, thickness=THICKNESS
+    )
+
+
+def film_before(
+    diameter: float,
+    *,
+    size: float,
+    length: float | None = None,
+    width: float | None = None,
+    band: float | None = None,
+) -> Mesh:
+    """Return the strip for a bar, with the parameters of :func:`oscillating`."""
+    return banded_strip(
+        125.0 / 6.0 * diameter if length is None else length,
+        6.0 * diameter if width is None else width,
+        size,
+        1.2 * diameter if band is None else band,
+    )
+
+
+def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:
+    """Return the duration of a run [s] on a strip of the length ``extent`` [mm]."""
+    way = extent - _LEFT * diameter if travel is None else travel
+    if not way > 0.0:
+        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
+    return way / speed + 0.5 * _RAMP

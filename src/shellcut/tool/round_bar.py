@@ -1,0 +1,91 @@
+"""A blunt tool: a round bar that leans, without cutting edges."""
+
+from __future__ import annotations
+
+from math import cos, isfinite, radians, sin
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+
+from .tool import Tool, ToolError
+
+
+def round_bar(
+    *, diameter: float = 6.0, height: float = 48.0, tilt_deg: float = 10.0, n_around: int = 72
+) -> Tool:
+    """Return a round bar that moves along +x through the sheet z = 0; it cuts nothing.
+
+    Its foremost point in the sheet is the origin. Its axis leans forward with its top, so that it
+    presses the film beside its crack down.
+
+    Parameters
+    ----------
+    diameter : float, [mm]
+    height : float, [mm]
+        Of both ends from each other, along the axis; the sheet is halfway.
+    tilt_deg : float, [deg]
+        Of the axis from the vertical, in (-60, 60).
+    n_around : int
+        Facets around it, 12 at least.
+
+    Returns
+    -------
+    Tool
+        With one body and no cutting edge.
+
+    Raises
+    ------
+    ToolError
+        Lists every parameter out of its range.
+
+    Examples
+    --------
+    >>> round_bar(diameter=4.0).n_edge
+    0
+    """
+    problems = [
+        f"{name} must be positive and finite, got {value}"
+        for name, value in (("diameter", diameter), ("height", height))
+        if not (isfinite(value) and value > 0.0)
+    ]
+    if not abs(tilt_deg) < 60.0:
+        problems.append(f"tilt_deg must lie between -60 and 60, got {tilt_deg}")
+    if n_around < 12:
+        problems.append(f"n_around must be 12 at least, got {n_around}")
+    if problems:
+        raise ToolError(problems, what="round bar")
+    corners, triangles = _upright(0.5 * diameter, height, n_around)
+    c, s = cos(radians(tilt_deg)), sin(radians(tilt_deg))
+    leaning = corners @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    return Tool.from_triangles(
+        leaning - [0.5 * diameter / c, 0.0, 0.0],
+        triangles,
+        edges=np.zeros((0, 2), np.int64),
+        name="round bar",
+        parameters={
+            "diameter": diameter,
+            "height": height,
+            "tilt_deg": tilt_deg,
+            "n_around": float(n_around),
+        },
+    )
+
+
+def _upright(radius: float, height: float, n: int) -> tuple[Floats, Ints]:
+    """Return corners (n_vertex, 3) and triangles (n_triangle, 3) of a bar along z."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    levels = np.linspace(-0.5 * height, 0.5 * height, max(2, round(3.0 * height / radius)) + 1)
+    rows = [np.column_stack([ring, np.full(n, z)]) for z in levels]
+    ends = np.array([[0.0, 0.0, levels[0]], [0.0, 0.0, levels[-1]]])
+    here, there = np.arange(n), np.roll(np.arange(n), -1)
+    faces = []
+    for k in range(len(levels) - 1):
+        a, b = k * n + here, k * n + there
+        faces += [np.stack([a, b, b + n], axis=1), np.stack([a, b + n, a + n], axis=1)]
+    bottom = np.full(n, len(levels) * n)
+    top = (len(levels) - 1) * n
+    faces.append(np.stack([bottom, there, here], axis=1))
+    faces.append(np.stack([bottom + 1, top + here, top + there], axis=1))
+    return np.concatenate([*rows, ends]), np.concatenate(faces)

@@ -1,0 +1,77 @@
+"""The oscillating cut: its bar, its film, and a short and coarse run of it."""
+
+import numpy as np
+import pytest
+
+from shellcut import Fracture, oscillating
+from shellcut.models.oscillating import banded_strip
+from shellcut.tool.tool import ToolError
+from shellcut.tool_shapes import round_bar
+
+
+def test_the_bar_touches_the_origin_and_leans_forward():
+    bar = round_bar(diameter=4.0, height=20.0, tilt_deg=10.0)
+    # Its section in the sheet is an ellipse, 4 mm broad, drawn out by the tilt: facets of 5°.
+    assert bar.volume()[0] == pytest.approx(np.pi * 4.0 * 20.0, rel=2e-3)
+    x, _, z = bar.vertices.T
+    assert x[z > 5.0].mean() > x[z < -5.0].mean()
+    middle = np.abs(bar.vertices[:, 2]) < 1.0
+    assert bar.vertices[middle, 0].max() == pytest.approx(0.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"diameter": -1.0}, "diameter must be positive"),
+        ({"height": 0.0}, "height must be positive"),
+        ({"tilt_deg": 80.0}, "tilt_deg must lie between"),
+        ({"n_around": 5}, "n_around must be 12 at least"),
+    ],
+)
+def test_a_bar_that_cannot_be_is_refused(wrong, said):
+    with pytest.raises(ToolError, match=said):
+        round_bar(**wrong)
+
+
+def test_the_film_is_fine_in_its_band():
+    film = banded_strip(20.0, 30.0, 0.5, 4.0)
+    _, y, _ = film.nodes[film.quads].mean(axis=1).T
+    area = film.quad_areas()
+    within = np.abs(y) < 4.0
+    assert np.abs(area[within].mean() / 0.25 - 1.0) < 0.01  # nodes moved at random
+    assert area[~within].max() > 3.0 * 0.25
+    assert area.sum() == pytest.approx(600.0)  # round-off
+    rim = film.nodes[film.boundary_nodes()]
+    on = np.isclose(rim[:, 0], [[0.0], [20.0]]) | np.isclose(np.abs(rim[:, 1]), 15.0)
+    assert on.any(axis=0).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"diameter": 0.0}, "diameter must be positive"),
+        ({"speed": -1.0}, "speed must be positive"),
+        ({"length": 10.0}, "lengthen the strip"),
+        ({"width": 10.0}, "size, band and half the width must increase"),
+        ({"fracture": Fracture()}, "nothing steers it"),
+    ],
+)
+def test_what_cannot_be_is_refused(wrong, said):
+    with pytest.raises(ValueError, match=said):
+        oscillating(1.5, **wrong)
+
+
+def test_the_crack_runs_ahead_of_the_bar():
+    # Four quads a diameter are too few for the wave, which takes minutes to grow
+    # (docs/theory/oscillating.md): the crack comes to the bar's line and keeps to it.
+    case = oscillating(1.5, length=36.0)
+    sim = case.simulation
+    sim.run(case.duration)
+    path = np.array([cut.reference[:2] for cut in sim.state.split_log if cut.kind != "notch"])
+    front = sim.pose.translation[0]
+    assert path[-1, 0] > front  # it tears ahead of the bar
+    assert path[0, 1] == pytest.approx(2.1)  # round-off: the end of the notch
+    assert np.abs(path[path[:, 0] > 18.0, 1]).max() < 1.0  # measured 0.4
+    assert (np.diff(path[:, 0]) > -1e-9).all()
+    assert len(sim.cracks.free.tips) == 1
+    assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 0.01

@@ -1,0 +1,108 @@
+"""Measure the wave of an oscillating cut: ``python tests/verification/oscillating_cut.py --help``.
+
+Runs the model ``oscillating`` on a film long enough for some periods, in minutes, and prints the
+extremes of the crack's path, wavelength and amplitude over the bar's diameter beyond ten diameters,
+and where the work went from there on.
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+import shellcut as sc
+from shellcut.models.oscillating import film_before
+
+BEYOND = 10.0
+"""Diameters after which the wave is taken as steady."""
+
+LEAST = 0.08
+"""Of the diameter: a crack that comes no farther to the other side is not yet there."""
+
+
+def turned(film, half, degrees=20.0):
+    """Return a film with its columns of quads turned in the band |y| < half, not at its ends."""
+    X, L = film.nodes.copy(), float(np.ptp(film.nodes[:, 0]))
+    ends = np.clip(np.minimum(X[:, 0], L - X[:, 0]) / 4.0, 0.0, 1.0)
+    X[:, 0] += np.tan(np.radians(degrees)) * np.clip(X[:, 1], -half, half) * ends
+    return sc.Mesh.from_arrays(X, film.quads, node_sets=film.node_sets)
+
+
+def from_gmsh(length, width, size):
+    """Return a strip of Gmsh's quads."""
+    corners = [[0.0, y] for y in (-0.5 * width, 0.5 * width)]
+    corners = [*corners[:1], [length, -0.5 * width], [length, 0.5 * width], corners[1]]
+    film = sc.mesh_from_outline(corners, size=size)
+    y = film.nodes[:, 1]
+    sides = {"bottom": y < -0.5 * width + 1e-6, "top": y > 0.5 * width - 1e-6}
+    return film.with_sets(node_sets={name: np.flatnonzero(on) for name, on in sides.items()})
+
+
+def extremes(path, diameter):
+    """Return where a path turns back from either side of the bar's line, shape (n, 2) [mm]."""
+    found, side, here = [], 0, []
+    for x, y in path:
+        now = int(np.sign(y)) if abs(y) > LEAST * diameter else 0
+        if now and now != side:
+            if side:
+                found.append(max(here, key=lambda place: abs(place[1])))
+            side, here = now, []
+        here.append((x, y))
+    return np.array(found).reshape(-1, 2)
+
+
+def run(case, until):
+    """Run to the end; return rows of way, crack and works: tool, cables, damping, imbalance."""
+    sim, rows, began = case.simulation, [], time.time()
+    while sim.state.time < case.duration and sim.cracks.free.tips:
+        sim.step()
+        if sim.state.step % 200 == 0:
+            book = sim.ledger
+            works = book.tool_work, book.cohesive_work, book.damping, book.imbalance, book.kinetic
+            way = sim.motion.coordinate(sim.state.time)
+            rows.append((way, sim.state.crack_length, *works))
+        if time.time() - began > until:
+            break
+    return np.array(rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    number = parser.add_argument
+    number("--diameter", type=float, default=6.0, help="of the bar [mm]")
+    number("--size", type=float, default=0.75, help="of the quads [mm]")
+    number("--thickness", type=float, default=0.1, help="of the film [mm]")
+    number("--speed", type=float, default=3000.0, help="of the bar [mm/s]")
+    number("--length", type=float, default=170.0, help="of the film [mm]")
+    number("--until", type=float, default=3600.0, help="wall time at most [s]")
+    parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
+    chosen = parser.parse_args()
+    d = chosen.diameter
+    film = film_before(d, size=chosen.size, length=chosen.length)
+    if chosen.mesh == "turned":
+        film = turned(film, 1.2 * d)
+    elif chosen.mesh == "gmsh":
+        film = from_gmsh(chosen.length, 6.0 * d, chosen.size)
+    section = sc.ShellMaterial.homogeneous(
+        young=2200.0, poisson=0.35, density=0.9e-9, thickness=chosen.thickness
+    )
+    case = sc.oscillating(mesh=film, diameter=d, speed=chosen.speed, material=section)
+    rows = run(case, chosen.until)
+    cuts = [cut for cut in case.simulation.state.split_log if cut.kind != "notch"]
+    turns = extremes([cut.reference[:2] for cut in cuts], d)
+    print("extremes [mm]:", ", ".join(f"({x:.1f}, {y:+.2f})" for x, y in turns))
+    steady = turns[turns[:, 0] > BEYOND * d]
+    if len(steady) > 2:
+        half, high = np.diff(steady[:, 0]), 0.5 * np.abs(np.diff(steady[:, 1]))
+        print(f"wavelength / diameter {2.0 * half.mean() / d:.2f} over {len(half) / 2:g} periods")
+        print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
+    late = rows[rows[:, 0] > BEYOND * d]
+    way, crack, work, cables, damping, *_ = late[-1] - late[0]
+    G_h = case.simulation.law.fracture_energy * chosen.thickness
+    print(f"force / (G h) {work / way / G_h:.2f}, crack / way {crack / way:.2f}")
+    print(f"cables / (G h crack) {cables / (G_h * crack):.3f}, damped {damping / work:.2f}")
+    print(f"imbalance / work {np.abs(rows[:, 5]).max() / rows[-1, 2]:.4f}")
+
+
+if __name__ == "__main__":
+    main()
