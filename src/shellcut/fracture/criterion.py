@@ -83,6 +83,9 @@ class Fracture:
     cable_places : {"ends", "gauss"}
         Where the two cables across a segment of a crack through the quads are: at its ends, or at
         its two Gauss points, where the force of a cut ripples less.
+    largest_speed : float, optional
+        Of cracks through the quads that no blade drives [mm/s]; by default one quad in
+        ``check_every`` steps, which is mostly less than the Rayleigh speed of the film.
 
     Examples
     --------
@@ -100,6 +103,7 @@ class Fracture:
     path: Path = "edges"
     anisotropy: Anisotropy | None = None
     cable_places: CablePlaces = "ends"
+    largest_speed: float | None = None
 
     def __post_init__(self) -> None:
         problems = []
@@ -119,7 +123,11 @@ class Fracture:
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
         if self.path not in (allowed := get_args(Path)):
             problems.append(f"path must be one of {allowed}, got {self.path!r}")
-        elif self.path == "edges" and self.anisotropy is not None:
+        if self.largest_speed is not None and not 0.0 < self.largest_speed < np.inf:
+            problems.append(f"largest_speed must be positive, got {self.largest_speed!r}")
+        if self.path == "edges" and self.largest_speed is not None:
+            problems.append("largest_speed is of cracks through the quads only: take path='free'")
+        if self.path == "edges" and self.anisotropy is not None:
             problems.append("anisotropy is of cracks through the quads only: take path='free'")
         elif self.path == "edges" and self.cable_places != "ends":
             problems.append("cable_places is of cracks through the quads only: take path='free'")

@@ -83,6 +83,7 @@ class FreeCracks:
             for node in crack_tips(state)
         ]
         self._shell = shell
+        self._largest_speed = fracture.largest_speed or np.inf
         topology, film = self._cuts.topology, fracture.anisotropy
         gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
@@ -110,11 +111,12 @@ class FreeCracks:
     def _advance_free(self, state: State) -> None:
         """Advance the cracks that no blade drives and that are due, by one quad at most.
 
-        A crack then runs no faster than an edge length in ``check_every`` steps.
+        A crack then runs no faster than an edge length in ``check_every`` steps, and not beyond the
+        largest speed given.
         """
         for tip in list(self.tips):
-            if not self._is_there(tip):
-                continue  # another crack has just joined it
+            if not self._is_there(tip) or state.time < tip.since:
+                continue  # another crack has just joined it, or it has just been here
             if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
@@ -210,6 +212,7 @@ class FreeCracks:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
+            tip.since = state.time + cut.length / self._largest_speed
             self.tips.append(tip)
 
     def _tip_after(

@@ -34,6 +34,8 @@ class Tip:
     corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
     """Rows that touch that place from behind, the side from which the crack came."""
+    since: float = 0.0
+    """Time from which it may go on if no blade drives it [s]: a crack has a largest speed."""
 
     @property
     def at_node(self) -> bool:
@@ -50,6 +52,7 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
         "length": np.array([tip.length for tip in tips], float),
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
+        "since": np.array([tip.since for tip in tips], float),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
     }
@@ -67,6 +70,7 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             heading=saved["heading"][i].copy(),
             length=rows["length"][i],
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
+            since=rows["since"][i],
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
         )
         for i in range(len(stop))

@@ -117,6 +117,11 @@ class FractureSection(Section):
         choice(*get_args(CablePlaces)),
         "cables across a segment of a crack through quads, at its ends or its Gauss points",
     )
+    largest_speed: float | None = key(
+        number("mm/s"),
+        "of cracks through quads that no blade drives",
+        unset="one quad in check_every steps",
+    )
 
 
 @section("time", of=Stepping)

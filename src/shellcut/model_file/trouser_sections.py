@@ -76,9 +76,16 @@ class TornFracture(Section):
 
     check_every: int = key(whole, "steps between two checks", default=CHECK_EVERY)
 
+    largest_speed: float | None = key(
+        number("mm/s"),
+        "of the crack",
+        default=None,
+        unset="one quad in check_every steps",
+    )
+
     def made(self) -> Fracture:
         """Return the modes."""
-        return Fracture(path="free", check_every=self.check_every)
+        return Fracture(path="free", check_every=self.check_every, largest_speed=self.largest_speed)
 
 
 @section("damping")
