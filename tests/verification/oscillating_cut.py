@@ -97,6 +97,9 @@ def main():
         print(f"wavelength / diameter {2.0 * half.mean() / d:.2f} over {len(half) / 2:g} periods")
         print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
     late = rows[rows[:, 0] > BEYOND * d]
+    if len(late) < 2:
+        print(f"too short: the wave is measured beyond {BEYOND * d:g} mm")
+        return
     way, crack, work, cables, damping, *_ = late[-1] - late[0]
     G_h = case.simulation.law.fracture_energy * chosen.thickness
     print(f"force / (G h) {work / way / G_h:.2f}, crack / way {crack / way:.2f}")
