@@ -307,7 +307,7 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(tmp_path, capsys, monkeypatc
 
 
 def test_ctrl_c_before_the_run_leaves_nothing(tmp_path, capsys, monkeypatch):
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(importlib.import_module("shellcut.models.warmup"), "warmup", interrupted)
