@@ -114,6 +114,18 @@ def test_a_crack_that_passes_the_end_of_another_goes_on():
     assert ends[:, 0].max() > x + 3.5
 
 
+def test_two_that_come_towards_each_other_at_an_angle_end_where_they_meet():
+    """The first would go on beside the second, whose flank leads 30 degrees off its way."""
+    sim = cut_strip(mesh=slanted_strip(), notched=False)
+    free, x = sim.cracks.free, start_of(sim)
+    way = np.array([-np.sqrt(0.75), 0.5, 0.0])
+    end = np.array([x + 1.4, 0.0, 0.0])
+    sim.notch(end - 4.0 * way, end)
+    (there,) = (free._path.reference_of(sim.state, tip) for tip in free.tips)
+    sim.notch((x - 1.0, there[1], 0.0), (x + 4.0, there[1], 0.0))
+    assert not free.tips
+
+
 def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
     """The second crack comes from the other side to where the first waits on the far flank."""
     sim = cut_strip(mesh=slanted_strip(), notched=False)
