@@ -26,12 +26,12 @@ import numpy as np
 from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.borrowed import borrowed
 from .numerics.held_table import Holder
-from .numerics.jit import always_inline, bound_once, kernel
+from .numerics.jit import BoundOnce, always_inline, kernel
 from .numerics.lane_instructions import WIDTH
 from .numerics.lanes import along, at, put_at, row_columns, total, zero
 from .numerics.processor import align_stack
 from .numerics.threads import NODE_CHUNK, Workers, in_order
-from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale
+from .numerics.vec3 import add, add_scaled, combine, cross, dot, load, rotate_director, scale, sub
 from .state import KnownTopology, State
 
 # Square of the sine below which a director counts as along the axis its spin is held about.
@@ -87,6 +87,8 @@ class _Supported(NamedTuple):
     """Ascending."""
     first: Annotated[Ints, "(n_chunk + 1,)"]
     """The first of them in every chunk of nodes, and the end."""
+    clamped: Annotated[Bools, "(n_supported,)"]
+    """Whether all six motions are given: most are, and their reaction needs no free motion."""
 
 
 class CentralDifference:
@@ -107,42 +109,37 @@ class CentralDifference:
         self._supported: _Supported | None = None
         self._nodes: _Nodes | None = None
         self._hold_supported, self._hold_nodes = Holder(), Holder()
-        self._kick, self._drift = bound_once(_kick), bound_once(_drift)
+        self._kick, self._drift = BoundOnce(_kick), BoundOnce(_drift)
 
     def kick(self, state: State, dt_last: float, dt_next: float) -> KickResult:
         """Take velocities from t_{n-1/2} to t_{n+1/2} with the forces at t_n."""
-        count, stride = state.n_node, self._workers.count
         if not self._known.is_of(state):
             self._collect(state)
-        dt = 0.5 * (dt_last + dt_next)
-        step = _KickStep(dt_last=float(dt_last), dt=dt, alpha=self.damping_alpha)
+        count, alpha, dt = state.node.count, self.damping_alpha, 0.5 * (dt_last + dt_next)
         sums = np.zeros((-(-count // NODE_CHUNK), 4))
-
-        def part(thread: int) -> None:
-            self._kick(thread, stride, count, step, self._nodes, self._supported, sums)
-
-        self._workers.run(part)
+        self._workers.run(
+            self._kick, count, float(dt_last), dt, alpha, self._nodes, self._supported, sums
+        )
         translation, rotation, mean, support_work = in_order(sums)
-        damping = 0.25 * self.damping_alpha * dt * mean
+        damping = 0.25 * alpha * dt * mean
         return KickResult(0.5 * translation, 0.5 * rotation, damping, support_work)
 
     def drift(self, state: State, dt: float) -> None:
         """Take positions and directors from t_n to t_{n+1}."""
-        count, stride, dt = state.n_node, self._workers.count, float(dt)
         if not self._known.is_of(state):
             self._collect(state)
-
-        def part(thread: int) -> None:
-            self._drift(thread, stride, count, dt, self._nodes)
-
-        self._workers.run(part)
+        self._workers.run(self._drift, state.node.count, float(dt), self._nodes)
 
     def _collect(self, state: State) -> None:
         """Lay out what the kernels take, good until the next split."""
         n = state.node
         ids = np.flatnonzero(n.supported[: n.count])
         chunks = np.arange(0, n.count + NODE_CHUNK, NODE_CHUNK)
-        supported = _Supported(node=ids, first=np.searchsorted(ids, chunks))
+        supported = _Supported(
+            node=ids,
+            first=np.searchsorted(ids, chunks),
+            clamped=np.asarray(n.support[ids].all(axis=1)),
+        )
         nodes = _Nodes(**{name: getattr(n, name) for name in _Nodes._fields})
         self._supported, self._nodes = self._hold_supported(supported), self._hold_nodes(nodes)
         self._known.take(state)
@@ -253,22 +250,60 @@ def _kick_supported(
     return after, kinetic, damping, work
 
 
+@always_inline
+def _kick_clamped(
+    n: int, first: int, step: _KickStep, m: float, force: Vec3, before: Vec3, nodes: _Nodes
+) -> tuple[Vec3, float, float, float]:
+    """Return what :func:`_kick_supported` does, for a node whose three motions are all given."""
+    dt_last, alpha, rate = step.dt_last, step.alpha, 1.0 / step.dt
+    support_rate, reaction = nodes.support_rate, nodes.reaction
+    after = support_rate[n, first], support_rate[n, first + 1], support_rate[n, first + 2]
+    both = add(before, after)
+    gain = combine(rate, sub(after, before), 0.5 * alpha, both)
+    r = combine(m, gain, -1.0, force)
+    last = reaction[n, first], reaction[n, first + 1], reaction[n, first + 2]
+    work = 0.5 * dt_last * dot(add(last, r), before)
+    for c in range(3):
+        reaction[n, first + c] = r[c]
+    began = before if dt_last > 0.0 else combine(2.0, before, -1.0, after)
+    return after, m * dot(began, after), m * dot(both, both), work
+
+
+@always_inline
+def _kick_one(
+    clamped: bool,
+    n: int,
+    first: int,
+    step: _KickStep,
+    m: float,
+    force: Vec3,
+    before: Vec3,
+    nodes: _Nodes,
+) -> tuple[Vec3, float, float, float]:
+    if clamped:
+        return _kick_clamped(n, first, step, m, force, before, nodes)
+    return _kick_supported(n, first, step, m, force, before, nodes)
+
+
 @kernel
 def _kick(
     first: int,
     stride: int,
     n_node: int,
-    step: _KickStep,
+    dt_last: float,
+    dt: float,
+    alpha: float,
     nodes: _Nodes,
     supported: _Supported,
     sums: Floats,
 ) -> None:
     """Advance velocity and spin of the chunks first, first + stride, ... of nodes.
 
+    dt_last, dt, alpha : as in _KickStep.
     sums : (n_chunk, 4), written: m v·v', j w·w', the damping's sum and the work of the reactions.
     """
     align_stack()
-    step, nodes, supported = borrowed(step), borrowed(nodes), borrowed(supported)
+    step, nodes, supported = _KickStep(dt_last, dt, alpha), borrowed(nodes), borrowed(supported)
     velocity, spin, rows = nodes.velocity_half, nodes.spin_half, nodes.force_rows
     moved = np.empty((supported.node.shape[0], 6))
     for chunk in range(first, sums.shape[0], stride):
@@ -278,11 +313,12 @@ def _kick(
             director = load(nodes.t, n)
             force = rows[n, 0], rows[n, 1], rows[n, 2]
             moment = cross(director, (rows[n, 3], rows[n, 4], rows[n, 5]))
-            v, kinetic, damping, work = _kick_supported(
-                n, 0, step, nodes.mass[n], force, load(velocity, n), nodes
+            clamped = supported.clamped[i]
+            v, kinetic, damping, work = _kick_one(
+                clamped, n, 0, step, nodes.mass[n], force, load(velocity, n), nodes
             )
-            w, kinetic_spin, damping_spin, work_spin = _kick_supported(
-                n, 3, step, nodes.inertia[n], moment, load(spin, n), nodes
+            w, kinetic_spin, damping_spin, work_spin = _kick_one(
+                clamped, n, 3, step, nodes.inertia[n], moment, load(spin, n), nodes
             )
             for c in range(3):
                 moved[i, c] = v[c]

@@ -9,7 +9,7 @@ import pytest
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 
 
 class Rods(NamedTuple):
@@ -51,7 +51,7 @@ def _frame() -> Frame:
 def test_kernels_read_and_write_through_it():
     frame = _frame()
     held = Holder()(frame)
-    by_table, by_held = bound_once(_sum_up), bound_once(_sum_up)
+    by_table, by_held = BoundOnce(_sum_up), BoundOnce(_sum_up)
     assert by_held(held, 1.0) == 11.0 + 0.5 * (2.0 + 5.0 * 7)
     assert frame.rods.pull.tolist() == [3.0, 4.0, 6.0]
     assert by_held(held, 0.0) == by_table(frame, 0.0)
@@ -62,7 +62,7 @@ def test_kernels_read_and_write_through_it():
 
 def test_it_keeps_its_arrays_alive():
     held = Holder()(_frame())
-    call = bound_once(_sum_up)
+    call = BoundOnce(_sum_up)
     gc.collect()
     others = [np.full(3, 1e300) for _ in range(100)]
     assert call(held, 0.0) == 11.0 + 0.5 * 37.0
@@ -70,7 +70,7 @@ def test_it_keeps_its_arrays_alive():
 
 
 def test_the_next_table_takes_its_place():
-    hold, call = Holder(), bound_once(_sum_up)
+    hold, call = Holder(), BoundOnce(_sum_up)
     frame = _frame()
     first = hold(frame)
     grown = frame._replace(rods=Rods(*(np.repeat(rows, 2, axis=0) for rows in frame.rods)), count=6)

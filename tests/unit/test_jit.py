@@ -11,7 +11,7 @@ import pytest
 
 import shellcut
 from shellcut.numerics import jit as _jit
-from shellcut.numerics.jit import always_inline, bound, bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, bound, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -57,20 +57,20 @@ def test_bound_is_the_kernel_for_these_types():
 
 
 def test_bound_once_is_the_kernel_for_the_types_of_its_first_call():
-    call = bound_once(_scaled_sum)
+    call = BoundOnce(_scaled_sum)
     for n in (4, 7):
         numbers = np.arange(float(n))
         assert call(numbers, 2.0) == _scaled_sum(numbers, 2.0)
     for other in (np.arange(4), np.arange(8.0)[::2]):
         with pytest.raises(TypeError, match="a bound kernel was given other types"):
             call(other, 2.0)
-    assert bound_once(sum)([1, 2]) == 3
+    assert BoundOnce(sum)([1, 2]) == 3
 
 
 def test_bound_once_binds_once(monkeypatch):
     count = []
     monkeypatch.setattr(_jit, "bound", lambda function, *_: count.append(0) or function)
-    call = bound_once(_scaled_sum)
+    call = BoundOnce(_scaled_sum)
     assert [call(np.arange(3.0), 2.0) for _ in range(3)] == [6.0] * 3
     assert len(count) == 1
 

@@ -12,7 +12,7 @@ from shellcut.cables import directional_cable
 from shellcut.contact import penalty_contact
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kernel_tables import check_tables
 
 
@@ -90,7 +90,7 @@ def test_swapped_fields_of_the_cables_are_refused(run):
     tables = run.cables._tables.table
     rows = tables.cables
     swapped = tables._replace(cables=rows._replace(area=rows.m, m=rows.area))
-    call = bound_once(directional_cable._add_cable_forces)
+    call = BoundOnce(directional_cable._add_cable_forces)
     with pytest.raises(TypeError, match=r"CableRows\.area .* is another array in its place\?"):
         call(run.pose, 1e-9, 0.0, swapped, np.zeros((1, 6)), np.zeros(3))
     with pytest.raises(TypeError, match=r"CableRows\.area .* is another array in its place\?"):
@@ -100,7 +100,7 @@ def test_swapped_fields_of_the_cables_are_refused(run):
 def test_swapped_fields_of_the_contact_are_refused(run):
     tables = run.contact._tables.table
     swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.contact_mass))
-    call = bound_once(penalty_contact._add_contact_forces)
+    call = BoundOnce(penalty_contact._add_contact_forces)
     with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):
         call(run.pose, run.pose, 1e-9, swapped, np.zeros((1, 6)))
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.threads import Workers, in_order
 
 
@@ -11,20 +12,21 @@ def test_every_part_is_done_once(threads):
     workers = Workers(10, threads)
     done = np.zeros(workers.count, int)
 
-    def part(k):
-        done[k] += 1
+    def part(k, count, by):
+        assert count == threads
+        done[k] += by
 
-    workers.run(part)
-    assert done.tolist() == [1] * threads
+    workers.run(BoundOnce(part), 2)
+    assert done.tolist() == [2] * threads
 
 
 def test_an_error_of_any_part_reaches_the_caller():
-    def part(k):
+    def part(k, _count):
         if k == 1:
             raise RuntimeError("part 1")
 
     with pytest.raises(RuntimeError, match="part 1"):
-        Workers(10, 2).run(part)
+        Workers(10, 2).run(BoundOnce(part))
 
 
 def test_totals_are_over_all_parts_in_their_order():

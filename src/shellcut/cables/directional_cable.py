@@ -47,7 +47,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State, local_edge_length
 from shellcut.tool.cutting_edge import (
@@ -118,8 +118,8 @@ class CableSet:
         self._known = KnownTopology()
         self._tables: CableTables | None = None
         self._hold = Holder()
-        self._call = bound_once(_add_cable_forces)
-        self._energies_of = bound_once(_energies)
+        self._call = BoundOnce(_add_cable_forces)
+        self._energies_of = BoundOnce(_energies)
         self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
         """Those of the last evaluation."""
         self.n_joint_made = self.n_broken = 0
@@ -142,7 +142,7 @@ class CableSet:
             return self.forces
         if not self._known.is_of(state):
             self._collect(state)
-        work = self._call(pose, state.dt, state.time, self._tables, wrench, couple)
+        work = self._call.code(pose, state.dt, state.time, self._tables, wrench, couple)
         self.forces = CableForces(wrench, couple, *work)
         self.n_joint_made += self.forces.n_joint_made
         self.n_broken += self.forces.n_broken

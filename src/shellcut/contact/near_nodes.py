@@ -14,7 +14,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import load
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
@@ -45,7 +45,7 @@ class NearNodes:
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
-        self._way = bound_once(_moved)
+        self._way = BoundOnce(_moved)
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""

@@ -38,7 +38,7 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import always_inline, bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
@@ -150,7 +150,7 @@ class PenaltyContact:
         self._pose: Pose | None = None
         self._tables: ContactTables | None = None
         self._hold = Holder()
-        self._call = bound_once(_add_contact_forces)
+        self._call = BoundOnce(_add_contact_forces)
         self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
         self.deepest = 0.0
@@ -162,7 +162,7 @@ class PenaltyContact:
         if self.near.renew(state, pose):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
-        found = self._call(pose, before, state.dt, self._tables, wrench)
+        found = self._call.code(pose, before, state.dt, self._tables, wrench)
         self.forces = ContactForces(wrench, *found)
         self.deepest = max(self.deepest, self.forces.deepest)
         return self.forces
@@ -408,7 +408,8 @@ def _add_contact_forces(
     for i in range(ids.shape[0]):
         n = ids[i]
         p = to_body(load(x, n), pose)
-        known = norm(sub(p, load(place, i))) < lasts[i]
+        walked = sub(p, load(place, i))
+        known = dot(walked, walked) < lasts[i] * abs(lasts[i])  # without the square root
         if known and not within[i]:  # has not come to the surface since
             continue
         triangle, q = _look_up(i, p, known, side[n], tool, near)

@@ -23,7 +23,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import dot, load
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.cutting_edge import (
@@ -92,7 +92,7 @@ class BladeCut:
         low, high = edges.strip_boxes(_PASSED_REACH * size, CUT_DEPTH * size)
         self._strips = _Strips(edges=edges, low=low, high=high)
         self._near = NearNodes(low, high, _MARGIN * size)
-        self._find = bound_once(_cut_nodes)
+        self._find = BoundOnce(_cut_nodes)
 
     def cut_nodes(
         self,

@@ -18,7 +18,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import combine, load
 from shellcut.tool.cutting_edge import (
     BACK,
@@ -79,7 +79,7 @@ class BladeDrive:
 
     def __init__(self, edges: CuttingEdges) -> None:
         self.edges = edges
-        self._near_edge = bound_once(_near_edge)
+        self._near_edge = BoundOnce(_near_edge)
 
     def of(self, x: Floats, size: Floats, pose: Pose) -> Driven:
         """Return which segments drive tips at x : (n_tip, 3) [mm]; size : (n_tip,) [mm]."""

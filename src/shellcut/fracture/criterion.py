@@ -37,7 +37,7 @@ from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.jit import bound_once
+from shellcut.numerics.jit import BoundOnce
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -216,7 +216,7 @@ class SplitCriterion:
         self._rim[rim] = True
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
         self._partings: dict[int, list[Parting]] = {}
-        self._weigh = bound_once(weigh_partings)
+        self._weigh = BoundOnce(weigh_partings)
         self._table: PartingTable | None = None
         self._nodes: list[int] = []
         self._known = KnownTopology()

@@ -20,7 +20,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add_scaled, load, store
 from shellcut.state import KnownTopology, State
 
@@ -50,8 +50,8 @@ class FlankPoints:
         self._known = KnownTopology()
         self._tied: _Tied | None = None
         self._hold = Holder()
-        self._interpolate = bound_once(_interpolate)
-        self._hand_on = bound_once(_hand_on)
+        self._interpolate = BoundOnce(_interpolate)
+        self._hand_on = BoundOnce(_hand_on)
 
     def follow(self, state: State) -> None:
         """Give all flank points the positions of their copies, and the velocities so far."""

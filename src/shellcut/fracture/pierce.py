@@ -15,7 +15,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.contact.near_nodes import in_box
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, sub
 from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
@@ -57,8 +57,8 @@ class Pierce:
         self._whole = self._first = np.zeros(0, np.int64)
         self._near_rows = self._near_first = np.zeros(0, np.int64)
         self._x_listed, self._pose_listed = np.zeros((0, 3), order="F"), Pose.at_origin()
-        self._drift = bound_once(_drift)
-        self._find = bound_once(_pierced)
+        self._drift = BoundOnce(_drift)
+        self._find = BoundOnce(_pierced)
 
     def found(
         self, state: State, pose: Pose, tips: Floats, area: Floats

@@ -11,7 +11,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import cross, dot, load, sub
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, CuttingEdges, segment_part
 from shellcut.tool.motion import Motion
@@ -58,7 +58,7 @@ class PosesBeyond:
 
     def __init__(self, edges: CuttingEdges, motion: Motion) -> None:
         self.edges, self._motion = edges, motion
-        self._try_poses = bound_once(_try_poses)
+        self._try_poses = BoundOnce(_try_poses)
         self._allocate(0)
 
     def _allocate(self, n: int) -> None:

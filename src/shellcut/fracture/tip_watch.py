@@ -14,7 +14,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.jit import bound_once
+from shellcut.numerics.jit import BoundOnce
 from shellcut.state import KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.motion import Motion
@@ -62,7 +62,7 @@ class TipWatch:
         self._tips: list[Tip] = []
         self._beyond = PosesBeyond(edges, motion)
         self._sums = TrialSums(trial_cut)
-        self._place_tips, self._aim = bound_once(place_tips), bound_once(aim)
+        self._place_tips, self._aim = BoundOnce(place_tips), BoundOnce(aim)
         self._pairs: dict[tuple[int, bytes], list[Pair]] = {}
         self._way = b""
         self.x: Floats = np.zeros((0, 3))

@@ -12,7 +12,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import bound_once, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm
 from shellcut.state import BROKEN, State
 
@@ -63,7 +63,7 @@ class TrialSums:
 
     def __init__(self, trial_cut: TrialCut) -> None:
         self._trial_cut = trial_cut
-        self._weigh = bound_once(_weigh_trials)
+        self._weigh = BoundOnce(_weigh_trials)
         self.take([])
 
     def take(self, trials: Sequence[Trial]) -> None:

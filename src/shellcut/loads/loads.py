@@ -15,7 +15,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Number
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.jit import always_inline, bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
 from shellcut.numerics.lanes import add_row_columns, at, clear_rows, put_row_columns, total, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
@@ -131,10 +131,8 @@ class LoadSet:
 
     def __init__(self, mesh: Mesh, loads: Sequence[Load], workers: Workers | None = None) -> None:
         self._workers = workers or Workers(0)
-        self._cleared = bound_once(_clear_forces)
-        self._begun, self._added = (
-            bound_once(k) for k in (_begin_with_dead_force, _add_dead_force)
-        )
+        self._cleared = BoundOnce(_clear_forces)
+        self._begun, self._added = (BoundOnce(k) for k in (_begin_with_dead_force, _add_dead_force))
         self.cut = CutQuads()
         """Which part of its quad each copy holds; whoever cuts a quad writes it down here."""
         self._dead: list[DeadLoad] = []
@@ -199,20 +197,16 @@ class LoadSet:
         return work
 
     def _clear(self, state: State) -> None:
-        n, stride = state.node, self._workers.count
-        self._workers.run(lambda thread: self._cleared(thread, stride, n.count, n.force_rows))
+        n = state.node
+        self._workers.run(self._cleared, n.count, n.force_rows)
 
     def _dead_force(
         self, add: Any, state: State, dead: DeadLoad, now: float, before: float
     ) -> float:
-        n, stride = state.node, self._workers.count
+        n = state.node
         dead.follow(state)
         sums = np.zeros(-(-n.count // NODE_CHUNK))
-
-        def part(thread: int) -> None:
-            add(thread, stride, n.count, dead.force, now, n.velocity_half, n.force_rows, sums)
-
-        self._workers.run(part)
+        self._workers.run(add, n.count, dead.force, now, n.velocity_half, n.force_rows, sums)
         return 0.5 * (now + before) * state.dt * float(np.add.reduce(sums))
 
     def largest(self, state: State) -> float:

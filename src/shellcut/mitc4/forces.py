@@ -92,6 +92,7 @@ def _make_linear_kernel(flat: bool) -> Any:
     def add_linear_quads(
         first: int,
         stride: int,
+        parity: int,
         start: Ints,
         quads: Quads,
         step: QuadStep,
@@ -101,7 +102,8 @@ def _make_linear_kernel(flat: bool) -> Any:
     ) -> None:
         """Add minus dW/dx and dW/dt of quads, with stiffness damping, to the force rows.
 
-        Treats the strips ``first``, ``first`` + ``stride``, ...  start : (n_strip + 1,), blocks.
+        Treats every ``stride``-th strip of a parity, which is 0 or 1, from the ``first``-th on.
+        start : (n_strip + 1,), blocks.
         rows : (n_node, 8).  sums : (n_strip, 3), to which s_n·r, s_{n-1}·r and s_{n-2}·r are
         added.  lane : None or SIXTEEN for a block at a time, any number for one by one.
         """
@@ -110,7 +112,7 @@ def _make_linear_kernel(flat: bool) -> Any:
         work = np.empty((2, N_STRAIN, quads.corner.shape[2]), step.last.dtype)
         rounding = flush_subnormals()
         far = step.last.shape[0] > _FAR
-        for k in range(first, start.shape[0] - 1, stride):
+        for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
             none = widen(zero(lane), lane)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):

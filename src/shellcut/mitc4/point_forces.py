@@ -82,6 +82,7 @@ def _make_point_kernel(flat: bool) -> Any:
     def add_point_quads(
         first: int,
         stride: int,
+        parity: int,
         start: Ints,
         quads: PointQuads,
         step: PointStep,
@@ -99,7 +100,7 @@ def _make_point_kernel(flat: bool) -> Any:
         corner, last = quads.quads.corner, step.step.last
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         rounding = flush_subnormals()
-        for k in range(first, start.shape[0] - 1, stride):
+        for k in range(2 * first + parity, start.shape[0] - 1, 2 * stride):
             none = widen(zero(lane), lane)
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):

@@ -9,7 +9,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Numbers
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.jit import bound_once
+from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.lane_instructions import SIXTEEN, Lane
 from shellcut.numerics.lanes import aligned_zeros, block_dtype, block_width
 from shellcut.numerics.threads import Workers, in_order
@@ -96,6 +96,7 @@ class MITC4Shell:
         blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
         tables = build_tables(mesh, material, blocks, self._whole)
         self._places = Places(mesh, material, blocks, *tables, self._whole, self.mass)
+        self._n_strip = blocks.n_strip
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated with points at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
@@ -104,12 +105,12 @@ class MITC4Shell:
         starts = (self.blocks.flat_start, self.blocks.full_start)
         # A kernel for each kind of quads in the mesh, and the starts of its strips.
         self._kernels = [
-            (bound_once(kernel), start)
+            (BoundOnce(kernel), start)
             for kernel, start in zip(kernels, starts, strict=True)
             if start[0] < start[-1]
         ]
-        self._add_copies = bound_once(add_full_point_quads if self.has_points else add_full_quads)
-        self._write_corner_forces = bound_once(
+        self._add_copies = BoundOnce(add_full_point_quads if self.has_points else add_full_quads)
+        self._write_corner_forces = BoundOnce(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
         self._present = PresentQuads(self._places)
@@ -203,26 +204,21 @@ class MITC4Shell:
 
     def add_forces(self, state: State) -> Work:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
-        threads, damping = self._workers.count, self._damping(state)
+        damping = self._damping(state)
         damped, rho = damping.damped, damping.rho
-        n_strip, copies = self.blocks.n_strip, self._places.has_copies
+        n_strip, copies = self._n_strip, self._places.has_copies
         sums = np.zeros((n_strip + copies, 3))
-        rows = state.node.force_rows
+        rows, lane = state.node.force_rows, self._lane
         quads = self._present.held(state)
         step = PointStep(damping, state.history, state.dt) if self.has_points else damping
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
-        for parity in range(min(2, n_strip)):
-
-            def part(thread: int, parity: int = parity) -> None:
-                for add, start in self._kernels:
-                    first, stride = parity + 2 * thread, 2 * threads
-                    add(first, stride, start, quads, step, rows, sums, self._lane)
-
-            self._workers.run(part)
+        for parity in range(2 if n_strip > 1 else 1):
+            for add, start in self._kernels:
+                self._workers.run(add, parity, start, quads, step, rows, sums, lane)
         if copies:  # they are the last strip
             start = self._places.copy_start
-            self._add_copies(0, 1, start, quads, step, rows, sums[n_strip:], self._lane)
+            self._add_copies(0, 1, 0, start, quads, step, rows, sums[n_strip:], lane)
         if damped:
             state.strain, state.strain_before = state.strain_before, state.strain
         p0, p1, p2 = in_order(sums)

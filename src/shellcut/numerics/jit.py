@@ -24,7 +24,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba as nb
 from numba.core import event
@@ -90,24 +90,33 @@ def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any
     return code
 
 
-def bound_once(function: Callable[..., R]) -> Callable[..., R]:
-    """Return a kernel :func:`bound` to the types of its first call, the same at every call.
+class BoundOnce(Generic[R]):
+    """A kernel :func:`bound` to the types of its first call, the same at every call.
 
     For a caller whose arrays are replaced but keep their types: binding takes 0.6 ms. Tables among
     the arguments of the first call are checked (:mod:`shellcut.numerics.kernel_tables`). Arguments
     of other types would be misread; with SHELLCUT_CHECK_TYPES in the environment, as in the tests,
     they are refused: the first calls and some of the later ones are checked.
     """
-    code: Callable[..., R] | None = None
 
-    def call(*arguments: object) -> R:
-        nonlocal code
-        if code is None:
+    __slots__ = ("code",)
+
+    code: Callable[..., R]
+    """Machine code from the second call on, for callers in every step: a Python frame less."""
+
+    def __init__(self, function: Callable[..., R]) -> None:
+        def bind(*arguments: object) -> R:
             check_tables(arguments)
-            code = bound(function, *arguments)
-        return code(*arguments)
+            code: Callable[..., R] = bound(function, *arguments)
+            self.code = _checked(code) if "SHELLCUT_CHECK_TYPES" in os.environ else code
+            return code(*arguments)
 
-    return _checked(call) if "SHELLCUT_CHECK_TYPES" in os.environ else call
+        self.code = bind
+
+    def __call__(self, *arguments: object) -> R:
+        """Call the kernel."""
+        call = self.code
+        return call(*arguments)
 
 
 def _checked(call: Callable[..., R]) -> Callable[..., R]:

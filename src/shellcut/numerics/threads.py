@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from shellcut.arrays import Floats
+
+from .jit import BoundOnce
 
 NODE_CHUNK = 16_384
 """Nodes per chunk of a loop over nodes. The sums of the chunks are added in their order, whichever
@@ -81,12 +82,16 @@ class Workers:
         """Number of threads."""
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
-    def run(self, part: Callable[[int], None]) -> None:
-        """Call ``part`` with 0, 1, ... count - 1, each on a thread, and wait for all."""
+    def run(self, kernel: BoundOnce[None], *arguments: object) -> None:
+        """Call ``kernel(k, count, *arguments)`` for k = 0, 1, ... count - 1, and wait for all.
+
+        Each on a thread; it treats every ``count``-th chunk from the k-th on.
+        """
         if self._pool is None:
-            part(0)
+            kernel.code(0, 1, *arguments)
             return
-        others = [self._pool.submit(part, k) for k in range(1, self.count)]
-        part(0)
+        part, count = kernel, self.count
+        others = [self._pool.submit(part, k, count, *arguments) for k in range(1, count)]
+        part(0, count, *arguments)
         for other in others:
             other.result()

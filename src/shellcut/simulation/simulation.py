@@ -31,6 +31,7 @@ from shellcut.numerics.threads import Workers
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
@@ -172,6 +173,7 @@ class Simulation:
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
+        self._pose_at = poses_of(motion) if motion is not None else None
         self._mass_damping = 0.0
         self._dt = 0.0
         self._between_steps = True
@@ -444,5 +446,5 @@ class Simulation:
     # ---------------------------------------------------------------- parts of a step
 
     def _place_tool(self) -> None:
-        if self.motion is not None:
-            self.pose = Pose.of(*self.motion.pose(self.state.time))
+        if self._pose_at is not None:
+            self.pose = self._pose_at(self.state.time)

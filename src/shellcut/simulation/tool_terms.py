@@ -16,7 +16,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import bound_once, kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -95,8 +95,9 @@ class ToolTerms:
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
         self._last = np.zeros((len(self._terms) + 1, 6))
         self._works = np.zeros(len(self._terms))
+        self._none = self._works.tolist()
         self._book = Holder()(WorkBook(last=self._last, works=self._works))
-        self._work_on_tool = bound_once(work_on_tool)
+        self._work_on_tool = BoundOnce(work_on_tool)
 
     def __iter__(self) -> Iterator[ToolTerm]:
         return iter(self._terms)
@@ -109,19 +110,22 @@ class ToolTerms:
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
-        found = [term.add_forces(state, pose) for term in self._terms]
+        wrenches = []
+        for term in self._terms:
+            wrenches.append(term.add_forces(state, pose).wrench)
+        works = self._none
         if self._motion is not None:
             spin, velocity = self._motion.twist(state.time - 0.5 * state.dt)
-            ledger.tool_work -= self._work_on_tool(
-                tuple([forces.wrench for forces in found]),
-                _rows(spin),
-                _rows(velocity),
-                state.dt,
-                self._book,
+            # A motion may give views of any kind; kernels take rows.
+            spin = np.ascontiguousarray(spin, float)
+            velocity = np.ascontiguousarray(velocity, float)
+            ledger.tool_work -= self._work_on_tool.code(
+                tuple(wrenches), spin, velocity, state.dt, self._book
             )
+            works = self._works.tolist()
         entries = vars(ledger)
-        for forces, on_tool in zip(found, self._works.tolist(), strict=True):
-            forces.add_works(entries, on_tool)
+        for term, on_tool in zip(self._terms, works, strict=True):
+            term.forces.add_works(entries, on_tool)
 
     def close(self, state: State, ledger: Ledger) -> None:
         """Bring the entries of the ledger that are functions of the state up to t_n."""
@@ -179,8 +183,3 @@ def work_on_tool(
         work += 0.5 * (last[n_term, c] + total) * moved
         last[n_term, c] = total
     return work
-
-
-def _rows(numbers: Floats) -> Floats:
-    """Return what a motion gave, which may be a view of any kind, as the kernels take it."""
-    return np.ascontiguousarray(numbers, float)

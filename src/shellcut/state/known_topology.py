@@ -23,8 +23,9 @@ class KnownTopology:
 
     def is_of(self, state: State) -> bool:
         """Return whether nothing has split since, and it is the same state."""
-        same = self._state is None or self._state is state
-        return same and self.revision == state.revision
+        if self._state is state:  # of every part in every step
+            return self.revision == state.revision
+        return self._state is None and self.revision == state.revision
 
     def take(self, state: State) -> None:
         """Remember the present topology."""

@@ -10,8 +10,8 @@ A start from rest ramps the speed by half a cosine over the ramp time T,
 
     speed(t) = V (1 - cos(pi t / T)) / 2,    path(t) = V (t - T/pi sin(pi t / T)) / 2,    t < T,
 
-so that path(T) = V T / 2; before t = 0 the tool rests. Poses use plain scalar arithmetic, a few
-microseconds per call. Motions through tables of poses are in :mod:`shellcut.tool.table_motion`.
+so that path(T) = V T / 2; before t = 0 the tool rests. Motions through tables of poses are in
+:mod:`shellcut.tool.table_motion`.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from typing import Protocol
 import numpy as np
 
 from shellcut.arrays import Floats, Vec3
+from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 
 from .pose import Pose
 
@@ -142,33 +143,23 @@ class ScrewMotion:
 
     def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
-        angle = self.coordinate(time)
-        rows = _turn(self._axis, angle)
-        h0, h1, h2 = self._lead
-        if self._point == _ORIGIN:  # skip the rotation: this is called every step
-            origin = np.array((0.0 + h0 * angle, 0.0 + h1 * angle, 0.0 + h2 * angle))
-        else:
-            p0, p1, p2 = self._point
-            q0, q1, q2 = turned(rows, self._point)
-            origin = np.array((p0 - q0 + h0 * angle, p1 - q1 + h1 * angle, p2 - q2 + h2 * angle))
-        return Pose(np.array(rows), origin)
+        rotation, origin, angle = np.empty((3, 3)), np.empty(3), self.coordinate(time)
+        # A kernel, because this is called in every step.
+        _POSE_OF_SCREW.code(self._axis, self._point, self._lead, angle, rotation, origin)
+        return Pose(rotation, origin)
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
         rate = _ramped_speed(time, self.angular_speed, self.ramp)
         a0, a1, a2 = self._axis
-        h0, h1, h2 = self._lead
-        if self._point == _ORIGIN:
-            velocity = np.array((rate * h0, rate * h1, rate * h2))
-            return np.array((rate * a0, rate * a1, rate * a2)), velocity
-        q0, q1, q2 = turned(_turn(self._axis, self.coordinate(time)), self._point)
-        # r = p - R p + h angle, hence dr/dt = rate (h - a x R p)
-        origin_velocity = (
-            rate * (h0 - a1 * q2 + a2 * q1),
-            rate * (h1 - a2 * q0 + a0 * q2),
-            rate * (h2 - a0 * q1 + a1 * q0),
-        )
-        return np.array((rate * a0, rate * a1, rate * a2)), np.array(origin_velocity)
+        v0, v1, v2 = self._lead
+        if self._point != _ORIGIN:
+            # dr/dt = rate (h - a x R p), and R p = p - r + h angle
+            moved = np.array(self._lead) * self.coordinate(time) - self.pose(time)[1]
+            q0, q1, q2 = (np.array(self._point) + moved).tolist()
+            v0, v1, v2 = v0 - a1 * q2 + a2 * q1, v1 - a2 * q0 + a0 * q2, v2 - a0 * q1 + a1 * q0
+        spin = np.array((rate * a0, rate * a1, rate * a2))
+        return spin, np.array((rate * v0, rate * v1, rate * v2))
 
 
 @dataclass(frozen=True)
@@ -233,8 +224,26 @@ def _ramped_speed(time: float, speed: float, ramp: float) -> float:
     return speed
 
 
+@kernel
+def _pose_of_screw(
+    axis: Vec3, point: Vec3, lead: Vec3, angle: float, rotation: Floats, origin: Floats
+) -> None:
+    """Write R and r = p - R p + h angle; lead : h, the advance per radian [mm]."""
+    rows = _turn(axis, angle)
+    turned_point = turned(rows, point)
+    for c in range(3):
+        for d in range(3):
+            rotation[c, d] = rows[c][d]
+        origin[c] = point[c] - turned_point[c] + lead[c] * angle
+
+
+_POSE_OF_SCREW = BoundOnce(_pose_of_screw)
+
+
+@inline
 def _turn(axis: Vec3, angle: float) -> tuple[Vec3, Vec3, Vec3]:
-    # rows of the rotation about a unit axis; 1 - cos from the half angle, without cancellation
+    """Return the rows of the rotation about a unit axis."""
+    # 1 - cos from the half angle, without cancellation
     a0, a1, a2 = axis
     s = sin(angle)
     half = sin(0.5 * angle)
@@ -263,6 +272,7 @@ def _unit(name: str, values: Sequence[float]) -> Vec3:
     return a0 / length, a1 / length, a2 / length
 
 
+@inline_or_plain
 def turned(rows: tuple[Vec3, Vec3, Vec3], a: Vec3) -> Vec3:
     """Return the vector a turned by the rotation of these rows."""
     (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rows
