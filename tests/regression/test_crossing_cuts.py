@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut import CohesiveLaw, Mesh, ShellMaterial, Simulation, Support
+from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, Support
 from shellcut.meshing import rectangle
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.table_motion import TableMotion
@@ -59,6 +59,7 @@ def run(crossing_deg, length_u):
         tool=straight_blade(length=1.5, height=3.0),
         motion=motion,
         law=CohesiveLaw(opening_a=0.125 * length_u, opening_p=0.75 * length_u, opening_u=length_u),
+        fracture=Fracture(path="edges"),
     )
     sim.run(end)
     return sim

@@ -6,12 +6,22 @@ import pytest
 from films import unstructured_disc, unstructured_strip
 from gmsh_films import DISCS, gmsh_disc
 from runs import mean_force, run
-from shellcut import Mesh, PathCurve, StraightMotion, Support, guillotine, imprint, opening_test
+from shellcut import (
+    Fracture,
+    Mesh,
+    PathCurve,
+    StraightMotion,
+    Support,
+    guillotine,
+    imprint,
+    opening_test,
+)
 from shellcut.mesh.structured import rectangle
 from shellcut.models.free_cut import free_cut
 from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import tooth_ring
 
+IMPRINT = Fracture(path="imprint")
 GH = 43.5 * 0.074
 TORQUE_M1 = 143.5
 CIRCLE = PathCurve.circle((0.0, 0.0, 0.0), 9.4)
@@ -61,7 +71,7 @@ def test_a_fine_gmsh_disc():
 
 
 def check_opening(mesh, tmp_path):
-    case = opening_test(mesh)
+    case = opening_test(mesh, fracture=IMPRINT)
     result = case.imprint
     assert result.step_after > 0.6 * result.step_before
     summary, _ = run(case, tmp_path)
@@ -99,7 +109,7 @@ def test_opening_on_triangles_cut_in_three(tmp_path):
 
 
 def check_guillotine(mesh, tmp_path):
-    case = guillotine(mesh=mesh)
+    case = guillotine(mesh=mesh, fracture=IMPRINT)
     summary, history = run(case, tmp_path)
     # from the first node of the path past 10 mm to the last but few the blade reached
     x = case.imprint.mesh.nodes[case.imprint.chains[0], 0]
@@ -144,7 +154,9 @@ def off_path(case):
 def test_a_short_opening_stays_on_its_path():
     """The crack runs backwards from where the blade has come in, too: 2 of 26 splits left a path
     that began there."""
-    case = opening_test(unstructured_disc(spacing=1.4), angle_deg=12.0, duration=7.6e-4)
+    case = opening_test(
+        unstructured_disc(spacing=1.4), angle_deg=12.0, duration=7.6e-4, fracture=IMPRINT
+    )
     case.simulation.run(case.duration)
     _, off = off_path(case)
     assert len(off) > 15
@@ -174,6 +186,7 @@ def test_a_slanted_cut_that_begins_inside_the_film(relief_deg, length, down):
         motion=StraightMotion((0.0, 1.0, -down), speed=speed, ramp=1e-4),
         duration=way * np.hypot(1.0, down) / speed + 5e-5,
         supports=[Support.clamped("rim")],
+        fracture=IMPRINT,
     )
     case.simulation.run(case.duration)
     places, off = off_path(case)

@@ -154,7 +154,7 @@ def test_mesh_that_ignores_the_path_is_reported(tmp_path):
     Measured on seed 0 (2,505 quads): cables 1.24 of theory, torque 469 instead of 144 N*mm, 483 of
     652 splits more than 0.3 mm off the path; the ledger closes all the same.
     """
-    case = opening_test(unstructured_disc(seed=0), imprint=False)
+    case = opening_test(unstructured_disc(seed=0), fracture=Fracture(path="edges"))
     summary, history = run(case, tmp_path)
     # Cracks beside the path run ahead and meet: nothing is steady.
     assert "no_window" in summary

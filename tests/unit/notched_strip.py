@@ -29,7 +29,7 @@ def cutting(
     mesh = mesh.cut([18, 19])
     sides = {name: mesh.node_set(name) for name in ("bottom", "top")}
     mesh = mesh.with_sets(node_sets={"sides": [*sides["bottom"], *sides["top"]]})
-    options.setdefault("fracture", Fracture(check_every=5))
+    options.setdefault("fracture", Fracture(path="edges", check_every=5))
     return Simulation(
         mesh,
         material or ShellMaterial.homogeneous(),

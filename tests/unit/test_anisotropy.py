@@ -54,4 +54,4 @@ def test_nonsense_is_refused(wrong):
 
 def test_it_needs_cracks_through_the_quads():
     with pytest.raises(ValueError, match="take path='free'"):
-        sc.Fracture(anisotropy=FILM)
+        sc.Fracture(path="edges", anisotropy=FILM)

@@ -336,7 +336,10 @@ TWIN_LAYERS = [Layer(Elastic(1678.0, 0.3, 1.0e-9), 0.037)] * 2
             "motion.times: nothing in the checkpoint, [0.0, 1.0] in",
         ),
         ({"strength": 17.0}, "law.strength: 18.0 in the checkpoint, 17.0 in this simulation"),
-        ({"fracture": Fracture(criterion="stress")}, "fracture.criterion: 'force' in"),
+        (
+            {"fracture": Fracture(criterion="stress")},
+            "fracture.criterion: 'force' in",
+        ),
         ({"pressure": 2e-3}, "loads[0].value: 0.001 in"),
         ({"set_name": "bottom"}, "supports: 2 entries in the checkpoint, 1 entries in"),
         ({"damping_beta": 1e-8}, "damping_beta: 5e-08 in"),

@@ -435,7 +435,7 @@ def test_keys_are_found_by_words(capsys):
     ("setting", "said", "drawn"),
     [
         ("tip_clearance=-1", "the tool must start outside the sheet", "edges  all 4"),  # built
-        ("radius=30", "the path must run through the film", "never: 0, 1, 2, 3"),  # imprinted
+        (("radius=30", "path=imprint"), "the path must run through the film", "never: 0, 1, 2, 3"),
         ("teeth=0", "n_teeth must be at least 1", "film   649 nodes"),  # read
         ("tool.teehs=3", "did you mean teeth?", "film   649 nodes"),
         ("thickness=74", "a shell must be thin", "edges  all 4"),  # checked
@@ -444,7 +444,9 @@ def test_keys_are_found_by_words(capsys):
 def test_preview_draws_what_is_refused_too(tmp_path, capsys, setting, said, drawn):
     pytest.importorskip("matplotlib")
     picture = tmp_path / "model.png"
-    command = ["preview", "opening", "--set", "mesh=quick", "--set", setting, "-o", str(picture)]
+    every = ("mesh=quick", *((setting,) if isinstance(setting, str) else setting))
+    settings = [word for one in every for word in ("--set", one)]
+    command = ["preview", "opening", *settings, "-o", str(picture)]
     assert main(command) == 2
     out, error = capsys.readouterr()
     assert said in out + error

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from notched_strip import cutting
-from shellcut import StraightMotion, Support
+from shellcut import Fracture, StraightMotion, Support
 from shellcut.checks import Sweep
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut, guillotine
@@ -88,7 +88,7 @@ def test_a_cut_on_rows_beside_the_blade_is_told_by_the_run_itself():
         motion=StraightMotion((1.0, 0.0, 0.0), 12000.0, ramp=1e-4),
         duration=4e-4,
         supports=[Support.clamped("bottom"), Support.clamped("top")],
-        imprint=False,
+        fracture=Fracture(path="edges"),
     )
     case.simulation.run(case.duration)
     figures = cut_evidence(case.simulation, case.check.sweep)

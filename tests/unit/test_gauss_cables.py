@@ -99,6 +99,6 @@ def test_what_is_behind_a_tip_has_its_cables():
 
 def test_along_edges_there_are_no_gauss_points():
     with pytest.raises(ValueError, match="cable_places is of cracks through the quads only"):
-        sc.Fracture(cable_places="gauss")
+        sc.Fracture(path="edges", cable_places="gauss")
     with pytest.raises(ValueError, match=r"cable_places must be one of \('ends', 'gauss'\)"):
         sc.Fracture(path="free", cable_places="middle")

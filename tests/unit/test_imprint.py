@@ -5,6 +5,7 @@ import pytest
 
 from films import unstructured_disc, unstructured_strip
 from shellcut import (
+    Fracture,
     ImprintError,
     Mesh,
     PathCurve,
@@ -17,6 +18,7 @@ from shellcut.mesh.structured import annulus, cylinder, opening_disc, rectangle
 from shellcut.models.free_cut import free_cut
 from shellcut.tool.shapes import tooth_ring
 
+IMPRINT = Fracture(path="imprint")
 CIRCLE = PathCurve.circle((0.0, 0.0, 0.0), 9.4)
 
 
@@ -225,18 +227,18 @@ def test_picture(tmp_path):
 
 def test_the_opening_test_imprints_a_users_mesh():
     mesh = unstructured_disc(spacing=1.4)
-    case = opening_test(mesh)
+    case = opening_test(mesh, fracture=IMPRINT)
     assert case.imprint.changed
     assert case.simulation.mesh is case.imprint.mesh
     radius = np.hypot(*case.imprint.mesh.nodes[case.imprint.chains[0], :2].T)
     np.testing.assert_allclose(radius, 9.4, atol=1e-9)
-    raw = opening_test(mesh, imprint=False)
+    raw = opening_test(mesh, fracture=Fracture(path="edges"))
     assert raw.imprint is None
     assert raw.simulation.mesh is mesh
 
 
 def test_the_opening_test_imprints_another_radius_into_the_package_s_disc():
-    case = opening_test("quick", tool=tooth_ring(radius=9.0))
+    case = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=IMPRINT)
     assert case.imprint.changed
     assert not opening_test("quick").imprint.changed
 
@@ -268,7 +270,7 @@ def test_a_notch_begins_where_the_blade_comes_in():
     blade = tooth_ring(n_teeth=1, radius=1e5).translated((4.2 - 1e5, 0.0, 0.0))
     mesh = rectangle(8.0, 16.0, n_x=16, n_y=32)
     motion = StraightMotion((0.0, 1.0, -0.25), speed=6000.0)
-    case = free_cut(mesh, tool=blade, motion=motion, duration=1e-3, notch=1.2)
+    case = free_cut(mesh, tool=blade, motion=motion, duration=1e-3, notch=1.2, fracture=IMPRINT)
     result, new = case.imprint, case.simulation.mesh
     twins = np.flatnonzero(new.origin != np.arange(new.n_node))
     start = result.curves[0].point(result.curves[0].leads[0])[0]
@@ -279,13 +281,13 @@ def test_a_notch_begins_where_the_blade_comes_in():
 
 
 def test_a_refusal_says_how_to_do_without():
-    with pytest.raises(ImprintError, match="imprint=False"):
-        opening_test("quick", tool=tooth_ring(radius=10.0))
+    with pytest.raises(ImprintError, match=r"fracture\.path = 'free'"):
+        opening_test("quick", tool=tooth_ring(radius=10.0), fracture=IMPRINT)
 
 
 def test_the_guillotine_takes_a_users_strip_and_notches_it_on_the_path():
     mesh = unstructured_strip(spacing=1.4)
-    case = guillotine(mesh=mesh)
+    case = guillotine(mesh=mesh, fracture=IMPRINT)
     new = case.simulation.mesh
     twins = np.flatnonzero(new.origin != np.arange(new.n_node))
     assert len(twins) > 0
@@ -294,6 +296,6 @@ def test_the_guillotine_takes_a_users_strip_and_notches_it_on_the_path():
     # the path goes on to the end: the crack runs ahead of the blade
     end = case.imprint.mesh.nodes[case.imprint.chains[0][-1]]
     np.testing.assert_allclose(end, [30.0, 0.0, 0.0], atol=1e-9)
-    assert guillotine(mesh=mesh, notch=0.0).simulation.mesh is not None
-    with pytest.raises(ValueError, match="at least one edge of the path"):
-        guillotine(mesh=mesh, notch=0.1)
+    assert guillotine(mesh=mesh, notch=0.0, fracture=IMPRINT).simulation.mesh is not None
+    with pytest.raises(ValueError, match="at least one of them long"):
+        guillotine(mesh=mesh, notch=0.1, fracture=IMPRINT)

@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 import shellcut
-from shellcut import CohesiveLaw, Mesh, ScrewMotion, ShellMaterial, StraightMotion, Support
+from shellcut import (
+    CohesiveLaw,
+    Fracture,
+    Mesh,
+    ScrewMotion,
+    ShellMaterial,
+    StraightMotion,
+    Support,
+)
 from shellcut.checks import RefusedModel, check_model
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut, guillotine, opening_test
@@ -19,7 +27,7 @@ SIDES = (Support.clamped("bottom"), Support.clamped("top"))
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def strip_cut(mesh=None, *, tool=None, motion=None, supports=SIDES, imprint=True, **options):
+def strip_cut(mesh=None, *, tool=None, motion=None, supports=SIDES, path=None, **options):
     """A blade that comes in over the end of a strip of 12 by 8 mm, on y = 0, by 10 mm."""
     blade = tool or straight_blade(length=12.0, height=3.0).translated((-0.05, 0.0, 0.0))
     return free_cut(
@@ -28,7 +36,7 @@ def strip_cut(mesh=None, *, tool=None, motion=None, supports=SIDES, imprint=True
         motion=motion or StraightMotion((1.0, 0.0, 0.0), 6000.0, ramp=1e-4),
         duration=10.0 / 6000.0,
         supports=supports,
-        imprint=imprint,
+        fracture=Fracture(path=path),
         **options,
     )
 
@@ -106,7 +114,7 @@ def test_the_examples_are_in_order(name, tmp_path, monkeypatch):
 
 def test_a_strip_cut_along_a_row_is_in_order():
     assert found(strip_cut()) == ()
-    assert found(strip_cut(imprint=False)) == ()
+    assert found(strip_cut(path="edges")) == ()
 
 
 # --- the way of the edges ------------------------------------------------------------------------
@@ -115,18 +123,19 @@ def test_a_strip_cut_along_a_row_is_in_order():
 @pytest.mark.parametrize(("beside", "share"), [(0.2, 0.25), (0.4, 0.5)])
 def test_a_blade_beside_the_rows_is_told(beside, share):
     blade = straight_blade(length=12.0, height=3.0).translated((-0.05, beside, 0.0))
-    said = only(strip_cut(tool=blade, imprint=False))
+    said = only(strip_cut(tool=blade, path="edges"))
     assert "no such row in 100 % of the 13 quads" in said
     assert f"the next one {0.8 * share:.3g} mm off" in said
-    assert "imprint = true" in said
+    assert 'fracture.path = "free"' in said
+    assert found(strip_cut(tool=blade)) == ()  # through the quads
     near = straight_blade(length=12.0, height=3.0).translated((-0.05, 0.07, 0.0))
-    assert found(strip_cut(tool=near, imprint=False)) == ()  # 0.09 edges
+    assert found(strip_cut(tool=near, path="edges")) == ()  # 0.09 edges
 
 
 def test_a_blade_across_the_rows_is_told():
     turn = np.radians(30.0)
     motion = StraightMotion((np.cos(turn), np.sin(turn), 0.0), 6000.0)
-    said = [str(f) for f in found(strip_cut(motion=motion, imprint=False))]
+    said = [str(f) for f in found(strip_cut(motion=motion, path="edges"))]
     assert any("no such row" in text for text in said), said
 
 
@@ -153,7 +162,7 @@ def test_a_second_film_that_nothing_holds_is_told():
         node_sets={name: one.node_set(name) for name in ("bottom", "top")},
     )
     blade = straight_blade(length=12.0, height=5.0).translated((-0.05, 0.0, 0.5))
-    said = only(strip_cut(both, tool=blade, imprint=False))
+    said = only(strip_cut(both, tool=blade, path="edges"))
     assert "the piece of 150 quads about (6, 0, 1) mm, which nothing holds" in said
 
 
@@ -209,7 +218,7 @@ def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
     assert "1 of 2 cutting edges never meet the film: cutting edge 1" in only(
         opening_test("quick", tool=tool), "note"
     )
-    away = opening_test("quick", tool=tooth_ring(radius=30.0), imprint=False)
+    away = opening_test("quick", tool=tooth_ring(radius=30.0), fracture=Fracture(path="edges"))
     assert "none of the 4 that does, from t = 0 to 6 ms" in only(away)
 
 

@@ -404,7 +404,12 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
     [
         ('["bottom", "top"]', '["bottom", "tpo"]', "x.toml:6: [membrane]: "),
         ("notch = 1.0", "notch = 0.1", "notch of 0.1 mm must be at least one edge"),
-        ("notch = 1.0", "imprint = false\nnotch = 1.0", "a notch follows the imprinted path"),
+        (
+            "[motion]",
+            '[fracture]\npath = "edges"\n[motion]',
+            "a notch follows the path, which path = 'edges' does not look for",
+        ),
+        ("notch = 1.0", "imprint = false", '[fracture] path = "imprint" puts the blade'),
         ('"0.5 ms"', "-1.0", "x.toml:17: [motion].duration must be above 0, got -1.0"),
         ("-0.05", "3.0", "tool"),
         (
@@ -437,7 +442,7 @@ def test_a_film_of_ones_own_is_clamped_by_its_set(write):
     Path("film.inp").write_text(film)
     name = write(
         'model = "opening"\n[membrane]\nfile = "film.inp"\nunit = "mm"\nclamp = "held"\n'
-        "imprint = false\n[tool]\nradius = 3.0\nteeth = 2\nheight = 1.0\n"
+        "[fracture]\npath = 'edges'\n[tool]\nradius = 3.0\nteeth = 2\nheight = 1.0\n"
     )
     sim = read_model(name).build().simulation
     assert np.flatnonzero(sim.state.node.supported[: sim.mesh.n_node]).tolist() == [0, 1, 2]

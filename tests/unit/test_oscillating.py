@@ -53,7 +53,7 @@ def test_the_film_is_fine_in_its_band():
         ({"speed": -1.0}, "speed must be positive"),
         ({"length": 10.0}, "lengthen the strip"),
         ({"width": 10.0}, "size, band and half the width must increase"),
-        ({"fracture": Fracture()}, "nothing steers it"),
+        ({"fracture": Fracture(path="edges")}, "nothing steers it"),
     ],
 )
 def test_what_cannot_be_is_refused(wrong, said):

@@ -90,7 +90,7 @@ def test_a_crack_along_edges_is_refused():
     from shellcut import Fracture
 
     with pytest.raises(ValueError, match="nothing steers its crack"):
-        trouser(1.0, fracture=Fracture())
+        trouser(1.0, fracture=Fracture(path="edges"))
 
 
 def test_a_crack_keeps_to_its_largest_speed():
@@ -122,4 +122,4 @@ def test_a_largest_speed_that_cannot_be_is_refused():
     with pytest.raises(ValueError, match="largest_speed must be positive"):
         Fracture(path="free", largest_speed=0.0)
     with pytest.raises(ValueError, match="largest_speed is of cracks through the quads"):
-        Fracture(largest_speed=1e5)
+        Fracture(path="edges", largest_speed=1e5)

@@ -49,7 +49,7 @@ def _cut(criterion: str, beside: float, notched: bool) -> tuple[Simulation, np.n
         tool=blade,
         motion=StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
         law=CohesiveLaw(),
-        fracture=Fracture(criterion=criterion),
+        fracture=Fracture(path="edges", criterion=criterion),
     )
     rows = []
     while sim.motion.coordinate(sim.state.time) < PATH:

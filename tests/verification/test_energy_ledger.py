@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
@@ -102,6 +103,7 @@ def _cut(safety: float) -> tuple[Simulation, dict[str, np.ndarray]]:
         tool=blade,
         motion=StraightMotion((1.0, 0.0, 0.0), speed=6000.0, ramp=1e-4),
         law=CohesiveLaw(),
+        fracture=Fracture(path="edges"),
         stepping=Stepping(safety=safety),
     )
     rows = []

@@ -40,7 +40,7 @@ def _guillotine(*, edge_angle_deg: float = 90.0, equilibrium_start: bool = False
         tool=blade,
         motion=StraightMotion((1.0, 0.0, 0.0), speed=12000.0, ramp=5e-5),
         law=CohesiveLaw(),
-        fracture=Fracture(equilibrium_start=equilibrium_start),
+        fracture=Fracture(path="edges", equilibrium_start=equilibrium_start),
         damping_alpha=0.0,
     )
 

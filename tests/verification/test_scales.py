@@ -19,7 +19,6 @@ from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.loads.loads import Pressure
 from shellcut.loads.supports import Support
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.models.guillotine import notched_strip
 from shellcut.models.opening import opening_test
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -95,7 +94,9 @@ def opening(f, until=0.9e-3):
 
 def guillotine(f, until=1.1e-3):
     """A strip that a straight blade cuts along its middle."""
-    strip = notched_strip(8.0 * f.length, 4.8 * f.length, 0.8 * f.length, 1.6 * f.length)
+    strip = rectangle(8.0 * f.length, 4.8 * f.length, size=0.8 * f.length)
+    within = (1.6 + 1e-9) * f.length
+    strip = strip.cut(strip.nodes_where(lambda x, y, z: (abs(y) < 1e-9 * within) & (x < within)))
     blade = straight_blade(
         half_thickness=0.3 * f.length, length=8.0 * f.length, height=3.0 * f.length
     ).translated((-0.05 * f.length, 0.0, 0.0))

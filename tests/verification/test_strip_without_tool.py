@@ -45,7 +45,7 @@ def _moving(
         supports=supports,
         velocity=velocity,
         law=CohesiveLaw(),
-        fracture=Fracture(criterion=criterion, check_every=1),
+        fracture=Fracture(path="edges", criterion=criterion, check_every=1),
     )
 
 

@@ -39,7 +39,7 @@ def _stretched(mesh: Mesh, mismatch: float, *, equilibrium_start: bool) -> Simul
         ShellMaterial.homogeneous(young=E, poisson=NU, thickness=THICKNESS),
         supports=[Support.clamped("left"), Support.clamped("right")],
         law=CohesiveLaw(strength=NOMINAL / mismatch),
-        fracture=Fracture(equilibrium_start=equilibrium_start),
+        fracture=Fracture(path="edges", equilibrium_start=equilibrium_start),
         damping_alpha=0.0,
         damping_beta=0.0,
     )

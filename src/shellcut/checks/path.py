@@ -262,8 +262,8 @@ def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
         came + ("; some run across it" if none else ""),
-        "let imprint put the path into the mesh (imprint=True, [membrane] imprint = true), or mesh "
-        "along it",
+        'let cracks go through the quads, fracture.path = "free", or put the path into the mesh, '
+        '"imprint"; or mesh along it',
     )
 
 

@@ -129,7 +129,7 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
         resistance = resistance_of(sim, case.duration)
         for line in start_lines(sim, resistance, case.duration, case.check.sweep):
             log.say(line)
-        warmup([sim.fracture.criterion], paths=[sim.fracture.path])
+        warmup([sim.fracture.criterion], paths=[sim.fracture.path or "free"])
     if began:
         log.say(f"compiled in {time.perf_counter() - began[0]:.0f} s")
     return case

@@ -27,8 +27,8 @@ nearest to the trace of the blade's mid-plane in the sheet.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -49,8 +49,11 @@ from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 Measure: TypeAlias = Literal["force", "stress"]
 StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
 Candidates: TypeAlias = Literal["tips", "all"]
-Path: TypeAlias = Literal["edges", "free"]
+Path: TypeAlias = Literal["free", "imprint", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
+
+_ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "equilibrium_start"
+_ONLY_THROUGH_QUADS = "anisotropy", "cable_places", "largest_speed"
 
 
 @dataclass(frozen=True)
@@ -74,9 +77,13 @@ class Fracture:
     equilibrium_start : bool
         Start a cable with the very force that the node carried, fading over an
         eightieth of the opening at which the cable breaks.
-    path : {"edges", "free"}
-        Along the edges of the mesh, which must lie under the path, or through the quads on any
-        mesh (docs/theory/free-cracks.md). ``turn_limit_deg`` is of the first only.
+    path : {"free", "imprint", "edges"}, optional
+        Through the quads, on any mesh (docs/theory/free-cracks.md); along edges of the mesh, into
+        which the ready models put the blade's path first; or along the edges there are, which must
+        lie under the path. Left out it is ``"free"``, or ``"edges"`` where another option exists
+        for these only: ``criterion``, ``candidates``, ``blade_cut``, ``turn_limit_deg`` or
+        ``equilibrium_start`` that differ from their defaults. A ready model takes ``"edges"`` too
+        where edges lie under the whole path, and ``"imprint"`` where an option asks for edges.
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
@@ -91,6 +98,8 @@ class Fracture:
     --------
     >>> Fracture(criterion="stress", stress_place="top").blade_cut
     True
+    >>> Fracture().decided().path, Fracture(criterion="stress").decided().path
+    ('free', 'edges')
     """
 
     criterion: Measure = "force"
@@ -100,7 +109,7 @@ class Fracture:
     turn_limit_deg: float = 57.0
     check_every: int = 10
     equilibrium_start: bool = False
-    path: Path = "edges"
+    path: Path | None = None
     anisotropy: Anisotropy | None = None
     cable_places: CablePlaces = "ends"
     largest_speed: float | None = None
@@ -121,29 +130,53 @@ class Fracture:
             )
         if not (isinstance(self.check_every, int) and self.check_every > 0):
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
-        if self.path not in (allowed := get_args(Path)):
-            problems.append(f"path must be one of {allowed}, got {self.path!r}")
         if self.largest_speed is not None and not 0.0 < self.largest_speed < np.inf:
             problems.append(f"largest_speed must be positive, got {self.largest_speed!r}")
-        if self.path == "edges" and self.largest_speed is not None:
-            problems.append("largest_speed is of cracks through the quads only: take path='free'")
-        if self.path == "edges" and self.anisotropy is not None:
-            problems.append("anisotropy is of cracks through the quads only: take path='free'")
-        elif self.path == "edges" and self.cable_places != "ends":
-            problems.append("cable_places is of cracks through the quads only: take path='free'")
-        elif self.path == "free":
-            problems += [
-                f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"
-                for name, needed in (
-                    ("criterion", "force"),
-                    ("candidates", "tips"),
-                    ("blade_cut", True),
-                    ("equilibrium_start", False),
-                )
-                if getattr(self, name) != needed
-            ]
+        problems += self._contradictions()
         if problems:
             raise ValueError("; ".join(problems))
+
+    def _contradictions(self) -> Iterator[str]:
+        """Yield what does not go with the path, or with another option."""
+        of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
+        if self.path not in (None, *get_args(Path)):
+            yield f"path must be one of {get_args(Path)}, got {self.path!r}"
+        elif self.path == "free":
+            for name in of_edges:
+                needed = type(self).__dataclass_fields__[name].default
+                yield (
+                    f"path = 'free' goes with {name} = {needed!r} only, got {getattr(self, name)!r}"
+                )
+        elif self.path is not None:
+            for name in of_quads:
+                yield f"{name} is of cracks through the quads only: take path='free'"
+        elif of_edges and of_quads:
+            yield (
+                f"{', '.join(of_edges)} must be left out, of cracks along edges only, or "
+                f"{', '.join(of_quads)}, of cracks through the quads only"
+            )
+
+    @property
+    def only_along_edges(self) -> tuple[str, ...]:
+        """Names of the options that exist for cracks along edges only and are set."""
+        return self._set_of(_ONLY_ALONG_EDGES)
+
+    @property
+    def needed_path(self) -> Path | None:
+        """The path that is given, or that other options need; None where any will do."""
+        if self.path is not None:
+            return self.path
+        if self.only_along_edges:
+            return "edges"
+        return "free" if self._set_of(_ONLY_THROUGH_QUADS) else None
+
+    def decided(self) -> Fracture:
+        """Return the same with a path, the default where any will do."""
+        return replace(self, path=self.needed_path or "free")
+
+    def _set_of(self, names: Iterable[str]) -> tuple[str, ...]:
+        every = type(self).__dataclass_fields__
+        return tuple(name for name in names if getattr(self, name) != every[name].default)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from .crack_path import ONCOMING, CrackPath, common_side
 from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
+from .notch_line import NotchLine, row_at
 from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
@@ -36,10 +37,6 @@ from .tip import Tip, restored_tips, saved_tips
 from .tip_across import tip_across
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
-
-_ON_SIDE = 1e-9
-"""Of a segment's length: a notch that ends closer than this before a side or node ends there."""
-
 
 _SAME_PLACE = 1e-6
 """Of the local edge length: tips that are no farther from each other are at one place."""
@@ -129,34 +126,56 @@ class FreeCracks:
             if measure >= 1.0:
                 self._advance(state, tip, segment, "criterion", measure)
 
-    def notch(self, state: State, start: Floats, end: Floats) -> None:
-        """Cut the film along a straight line from its rim, see :meth:`.Simulation.notch`.
+    def notch(self, state: State, points: Floats) -> None:
+        """Cut the film along a line through points, see :meth:`.Simulation.notch`.
 
-        start, end : (3,) [mm].
+        points : (n, 3) [mm].
         """
-        way = (end - start) / np.linalg.norm(end - start)
-        tip: Tip | None = self._path.rim_tip(state, start, end)
+        line = NotchLine(points)
+        tip = self._path.rim_tip(state, points[0], points[1]) or self._slit(state, line)
         if tip is None:
             raise ValueError(
-                f"a notch must begin at the rim of the film: no side of it lies between "
-                f"{start.tolist()} and {end.tolist()} mm, nearer to that line than it is long"
+                f"a notch must begin at the rim of the film or within it: {points[0].tolist()} mm "
+                f"lies outside, and no side of the rim between it and {points[1].tolist()} mm is "
+                "nearer to that line than it is long"
             )
-        across: Floats | None = None
         while tip is not None and (at := self._path.place_of(state, tip)) is not None:
-            across = np.cross(at.t, way) if across is None else across
-            # The trace of the plane in the sheet there, and how it leans from the director.
-            trace, lean = np.cross(across, at.t), (at.t @ across) / (across @ across) * across
-            segment = self._path.segment_from(state, tip, trace, lean, self.tips)
+            way, lean = line.direction(self._path.reference_of(state, tip), at)
+            segment = self._path.segment_from(state, tip, way, lean, self.tips)
             if segment is None:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)
             tip = self._tip_after(state, segment, cut, 1, tip.heading)
-            if tip is None:
-                return
-            short = (end - self._path.reference_of(state, tip)) @ way
-            if short < _ON_SIDE * cut.length:
+            if tip is not None and line.ends(self._path.reference_of(state, tip), cut.length):
                 self.tips.append(replace(tip, length=0.0))
                 return
+
+    def _slit(self, state: State, line: NotchLine) -> Tip | None:
+        """Cut the quad in which a notch within the film begins; return the tip where it goes on."""
+        found = row_at(state, line.start)
+        if found is None or self._cuts.topology.polygon(found[0]) != WHOLE:
+            return None
+        row, place = found
+        way, lean = line.direction(line.start, self._path.place_in(state, row, place))
+        back, ahead = (self._path.segment(state, row, place, w, lean) for w in (-way, way))
+        cut = self._through(state, back, ahead, NOTCH)
+        if cut is None or back is None or ahead is None:
+            return None
+        self._end_at(state, back, cut, 0, -cut.heading)
+        for tip in self.tips:
+            tip.length = 0.0
+        return self._tip_after(state, ahead, cut, 1, cut.heading)
+
+    def _through(
+        self, state: State, back: Segment | None, ahead: Segment | None, kind: str
+    ) -> Cut | None:
+        """Cut a whole quad from where one ray from within leaves it to where the other does."""
+        if back is None or ahead is None:
+            return None
+        if common_side(WHOLE, back.exit, ahead.exit) is not None:
+            return None
+        chord = Segment(ahead.row, back.exit, ahead.exit, ahead.side, ahead.corner)
+        return self._cut(state, chord, kind, 0.0)
 
     def _is_there(self, tip: Tip) -> bool:
         return any(one is tip for one in self.tips)
@@ -252,12 +271,9 @@ class FreeCracks:
             back, ahead = (
                 self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0)
             )
-            if back is None or ahead is None:
+            cut = self._through(state, back, ahead, "blade")
+            if cut is None or back is None or ahead is None:
                 continue
-            if common_side(whole, back.exit, ahead.exit) is not None:
-                continue
-            chord = Segment(row, back.exit, ahead.exit, ahead.side, ahead.corner)
-            cut = self._cut(state, chord, "blade", 0.0)
             self._end_at(state, back, cut, 0, -cut.heading)
             self._end_at(state, ahead, cut, 1, cut.heading)
             self._cuts.wake(state)

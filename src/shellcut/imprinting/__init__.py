@@ -5,7 +5,15 @@ May import ``cables``, ``mesh``, ``tool``, ``material``, ``view`` and rows below
 
 from .blade_path import blade_path, crack_lead
 from .film_plane import ImprintError
-from .imprint import ImprintResult, imprint
+from .imprint import ImprintResult, imprint, lies_in
 from .path_curve import PathCurve
 
-__all__ = ["ImprintError", "ImprintResult", "PathCurve", "blade_path", "crack_lead", "imprint"]
+__all__ = [
+    "ImprintError",
+    "ImprintResult",
+    "PathCurve",
+    "blade_path",
+    "crack_lead",
+    "imprint",
+    "lies_in",
+]

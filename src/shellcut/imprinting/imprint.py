@@ -217,6 +217,27 @@ def imprint(
     )
 
 
+def lies_in(mesh: Mesh, curve: PathCurve | Sequence[PathCurve]) -> bool:
+    """Return whether lines of edges lie under a whole path, so that an imprint changes nothing.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Flat, in any plane.
+    curve : PathCurve or sequence of PathCurve
+        As in :func:`imprint`.
+
+    Raises
+    ------
+    ImprintError
+        If the film is not flat, or the path does not lie in it.
+    """
+    curves = (curve,) if isinstance(curve, PathCurve) else tuple(curve)
+    film = FilmPlane(mesh)
+    fitted, _ = with_room(film, [_flattened(film, c) for c in curves])
+    return all(find_edge_line(film, course) is not None for course in find_courses(film, fitted))
+
+
 def _flattened(film: FilmPlane, curve: PathCurve) -> PathCurve:
     def to_plane(points: Floats) -> Floats:
         if points.shape[1] == 2:

@@ -61,7 +61,6 @@ class _Build:
                 pitch=motion.pitch,
                 angle_deg=motion.angle_deg,
                 duration=motion.duration,
-                imprint=film.imprint,
                 **self._options(mesh),
             )
 
@@ -77,7 +76,7 @@ class _Build:
             with self._blame(("membrane", "clamp")):
                 mesh = _with_set(mesh, "bottom", film.clamp[:1])
                 mesh = _with_set(mesh, "top", film.clamp[-1:])
-            shape = {"mesh": mesh, "imprint": film.imprint}
+            shape = {"mesh": mesh}
             extent = float(np.ptp(mesh.nodes[:, 0]))
         blade = as_long_as(self._of["tool"], extent)
         with self._blame_film():
@@ -111,7 +110,6 @@ class _Build:
                 tool=self._made("tool"),
                 motion=motion,
                 duration=duration,
-                imprint=film.imprint,
                 notch=film.notch,
                 supports=supports,
                 **self._options(mesh),

@@ -10,14 +10,13 @@ from shellcut.mesh.film_file import Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import OpeningName, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test
-from shellcut.models.guillotine import notched_strip
+from shellcut.models.guillotine import strip_of
 
 from .key import (
     Section,
     choice,
     default_of,
     file,
-    flag,
     key,
     length_unit,
     names,
@@ -30,7 +29,6 @@ from .key import (
     whole,
 )
 
-_IMPRINT = "put the blade's path into the mesh as a line of edges"
 _NOTCH = "length of the cut in which the blade starts"
 _CLAMP = "node set or sets that are clamped"
 
@@ -45,7 +43,6 @@ class OpeningDisc(Section):
         default=default_of(opening_test, "mesh"),
         parameter="name",
     )
-    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 
 
 @section("membrane", kind="opening", sign="mesh", of=opening_disc)
@@ -56,7 +53,7 @@ class FreeOpeningDisc(OpeningDisc):
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
 
 
-@section("membrane", kind="strip", sign="length", of=notched_strip)
+@section("membrane", kind="strip", sign="length", of=strip_of)
 class Strip(Section):
     """A strip from x = 0 with its long sides clamped."""
 
@@ -79,7 +76,6 @@ class Rectangle(Section):
     size: float = key(number("mm"), "edge length of the quads", default=None, unset="from n_x, n_y")
     n_x: int | None = key(whole, "quads along x", unset="from size")
     n_y: int | None = key(whole, "quads along y", unset="from size")
-    imprint: bool = key(flag, _IMPRINT, default=default_of(free_cut, "imprint"))
     clamp: tuple[str, ...] = key(names, _CLAMP, default=())
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
 
@@ -94,7 +90,6 @@ class Disc(Section):
     ring_radii: tuple[float, ...] = key(
         numbers("mm"), "circles on which nodes lie, decreasing", default=()
     )
-    imprint: bool = key(flag, _IMPRINT, default=default_of(free_cut, "imprint"))
     clamp: tuple[str, ...] = key(names, _CLAMP, default=())
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
 
@@ -115,7 +110,6 @@ class FilmFile(Section):
     leave_out: tuple[str, ...] = key(names, "kinds of other cells to leave out")
     merge: float | None = key(number("mm"), "merge nodes closer than this", unset="no merging")
     max_fold_deg: float = key(number("deg"), "sharpest fold allowed")
-    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 
 
 @section("membrane", kind="file", sign="file", of=read_film, deferred=True)
@@ -144,7 +138,6 @@ class Outline(Section):
     holes: tuple[Any, ...] = key(polygons(), "polygons inside")
     size: float = key(number("mm"), "edge length of the quads")
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("outline",))
-    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 
 
 @section("membrane", kind="outline", sign="outline", of=mesh_from_outline, deferred=True)

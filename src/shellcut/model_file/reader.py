@@ -17,7 +17,7 @@ from .key import Key, Section
 from .model import Model
 from .overrides import overridden
 from .run_sections import Head
-from .section_table import LISTS, SECTIONS, Kinds
+from .section_table import GONE, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
 
 FILES = "files"
@@ -231,6 +231,9 @@ class _Reading:
         self, name: str, cls: type[Section], kinds: Kinds, path: KeyPath, model: str
     ) -> None:
         place, shown = (*path, name), f"{_shown(path)}{name}"
+        if len(path) == 1 and (gone := GONE.get((str(path[0]), name))):
+            self.say(place, f"unknown key {shown}; {gone}")
+            return
         for kind in kinds:
             if kind is not cls and name in kind.names():
                 chosen = f'kind = "{cls.kind}"' if cls.kind else "this one"

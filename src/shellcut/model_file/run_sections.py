@@ -109,9 +109,11 @@ class FractureSection(Section):
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
-    path: str = key(
+    path: str | None = key(
         choice(*get_args(Path)),
-        "of cracks: along edges of the mesh, or free through its quads",
+        "of cracks: free through quads, along edges, or along edges after the blade's path has "
+        "been put into the mesh",
+        unset="edges if they lie under the whole path, imprint if an option needs edges, else free",
     )
     cable_places: str = key(
         choice(*get_args(CablePlaces)),

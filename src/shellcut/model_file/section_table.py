@@ -130,3 +130,9 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
     for model in SECTIONS
 }
 """By model: the sections that may occur several times, like [[loads]]."""
+
+GONE: Mapping[tuple[str, str], str] = {
+    ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
+    '"edges" takes the mesh as it is, "free" cuts through its quads',
+}
+"""Keys of earlier versions, by section, and what to write instead."""

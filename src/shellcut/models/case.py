@@ -51,7 +51,8 @@ class Case:
     duration : float
         End of the run [s].
     imprint : ImprintResult or None
-        Result of imprinting the blade's path in the mesh; None if not asked for.
+        Of the line of edges under the blade's path; None where cracks do not need one, or the
+        mesh was to be taken as it is.
     """
 
     name: str

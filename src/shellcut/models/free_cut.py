@@ -1,4 +1,4 @@
-"""A cut through any film by any tool on any motion; what is imprinted must be flat."""
+"""A cut through any film by any tool on any motion."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks.sweep import Sweep
+from shellcut.fracture.notch_line import row_at
+from shellcut.imprinting import ImprintResult
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.simulation.simulation import Simulation
@@ -15,7 +18,9 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import needs_path, with_path
+from .crack_way import crack_way
+
+_ROUND_OFF = 1e-9
 
 
 def free_cut(
@@ -24,7 +29,6 @@ def free_cut(
     tool: Tool,
     motion: Motion,
     duration: float,
-    imprint: bool = True,
     notch: float = 0.0,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
@@ -35,20 +39,21 @@ def free_cut(
     Parameters
     ----------
     mesh : Mesh
-        Flat, unless ``imprint`` is False.
+        The film, flat or curved.
     tool, motion : Tool, Motion
         The cutter and how it moves.
     duration : float
         End of the run [s].
-    imprint : bool
-        Put the path of the cutting edges into the mesh, unless cracks go through quads
-        (``fracture.path``); the result is ``Case.imprint``.
     notch : float
-        Length of a cut along the path, from the blade's start [mm]; needs ``imprint``.
+        Length of a cut along the path of the first edge that meets the film, from where it does
+        [mm]; 0 for none. Along edges it ends at the last node of the path within that length,
+        through quads at the first side of the mesh at or beyond it.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`: ``supports``, ``loads``, ``contact``, ...
+        Options of :class:`Simulation`: ``supports``, ``loads``, ``contact``, ... Without a
+        ``fracture.path`` cracks follow edges where a line of them lies under the whole path, and go
+        through quads elsewhere.
 
     Returns
     -------
@@ -63,30 +68,74 @@ def free_cut(
         raise ValueError(f"duration must be a positive time in s, got {duration!r}")
     if not (np.isfinite(notch) and notch >= 0):
         raise ValueError(f"notch must be a length in mm, 0 for none, got {notch!r}")
-    imprint = imprint and needs_path(options.get("fracture"))
-    if notch and not imprint:
-        raise ValueError(
-            "a notch follows the imprinted path: give notch=0, or imprint=True and path = 'edges'"
-        )
     section = material or ShellMaterial.homogeneous()
-    result = with_path(mesh, tool, motion, duration, section, law) if imprint else None
-    film = mesh if result is None else result.mesh
-    if result is not None and notch:
-        chain = result.chains[0][result.first[0] :]
-        film = film.cut(_start_of(film.nodes, chain, notch))
-    simulation = Simulation(
-        film, section, tool=tool, motion=motion, law=law or CohesiveLaw(), **options
+    way = crack_way(
+        mesh,
+        tool,
+        motion,
+        duration,
+        material=section,
+        law=law,
+        fracture=options.pop("fracture", None),
     )
+    film = way.mesh
+    if notch and not way.through_quads:
+        film = film.cut(_first_edges(film, way.imprint, notch))
+    simulation = Simulation(
+        film,
+        section,
+        tool=tool,
+        motion=motion,
+        law=law or CohesiveLaw(),
+        fracture=way.fracture,
+        **options,
+    )
+    if notch and way.through_quads and tool.n_edge:
+        points, before = _first_way(Sweep.of(mesh, tool, motion, duration, law), notch)
+        outside = row_at(simulation.state, before) is None
+        simulation.notch(*([before] if outside else []), *points)
     check_length(simulation, duration)
-    return Case("free", simulation, duration, result)
+    return Case("free", simulation, duration, way.imprint)
 
 
-def _start_of(nodes: Floats, chain: Ints, notch: float) -> Ints:
-    way = np.cumsum(np.linalg.norm(np.diff(nodes[chain], axis=0), axis=1))
-    first = chain[: 1 + np.searchsorted(way, notch * (1.0 + 1e-9), side="right")]
+def _first_edges(mesh: Mesh, line: ImprintResult | None, notch: float) -> Ints:
+    """Return the nodes of a notch along the line of edges under the path, shape (n,)."""
+    if line is None:
+        raise ValueError(
+            "a notch follows the path, which path = 'edges' does not look for: take path = "
+            "'imprint', which leaves a line of edges that lies there as it is, 'free', or notch=0"
+        )
+    chain = line.chains[0][line.first[0] :]
+    way = np.cumsum(np.linalg.norm(np.diff(mesh.nodes[chain], axis=0), axis=1))
+    first = chain[: 1 + np.searchsorted(way, notch * (1.0 + _ROUND_OFF), side="right")]
     if len(first) < 2:
         raise ValueError(
             f"the notch of {notch} mm must be at least one edge of the path long, "
             f"{way[0]:.4g} mm: lengthen it, or pass 0"
         )
     return np.asarray(first)
+
+
+def _first_way(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
+    """Return the way of the first edge that meets the film, of a given length, shape (n, 3) [mm].
+
+    And the point an edge of the film before it, shape (3,): outside the film the notch begins at
+    the rim.
+    """
+    begins = [(fate.first, fate.chain) for fate in sweep.fates if fate.first is not None]
+    mine = sweep.along_edge & sweep.within & (sweep.chain == min(begins, default=(0.0, -1))[1])
+    _, first = np.unique(sweep.time[mine], return_index=True)
+    places = sweep.place[mine][first]
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    if not (steps > 0.0).any():
+        raise ValueError(
+            "a notch follows the path of a cutting edge, got none that moves through the film: "
+            "pass notch=0, or check place and motion of the tool"
+        )
+    places, steps = places[np.append(True, steps > 0.0)], steps[steps > 0.0]
+    way = np.append(0.0, np.cumsum(steps))
+    notch = min(notch, float(way[-1]))
+    n = int(np.searchsorted(way, notch))
+    end = [np.interp(notch, way, axis) for axis in places.T]
+    back = places[0] - sweep.edge_length[mine][0] / steps[0] * (places[1] - places[0])
+    return np.array([*places[:n], end]), back

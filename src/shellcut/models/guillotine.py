@@ -9,12 +9,14 @@ width w, and F = h ∫_0^w sigma dl.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -25,7 +27,7 @@ from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import needs_path, with_path
+from .crack_way import CrackWay, crack_way
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -44,24 +46,15 @@ BLADE_HEIGHT = 3.0
 """Of the default blade [mm]; it is as long as the strip."""
 
 
-def notched_strip(length: float, width: float, size: float, notch: float) -> Mesh:
-    """Return a strip from x = 0 to ``length``, cut along its middle up to ``notch`` [mm]."""
-    mesh = rectangle(length, width, size=size)
-    off = _ON_LINE * length
-    on_line = mesh.nodes_where(lambda x, y, z: (np.abs(y) < off) & (x <= notch + off))
-    if on_line.size < 2:
-        raise ValueError(
-            f"the notch of {notch} mm must follow a mesh line in the middle of the strip: make "
-            f"width / size even, got {width} / {size}, and the notch at least one edge long"
-        )
-    return mesh.cut(on_line[np.argsort(mesh.nodes[on_line, 0])])
+def strip_of(length: float, width: float, size: float) -> Mesh:
+    """Return a strip from x = 0 to ``length``, y about 0, with quads of an edge length [mm]."""
+    return rectangle(length, width, size=size)
 
 
 def guillotine(
     size: float = 0.4,
     *,
     mesh: Mesh | None = None,
-    imprint: bool = True,
     length: float = 30.0,
     width: float = 8.0,
     notch: float = 2.0,
@@ -82,14 +75,10 @@ def guillotine(
         A flat strip of your own in z = 0 instead, with node sets ``bottom`` and ``top`` at its
         long sides; ``size``, ``length`` and ``width`` are then unused. The blade enters at the
         strip's end, on y = 0.
-    imprint : bool
-        Put the blade's path into a mesh of your own; otherwise a line of its edges must lie on
-        y = 0, or cracks go through quads (``fracture.path``), and nothing is put into the mesh.
-        The result is ``Case.imprint``.
     length, width, notch : float
-        Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. In a
-        mesh of your own the notch ends at the last node of the path within ``notch``, or through
-        quads at the first side of the mesh at or beyond it; 0 for none.
+        Dimensions of the strip and of the cut at its end [mm]; the long sides are clamped. Along
+        edges the notch ends at the last node of the path within ``notch``, through quads at the
+        first side of the mesh at or beyond it; 0 for none.
     travel : float, optional
         Travel of the blade [mm]; by default up to 0.625 ``opening_u`` before the end of the strip,
         2.5 mm with the paper's law.
@@ -102,7 +91,9 @@ def guillotine(
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`.
+        Options of :class:`Simulation`. Without a ``fracture.path`` cracks follow edges where a line
+        of them lies on y = 0, as in the strip with an even ``width / size``, and go through quads
+        elsewhere.
 
     Returns
     -------
@@ -120,17 +111,19 @@ def guillotine(
     24
     """
     section = material or ShellMaterial.homogeneous()
-    film = notched_strip(length, width, size, notch) if mesh is None else mesh
+    strip = strip_of(length, width, size) if mesh is None else mesh
     cables = law or CohesiveLaw()
-    blade, motion, duration = blade_before(film, tool, travel=travel, speed=speed, law=cables)
-    result, along_edges = None, needs_path(options.get("fracture"))
-    if mesh is not None and along_edges and imprint:
-        result = with_path(mesh, blade, motion, duration, section, cables)
-        film = _notched(result.mesh, result.chains[0], notch)
-    elif mesh is not None and along_edges:
-        off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
-        on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
-        film = _notched(mesh, on_line[np.argsort(mesh.nodes[on_line, 0])], notch)
+    blade, motion, duration = blade_before(strip, tool, travel=travel, speed=speed, law=cables)
+    fracture, line = options.pop("fracture", None) or Fracture(), _line_of(strip)
+    if mesh is None and len(line) and fracture.needed_path != "free":
+        way = CrackWay(strip, replace(fracture, path="edges"), None)
+    else:
+        way = crack_way(
+            strip, blade, motion, duration, material=section, law=cables, fracture=fracture
+        )
+    film = way.mesh
+    if notch > 0.0 and not way.through_quads:
+        film = _notched(film, line if way.imprint is None else way.imprint.chains[0], notch)
     simulation = Simulation(
         film,
         section,
@@ -138,13 +131,14 @@ def guillotine(
         tool=blade,
         motion=motion,
         law=cables,
+        fracture=way.fracture,
         **options,
     )
-    if mesh is not None and not along_edges and notch > 0.0:
+    if notch > 0.0 and way.through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
         simulation.notch((begin - extent, 0.0, 0.0), (begin + notch, 0.0, 0.0))
     check_length(simulation, duration)
-    return Case("guillotine", simulation, duration, result)
+    return Case("guillotine", simulation, duration, way.imprint)
 
 
 def blade_before(
@@ -159,15 +153,21 @@ def blade_before(
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
 
+def _line_of(mesh: Mesh) -> Ints:
+    """Return the nodes on y = 0 in the order of x, shape (n,)."""
+    off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
+    on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
+    return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0])])
+
+
 def _notched(mesh: Mesh, line: Ints, notch: float) -> Mesh:
-    # cut along the first nodes of the path, which begins at the strip's end
+    """Return the strip cut along the first nodes of a line, which begins at its end."""
     x = mesh.nodes[line, 0]
     within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
-    if notch == 0.0:
-        return mesh
     if len(within) < 2:
         raise ValueError(
-            f"the notch of {notch} mm must be at least one edge of the path long, got nodes on "
-            f"the path at x = {np.array2string(x[:2], precision=4)} mm; lengthen it, or pass 0"
+            f"the notch of {notch} mm must follow a line of edges in the middle and be at least "
+            f"one of them long, got nodes there at x = {np.array2string(x[:2], precision=4)} mm: "
+            "lengthen it, make width / size even, take fracture.path = 'free', or pass 0"
         )
     return mesh.cut(within)

@@ -28,7 +28,7 @@ from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .imprinted_path import needs_path, with_path
+from .crack_way import crack_way
 
 
 def opening_test(
@@ -38,7 +38,6 @@ def opening_test(
     pitch: float = 12.0,
     angle_deg: float = 95.0,
     duration: float = 6.0e-3,
-    imprint: bool = True,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
@@ -55,13 +54,12 @@ def opening_test(
         Advance of the screw per turn, downwards [mm].
     angle_deg, duration : float
         Angle [degrees] and time [s] of the whole motion.
-    imprint : bool
-        Put the path of the cutting edges into the mesh, unless a line of edges lies there, or
-        cracks go through quads (``fracture.path``); the result is ``Case.imprint``.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``.
+        Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
+        path, as in the package's discs under the default teeth, and go through quads elsewhere.
 
     Returns
     -------
@@ -82,20 +80,27 @@ def opening_test(
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
     section = material or ShellMaterial.homogeneous()
-    result = None
-    if imprint and needs_path(options.get("fracture")):
-        result = with_path(film, cutter, motion, duration, section, law)
+    way = crack_way(
+        film,
+        cutter,
+        motion,
+        duration,
+        material=section,
+        law=law,
+        fracture=options.pop("fracture", None),
+    )
     simulation = Simulation(
-        result.mesh if result else film,
+        way.mesh,
         section,
         supports=[Support.clamped("rim")],
         tool=cutter,
         motion=motion,
         law=law or CohesiveLaw(),
+        fracture=way.fracture,
         **options,
     )
     check_length(simulation, duration)
-    return Case("opening", simulation, duration, result)
+    return Case("opening", simulation, duration, way.imprint)
 
 
 def steady_work_per_radian(

@@ -176,7 +176,7 @@ def oscillating(
         "damping_beta": STIFFNESS_DAMPING,
         **options,
     }
-    if chosen["fracture"].path != "free":
+    if chosen["fracture"].needed_path not in (None, "free"):
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,

@@ -45,7 +45,7 @@ def warmup(
     along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
     ways = {"edges": along_edges, "free": [Fracture(path="free")]}
     between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
-    for path, precision in product(paths, precisions):
+    for path, precision in product({"edges" if p == "imprint" else p for p in paths}, precisions):
         film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
         for fracture in ways[path]:
             case = guillotine(

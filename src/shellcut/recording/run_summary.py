@@ -79,6 +79,8 @@ def run_summary(
     }
     coordinate = r.coordinate_name, r.coordinate_unit
     finite |= steady_figures(history, coordinate, r.columns[0])
+    if sim.cracks is not None:
+        finite["crack_path"] = "edges" if sim.cracks.free is None else "free"
     return finite | {"resistance": r.meaning}
 
 

@@ -51,6 +51,8 @@ def start_lines(
         )
     if sweep is not None:
         yield edge_line(sweep)
+    if sim.cracks is not None:
+        yield f"cracks {_way_of_cracks(sim)}"
     r = resistance
     yield f"shown  {r.meaning}, over the {r.coordinate_name}"
     n_step = until / sim.dt
@@ -94,6 +96,16 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         f"crack {s.crack_length:.4g} mm, cables {s.n_cable} made "
         f"{sim.cables.n_joint_made} jointed {sim.cables.n_broken} broken"
     )
+
+
+def _way_of_cracks(sim: Simulation) -> str:
+    """Return where cracks go, and which options let them go along edges only."""
+    if sim.fracture.path == "free":
+        return "through the quads of the mesh"
+    asked = ", ".join(
+        f"{name} = {getattr(sim.fracture, name)!r}" for name in sim.fracture.only_along_edges
+    )
+    return "along edges of the mesh" + (f", which {asked} asks for" if asked else "")
 
 
 def _rough(seconds: float) -> str:

@@ -62,7 +62,7 @@ LABELS = {
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
 _ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
-_ELSEWHERE |= {"resistance", "no_window"}
+_ELSEWHERE |= {"resistance", "no_window", "crack_path"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 

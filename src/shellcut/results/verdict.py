@@ -283,7 +283,7 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         "(limit a fifth of an edge of the film).",
         f"{off:,} of {n:,} splits lie more than a fifth of an edge of the film off the path of "
         f"the cutting edges, up to {far:.3g} mm: cracks left it. "
-        + _told(figures, "Put it into the mesh (imprint); the", "The")
+        + _told(figures, 'Let them go through the quads (path = "free"); the', "The")
         + " crack map shows where.",
     )
 

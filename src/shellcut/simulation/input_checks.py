@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -38,10 +38,16 @@ def without_partner(
         yield "contact needs a tool to be in contact with: give tool and motion too"
 
 
-def not_with_free_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
-    """Yield what cracks through quads cannot do yet."""
-    if fracture is None or fracture.path != "free":
+def not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
+    """Yield what the path of the cracks does not go with."""
+    if fracture is None:
         return
+    if fracture.path == "imprint":
+        yield (
+            "Fracture.path must be 'free' or 'edges' here, got 'imprint': only ready models and "
+            "model files know how far the tool will move. Put its path into the mesh first, "
+            "imprint(mesh, blade_path(tool, motion, mesh, duration)).mesh, and take path='edges'"
+        )
     if tool is not None and fracture.anisotropy is not None:
         yield (
             "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
@@ -49,9 +55,15 @@ def not_with_free_path(fracture: Fracture | None, tool: Tool | None) -> Iterator
         )
 
 
-def ends_of_notch(start: npt.ArrayLike, end: npt.ArrayLike) -> tuple[Floats, Floats]:
-    """Return the ends of a notch as points, shape (3,) each [mm]; refuse those that are none."""
-    a, b = np.asarray(start, float), np.asarray(end, float)
-    if a.shape != (3,) or b.shape != (3,) or not np.isfinite([a, b]).all() or (a == b).all():
-        raise ValueError(f"a notch needs two different points in mm, got {start!r} and {end!r}")
-    return a, b
+def points_of_notch(points: Sequence[npt.ArrayLike]) -> Floats:
+    """Return the points of a notch, shape (n, 3) [mm]; refuse those that are none."""
+    every = [np.asarray(point, float) for point in points]
+    if (
+        len(every) < 2
+        or any(point.shape != (3,) for point in every)
+        or not np.isfinite(every).all()
+        or (np.diff(every, axis=0) == 0.0).all(axis=1).any()
+    ):
+        said = ", ".join(repr(point) for point in points[:4])
+        raise ValueError(f"a notch needs two different points in mm or more, got {said}")
+    return np.array(every)

@@ -35,7 +35,7 @@ from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
 from .hooks import Hook, StopRun
-from .input_checks import ends_of_notch, negative, not_with_free_path, without_partner
+from .input_checks import negative, not_with_path, points_of_notch, without_partner
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .relaxation import find_rest
@@ -117,11 +117,11 @@ class Simulation:
         problems = [
             *negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
             *without_partner(tool, motion, law, contact, fracture),
-            *not_with_free_path(fracture, tool),
+            *not_with_path(fracture, tool),
         ]
         if problems:
             raise ValueError("; ".join(problems))
-        contact, fracture = contact or Contact(), fracture or Fracture()
+        contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
             "mesh": mesh,
             "material": material,
@@ -334,22 +334,24 @@ class Simulation:
             self.time_step.forget()
             self._start()
 
-    def notch(self, start: npt.ArrayLike, end: npt.ArrayLike) -> None:
-        """Cut the film before the run along a straight line from its rim, without cables.
+    def notch(self, *points: npt.ArrayLike) -> None:
+        """Cut the film before the run along a line through points, without cables.
 
         For ``Fracture(path="free")``; for cracks along edges :meth:`Mesh.cut` cuts the mesh. On a
-        curved film it runs in the plane of the line and of the film's normal at the rim.
+        curved film a straight line runs in the plane of its two points and of the film's normal at
+        the rim; one through more points on the film runs from each towards the next.
 
         Parameters
         ----------
-        start, end : array_like, shape (3,)
-            Outside the rim, nearer to the side of it where it begins than that is long, and where
-            it ends [mm]: at the first side or node there or beyond, sooner at a rim or a cut.
+        *points : array_like, shape (3,)
+            From outside the rim, nearer to the side of it where the notch begins than that is long,
+            or from within the film, to where it ends [mm]: at the first side or node there or
+            beyond, sooner at a rim or a cut. A notch within the film begins as far beyond.
 
         Raises
         ------
         ValueError
-            If cracks go along edges, it is too late, or the line does not begin at the rim.
+            If cracks go along edges, it is too late, or the line begins outside the film.
         """
         if self.cracks is None or self.cracks.free is None:
             raise ValueError(
@@ -357,7 +359,7 @@ class Simulation:
             )
         if self.state.step or self.state.is_moved:
             raise ValueError("notch the film before the run, and before it is stretched")
-        self.cracks.free.notch(self.state, *ends_of_notch(start, end))
+        self.cracks.free.notch(self.state, points_of_notch(points))
 
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.

@@ -1,0 +1,195 @@
+"""Which way cracks go: asked for, needed by another option, or best for the mesh."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from curved_films import Roll
+from shellcut import Fracture
+from shellcut.mesh.structured import opening_disc, rectangle
+from shellcut.models import free_cut, guillotine, opening_test
+from shellcut.recording.recorder import Recorder
+from shellcut.recording.resistance import resistance_of
+from shellcut.recording.status_line import start_lines
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade, tooth_ring
+
+SIDES = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]
+
+
+def by_hand(**options):
+    """A blade before a strip whose rows do not care for it."""
+    return sc.Simulation(
+        rectangle(4.0, 2.4, n_x=5, n_y=3),
+        sc.ShellMaterial.homogeneous(),
+        supports=SIDES,
+        tool=straight_blade(length=4.0, height=3.0).translated((-0.05, 0.0, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), 6000.0),
+        law=sc.CohesiveLaw(),
+        **options,
+    )
+
+
+# ---------------------------------------------------------------- what is asked for
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        {"criterion": "stress"},
+        {"candidates": "all"},
+        {"blade_cut": False},
+        {"turn_limit_deg": 80.0},
+        {"equilibrium_start": True},
+    ],
+)
+def test_what_exists_along_edges_only_asks_for_them(option):
+    assert Fracture(**option).decided().path == "edges"
+    assert Fracture(path="imprint", **option).path == "imprint"
+    with pytest.raises(ValueError, match=f"path = 'free' goes with {next(iter(option))} = "):
+        Fracture(path="free", **option)
+    sim = by_hand(fracture=Fracture(**option))
+    assert sim.fracture.path == "edges"
+    assert sim.cracks.edges is not None
+    said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
+    assert any(f"edges of the mesh, which {next(iter(option))} = " in line for line in said)
+
+
+@pytest.mark.parametrize("option", [{"cable_places": "gauss"}, {"largest_speed": 1e5}])
+def test_what_exists_through_quads_only_asks_for_them(option):
+    assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
+    for path in ("edges", "imprint"):
+        with pytest.raises(ValueError, match="through the quads only: take path='free'"):
+            Fracture(path=path, **option)
+    with pytest.raises(ValueError, match=r"criterion must be left out.* or .*, of cracks thr"):
+        Fracture(criterion="stress", **option)
+    case = opening_test("quick", fracture=Fracture(**option))
+    assert case.simulation.fracture.path == "free"
+
+
+def test_a_simulation_by_hand_takes_quads():
+    sim = by_hand()
+    assert sim.fracture.path == "free"
+    assert sim.inputs["fracture"] == Fracture(path="free")
+    said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
+    assert "cracks through the quads of the mesh" in said
+    with pytest.raises(ValueError, match=r"got 'imprint'.*imprint\(mesh, blade_path\(tool"):
+        by_hand(fracture=Fracture(path="imprint"))
+
+
+def test_the_summary_says_which_way_cracks_went(tmp_path):
+    for path in ("free", "edges"):
+        sim = by_hand(fracture=Fracture(path=path))
+        options = {"n_snapshot": 0, "n_frame": 2, "progress": False}
+        recorder = Recorder(sim, tmp_path / path, until=1e-6, name="cut", **options)
+        sim.run(1e-6, [recorder])
+        assert sc.read(tmp_path / path).summary["crack_path"] == path
+
+
+# ---------------------------------------------------------------- ready models
+
+
+def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
+    ring = opening_test("quick")
+    assert ring.simulation.fracture.path == "edges"
+    np.testing.assert_array_equal(ring.simulation.mesh.nodes, opening_disc("quick").nodes)
+    elsewhere = opening_test("quick", tool=tooth_ring(radius=9.0))
+    assert elsewhere.simulation.fracture.path == "free"
+    assert elsewhere.imprint is None
+    np.testing.assert_array_equal(elsewhere.simulation.mesh.nodes, opening_disc("quick").nodes)
+    needs_edges = Fracture(candidates="all")
+    imprinted = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
+    assert imprinted.imprint.changed
+    assert imprinted.simulation.fracture == Fracture(path="edges", candidates="all")
+
+
+def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():
+    strip = {"size": 0.8, "length": 8.0, "notch": 1.6, "travel": 2.0}
+    assert guillotine(width=4.8, **strip).simulation.fracture.path == "edges"
+    between = guillotine(width=4.0, **strip).simulation
+    assert between.fracture.path == "free"
+    np.testing.assert_allclose(between.cracks.free.at_tips(between.mesh.nodes), [[1.6, 0, 0]])
+    through = guillotine(width=4.8, fracture=Fracture(path="free"), **strip).simulation
+    np.testing.assert_allclose(through.cracks.free.at_tips(through.mesh.nodes), [[1.6, 0, 0]])
+    imprinted = guillotine(width=4.0, fracture=Fracture(path="imprint"), **strip)
+    assert imprinted.imprint.changed
+    with pytest.raises(ValueError, match=r"make width / size even, take fracture\.path = 'free'"):
+        guillotine(width=4.0, fracture=Fracture(path="edges"), **strip)
+
+
+# ---------------------------------------------------------------- a notch along the path
+
+
+def test_a_notch_along_a_straight_path():
+    c, s = np.cos(0.3), np.sin(0.3)
+    motion = StraightMotion((c, s, 0.0), 6000.0)
+    blade = straight_blade(length=12.0, height=3.0)
+    turned = sc.Tool.from_triangles(
+        blade.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]),
+        blade.triangles,
+        edges=blade.edges,
+        flank_angle_deg=blade.flank_angle_deg,
+    ).translated((-0.05, -1.0, 0.0))
+    case = free_cut(
+        rectangle(8.0, 4.8, size=0.8),
+        tool=turned,
+        motion=motion,
+        duration=1e-3,
+        notch=2.0,
+        supports=SIDES,
+    )
+    (tip,) = case.simulation.cracks.free.tips
+    (end,) = case.simulation.cracks.free.at_tips(case.simulation.mesh.nodes)
+    start = np.array([0.0, -1.0 + 0.05 * np.tan(0.3), 0.0])
+    along, beside = (end - start) @ np.array([[c, -s], [s, c], [0.0, 0.0]])
+    assert 2.0 <= along < 2.8
+    assert abs(beside) < 0.05 * 0.8  # corners that are nearer are met
+    assert case.simulation.state.crack_length == 0.0
+    assert tip.length == 0.0
+    assert case.check.findings == ()
+
+
+def test_a_notch_along_an_arc_within_the_film_has_two_ends():
+    # One tooth comes down on the disc, beside its ring of edges.
+    tool = tooth_ring(n_teeth=1, radius=7.7)
+    motion = sc.ScrewMotion.over(angle_deg=60.0, duration=4e-3, pitch=12.0)
+    held = [sc.Support.clamped("rim")]
+    case = free_cut(
+        opening_disc("M1"), tool=tool, motion=motion, duration=4e-3, notch=4.0, supports=held
+    )
+    sim = case.simulation
+    ends = sim.cracks.free.at_tips(sim.mesh.nodes)
+    h = np.sqrt(sim.shell.area.max())
+    places = np.array([cut.reference for cut in sim.state.split_log])
+    assert len(ends) == 2
+    # L²/8R of a segment of one edge and the corners that are met, measured 0.05 edges.
+    for points in (ends, places):
+        np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 7.7, atol=0.1 * h)
+    angles = np.sort(np.unwrap(np.arctan2(ends[:, 1], ends[:, 0])))
+    assert 4.0 - 0.1 < 7.7 * np.ptp(angles) < 4.0 + 3.0 * h
+    assert sim.state.crack_length == 0.0
+
+
+def test_a_notch_on_a_cylinder():
+    mesh = Roll(30.0, 15.0).mesh(rectangle(16.0, 8.0, size=0.8))
+    tool = straight_blade(length=16.0, height=16.0).translated((-0.05, 0.0, 0.0))
+    motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)
+    case = free_cut(mesh, tool=tool, motion=motion, duration=1e-3, notch=2.0, supports=SIDES)
+    sim = case.simulation
+    (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    assert 2.0 <= np.hypot(end[0], end[2]) < 2.8
+    assert abs(end[1]) < 0.05 * 0.8  # the plane of the blade
+
+
+def test_a_notch_needs_an_edge_that_moves_through_the_film():
+    tool = straight_blade(length=4.0, height=3.0).translated((0.0, 0.0, 9.0))
+    motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)
+    with pytest.raises(ValueError, match="got none that moves through the film: pass notch=0"):
+        free_cut(
+            rectangle(8.0, 4.8, size=0.8),
+            tool=tool,
+            motion=motion,
+            duration=1e-3,
+            notch=2.0,
+            supports=SIDES,
+        )
