@@ -11,6 +11,9 @@ has run into. From there a ray goes through the polygon of the row ahead. Where 
    node, a side that the ray leaves by less than that is broken as a side;
 4. on the side itself, at least ``SNAP`` of it from its corners.
 
+A crack whose new tip lies on the very side on which an oncoming one ends, nearer than ``JOIN``
+across its way, has no row left to go through: the part of the side between them is torn.
+
 Distances across the ray are those in the sheet: out of it, folds under a blade do not count.
 """
 
@@ -119,19 +122,22 @@ class CrackPath(TipPlaces):
         """
         ahead = self.rows_ahead(tip)
         for row, entry in ahead:
-            ends = self.oncoming(row, entry, tip, others)
-            joined = self._to_an_end(state, row, entry, direction, lean, ends) if ends else None
+            ends = self.oncoming(row, entry, tip.heading, others)
+            joined = self.to_an_end(state, row, entry, direction, lean, ends) if ends else None
             if joined is not None:
                 return joined
         found = (self.segment(state, row, entry, direction, lean) for row, entry in ahead)
         return next((one for one in found if one is not None), None)
 
-    def oncoming(self, row: int, entry: Point, tip: Tip, others: Sequence[Tip]) -> list[End]:
-        """Return where cracks that come towards a tip end at the boundary of a row ahead of it."""
+    def oncoming(self, row: int, entry: Point, heading: Floats, others: Sequence[Tip]) -> list[End]:
+        """Return where cracks that come towards another end at the boundary of a row ahead of it.
+
+        heading : (3,), of the other in the reference film; ``entry`` is its place in the row.
+        """
         polygon, found = self._topology.polygon(row), []
         points = polygon.points
         for other in others:
-            if other.heading @ tip.heading > ONCOMING or row in other.behind:
+            if other.heading @ heading > ONCOMING or row in other.behind:
                 continue
             place = self._place_at(row, other)
             if place is None or common_side(polygon, entry, place) is not None:
@@ -144,6 +150,28 @@ class CrackPath(TipPlaces):
                     found.append(End(place, i, at_point=False))
                     break
         return found
+
+    def between(self, tip: Tip, other: Tip) -> tuple[tuple[int, int], float, float] | None:
+        """Return the side on which two tips lie, and where; None if on none, or not it alone.
+
+        Nodes of the side, ascending, and fractions of it from the first. One of the tips may be at
+        its end; no third crack may cross it between them.
+        """
+        if tip.flank is not None or other.flank is not None or (tip.at_node and other.at_node):
+            return None
+        side = other.ends if tip.at_node else tip.ends
+        places = []
+        for one in (tip, other):
+            if one.at_node and one.ends[0] in side:
+                places.append(float(side.index(one.ends[0])))
+            elif one.ends == side:
+                places.append(one.s)
+        if len(places) < 2:
+            return None
+        low, high = min(places) + AWAY, max(places) - AWAY
+        if any(low < s < high for s in self._topology.crossings(*side)):
+            return None
+        return side, places[0], places[1]
 
     def _place_at(self, row: int, tip: Tip) -> Point | None:
         """Return where a tip lies in the quad of a row, None if it does not touch that."""
@@ -266,7 +294,7 @@ class CrackPath(TipPlaces):
         gaps = (np.array([shape_functions(p) for p in places]) - weights) @ state.node.x[nodes]
         return gaps @ (normal / size), gaps @ direction
 
-    def _to_an_end(
+    def to_an_end(
         self,
         state: State,
         row: int,

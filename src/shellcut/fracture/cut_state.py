@@ -32,6 +32,7 @@ from .quad_polygon import (
     corner_at,
     density,
     film_beside,
+    on_side,
     shape_functions,
     share_of,
     span,
@@ -87,6 +88,31 @@ def sides_of(
         if span(topology.polygon(row), corner if left else other) is not None:
             rows[left], chords[left] = row, (CORNERS[corner], CORNERS[other])
     return a, b, rows, chords
+
+
+def part_of_side(
+    topology: CutTopology, shell: MITC4Shell, side: tuple[int, int], start: float, stop: float
+) -> tuple[list[int], list[tuple[Point, Point]]]:
+    """Return what lies along a part of a side of the mesh: rows to the right and left, and chords.
+
+    As :func:`sides_of`.
+
+    side : nodes of the mesh.  start, stop : fractions of it from the first of them.
+    """
+    a, b = side
+    rows, chords = [-1, -1], [(CORNERS[0], CORNERS[0])] * 2
+    for row, corner in topology.corners_at(a):
+        ring = shell.mesh_quads[row].tolist()
+        if b not in ring:
+            continue
+        up = ring[(corner + 1) % 4] == b
+        k = corner if up else (corner - 1) % 4
+        first, last = (start, stop) if up else (1.0 - start, 1.0 - stop)
+        held = span(topology.polygon(row), k)
+        if held is not None and held[0] < 0.5 * (first + last) < held[1]:
+            left = up == (stop > start)  # counter-clockwise: its film lies to the left
+            rows[left], chords[left] = row, (on_side(k, first), on_side(k, last))
+    return rows, chords
 
 
 def nodes_at(state: State, row: int, place: Point) -> set[int]:

@@ -15,7 +15,8 @@ all follow from it:
 * at a tip on a side, the neighbour ahead is whole and overlaps both copies: they share the two
   nodes of that side, and the crack is closed there;
 * a crack along a side of the mesh breaks that side, and cuts no quad. If it breaks at one end
-  only, a node is split along its edges, and the node at the far end holds on until it is its turn.
+  only, a node is split along its edges, and the node at the far end holds on until it is its turn;
+* a part of a side between two cracks that end on it may be torn: no polygons overlap there.
 
 Nothing else records the crack. A cut only ever divides classes, it never joins them.
 """
@@ -56,6 +57,7 @@ class CutTopology:
         self._polygons: dict[int, Polygon] = {}
         self._parents: list[int] = []
         self._broken: set[tuple[int, int]] = set()
+        self._torn: dict[tuple[int, int], list[tuple[float, float]]] = {}
 
     @property
     def n_row(self) -> int:
@@ -136,6 +138,13 @@ class CutTopology:
         """Break the side between two nodes of the mesh at the end of the first."""
         self._broken.add((node, far))
 
+    def tear(self, a: int, b: int, start: float, stop: float) -> None:
+        """Tear the side between two nodes of the mesh, a < b, between two fractions of it from a.
+
+        Both are places on it where cracks end.
+        """
+        self._torn.setdefault((a, b), []).append((min(start, stop), max(start, stop)))
+
     def is_broken(self, node: int, far: int) -> bool:
         """Return whether the side between two nodes of the mesh is broken at the first."""
         return (node, far) in self._broken
@@ -195,10 +204,18 @@ class CutTopology:
             return False
         # Both quads are counter-clockwise: what one goes up the other goes down.
         low, high = max(one[0], 1.0 - other[1]), min(one[1], 1.0 - other[0])
-        return high - low > _OVERLAP
+        overlap = high - low
+        if self._torn and overlap > _OVERLAP:
+            ring = self._quads[self.parent(row)].tolist()
+            a, b = ring[side], ring[(side + 1) % 4]
+            for start, stop in self._torn.get((min(a, b), max(a, b)), ()):
+                first, last = (start, stop) if a < b else (1.0 - stop, 1.0 - start)
+                overlap -= max(0.0, min(high, last) - max(low, first))
+        return overlap > _OVERLAP
 
     def saved(self) -> dict[str, Any]:
-        """Return polygons, parents and broken sides as arrays."""
+        """Return polygons, parents, broken and torn sides as arrays."""
+        torn = [(side, part) for side, parts in sorted(self._torn.items()) for part in parts]
         rows = sorted(self._polygons)
         polygons = [self._polygons[row] for row in rows]
         return {
@@ -208,12 +225,17 @@ class CutTopology:
             "points": np.array([q for p in polygons for q in p.points]).reshape(-1, 2),
             "sides": np.array([side for p in polygons for side in p.sides], np.int64),
             "broken": np.array(sorted(self._broken), np.int64).reshape(-1, 2),
+            "torn_sides": np.array([side for side, _ in torn], np.int64).reshape(-1, 2),
+            "torn_parts": np.array([part for _, part in torn], float).reshape(-1, 2),
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._parents = saved["parents"].tolist()
         self._broken = {(a, b) for a, b in saved["broken"].tolist()}
+        self._torn = {}
+        for (a, b), part in zip(saved["torn_sides"].tolist(), saved["torn_parts"], strict=True):
+            self.tear(a, b, *part.tolist())
         self._rows, self._polygons = {}, {}
         n = len(self._quads)
         for i, quad in enumerate(self._parents):

@@ -18,7 +18,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import NOTCH, SplitRecord, State
 
 from .anisotropy import Anisotropy
-from .cut_state import cut_row, nodes_at, renew_nodes, sides_of
+from .cut_state import cut_row, nodes_at, part_of_side, renew_nodes, sides_of
 from .cut_topology import CutTopology
 from .quad_polygon import Point, corner_at, film_moments, shape_functions, spans
 from .segment import Segment
@@ -36,6 +36,8 @@ class Cut(NamedTuple):
     """Unit direction in the reference film, shape (3,)."""
     length: float
     """[mm]"""
+    kind: str
+    """As in :class:`shellcut.state.SplitRecord`."""
 
     def is_open(self, state: State, end: int) -> bool:
         """Return whether the flanks part where it starts, end 0, or stops, end 1."""
@@ -131,7 +133,7 @@ class Cuts:
             self._cables.lay(rows, chords, length)
             state.crack_length += length
         way = np.array(shape_functions(segment.exit)) - entry
-        return Cut(rows, chords, way @ state.node.X[nodes] / length, length)
+        return Cut(rows, chords, way @ state.node.X[nodes] / length, length, kind)
 
     def part(self, state: State, node: int, sides: list[Segment], kind: str, measure: float) -> int:
         """Part a node along the sides between two groups of its quads, at its own end of each.
@@ -167,6 +169,34 @@ class Cuts:
         _write_down(state, (n.x[node], n.X[node]), rows, kind, measure, (node, twin))
         renew_nodes(state, shell, topology, [here])
         return twin
+
+    def tear(
+        self, state: State, side: tuple[int, int], start: float, stop: float, kind: str
+    ) -> None:
+        """Cut the part of a side of the mesh between two cracks that end on it.
+
+        Parameters
+        ----------
+        state : State
+            Written.
+        side : tuple of int
+            Nodes of the mesh at its ends, ascending.
+        start, stop : float
+            Where the cracks end, as fractions of it from the first of these.
+        kind : str
+            As in :class:`shellcut.state.SplitRecord`; a notch has no cables.
+        """
+        n = state.node
+        rows, chords = part_of_side(self.topology, self._shell, side, start, stop)
+        self.topology.tear(*side, start, stop)
+        places = [x[side[0]] + start * (x[side[1]] - x[side[0]]) for x in (n.x, n.X)]
+        way = n.X[side[1]] - n.X[side[0]]
+        length = abs(stop - start) * float(np.linalg.norm(way))
+        _write_down(state, (places[0], places[1]), rows, kind, 0.0)
+        renew_nodes(state, self._shell, self.topology, side)
+        if kind != NOTCH:
+            self._cables.lay(rows, chords, length)
+            state.crack_length += length
 
     def wake(self, state: State) -> None:
         """Make the cables of segments that have come to be open at one of their ends."""

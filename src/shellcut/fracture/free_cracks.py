@@ -9,6 +9,7 @@ which tips a blade drives (:mod:`.blade_drive`), in which direction the others r
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
-from .crack_path import ONCOMING, CrackPath, common_side
+from .crack_path import JOIN, ONCOMING, CrackPath, common_side
 from .criterion import Fracture
 from .cuts import Cut, Cuts
 from .free_direction import FreeDirection
@@ -158,20 +159,18 @@ class FreeCracks:
         row, place = found
         way, lean = line.direction(line.start, self._path.place_in(state, row, place))
         back, ahead = (self._path.segment(state, row, place, w, lean) for w in (-way, way))
-        cut = self._through(state, back, ahead, NOTCH)
-        if cut is None or back is None or ahead is None:
-            return None
-        self._end_at(state, back, cut, 0, -cut.heading)
-        for tip in self.tips:
-            tip.length = 0.0
-        return self._tip_after(state, ahead, cut, 1, cut.heading)
-
-    def _through(
-        self, state: State, back: Segment | None, ahead: Segment | None, kind: str
-    ) -> Cut | None:
-        """Cut a whole quad from where one ray from within leaves it to where the other does."""
         if back is None or ahead is None:
             return None
+        cut = self._through(state, back, ahead, NOTCH)
+        if cut is None:
+            return None
+        behind = self._tip_after(state, back, cut, 0, -cut.heading)
+        if behind is not None:
+            self.tips.append(replace(behind, length=0.0))
+        return self._tip_after(state, ahead, cut, 1, cut.heading)
+
+    def _through(self, state: State, back: Segment, ahead: Segment, kind: str) -> Cut | None:
+        """Cut a whole quad from where one ray from within leaves it to where the other does."""
         if common_side(WHOLE, back.exit, ahead.exit) is not None:
             return None
         chord = Segment(ahead.row, back.exit, ahead.exit, ahead.side, ahead.corner)
@@ -241,23 +240,44 @@ class FreeCracks:
 
         Where the crack is open there it has come to a rim or to another crack, whose tip there is
         one no more: it goes on from the other flank, unless that crack has come towards it; the two
-        are one then.
+        are one then. Tips of other cracks at that place stay.
 
         segment : leads to that end.  end : 0 where the cut starts, 1 where it stops.  came : (3,),
         heading before the cut.
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
-            return self._path.tip_at(segment, heading, cut.length)
+            tip = self._path.tip_at(segment, heading, cut.length)
+            return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = np.array(shape_functions(segment.exit)) @ state.node.X[state.quads[segment.row]]
         near = _SAME_PLACE * self._path.size(segment.row)
         gaps = [np.linalg.norm(self._path.reference_of(state, tip) - here) for tip in self.tips]
-        joined = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
-        self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
-        if any(tip.heading @ came < ONCOMING for tip in joined):
+        there = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap < near]
+        joined = min(there, key=lambda tip: float(tip.heading @ came), default=None)
+        if joined is not None and joined.heading @ came < ONCOMING:
+            self.tips.remove(joined)
             return None
+        self.tips = [tip for tip, gap in zip(self.tips, gaps, strict=True) if gap >= near]
         way = cut.way(state, heading)
         return tip_across(state, self._cuts.topology, self._path, segment, heading, way)
+
+    def _joins_along_a_side(self, state: State, tip: Tip, kind: str) -> bool:
+        """Tear a side from a new tip to an oncoming crack that ends on it; return whether one does.
+
+        kind : of the cut.
+        """
+        here = self._path.reference_of(state, tip)
+        for other in self.tips:
+            between = self._path.between(tip, other)
+            if between is None or other.heading @ tip.heading > ONCOMING:
+                continue
+            gap = self._path.reference_of(state, other) - here
+            across = np.linalg.norm(gap - (gap @ tip.heading) * tip.heading)
+            if across < JOIN * self._path.size(tip.quad):
+                self._cuts.tear(state, *between, kind)
+                self.tips.remove(other)
+                return True
+        return False
 
     def _begin_cuts(self, state: State, drive: BladeDrive, pose: Pose) -> None:
         """Cut the film that an edge goes through away from the tips that it drives."""
@@ -268,11 +288,12 @@ class FreeCracks:
             # The edge runs between the flanks of its own cut, which has halved nodes or quads.
             if state.node.halved[state.quads[row]].any() or whole != WHOLE:
                 continue
-            back, ahead = (
-                self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0)
-            )
-            cut = self._through(state, back, ahead, "blade")
-            if cut is None or back is None or ahead is None:
+            ways = (self._towards(state, row, place, edge, drive, end) for end in (-1.0, 1.0))
+            for back, ahead in product(*ways):
+                cut = self._through(state, back, ahead, "blade")
+                if cut is not None:
+                    break
+            else:
                 continue
             self._end_at(state, back, cut, 0, -cut.heading)
             self._end_at(state, ahead, cut, 1, cut.heading)
@@ -280,13 +301,23 @@ class FreeCracks:
 
     def _towards(
         self, state: State, row: int, place: Point, edge: int, drive: BladeDrive, reach: float
-    ) -> Segment | None:
-        """Return the segment from a place in a row to where an edge will be, or was before."""
+    ) -> list[Segment]:
+        """Return segments from a place in a row to where an edge will be, or was before.
+
+        The first leads to where an oncoming crack ends, if there is one.
+        """
         at = self._path.place_in(state, row, place)
         off, then = drive.beyond(at.x, at.size, edge, self._motion, state.time, reach)
         ahead = then.rotation @ drive.edges.segments[edge, BACK] * -reach
         (way, *_), lean = drive.directions(edge, off, at._replace(heading=ahead), then)
-        return self._path.segment(state, row, place, way, lean)
+        segment = self._path.segment(state, row, place, way, lean)
+        if segment is None:
+            return []
+        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(place))
+        heading = gap @ state.node.X[state.quads[row]]
+        ends = self._path.oncoming(row, place, heading / np.linalg.norm(heading), self.tips)
+        joined = self._path.to_an_end(state, row, place, way, lean, ends) if ends else None
+        return [segment] if joined is None else [joined, segment]
 
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""

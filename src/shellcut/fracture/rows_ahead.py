@@ -140,7 +140,7 @@ def rows_ahead(
     of = np.repeat(np.arange(len(tips)), np.diff(table.start)).tolist()
     for k, (row, entry) in enumerate(every):
         _fill(found, k, topology, path, row, entry, known)
-        for place, edge, at_point in path.oncoming(row, entry, tips[of[k]], tips):
+        for place, edge, at_point in path.oncoming(row, entry, tips[of[k]].heading, tips):
             side, nth = int(found.side[k, edge]), AT_END_POINT if at_point else AT_END_ON_FLANK
             if side != FLANK and not at_point:
                 s = along_side(side, place)
