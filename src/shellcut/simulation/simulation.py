@@ -337,16 +337,15 @@ class Simulation:
     def notch(self, *points: npt.ArrayLike) -> None:
         """Cut the film before the run along a line through points, without cables.
 
-        For ``Fracture(path="free")``; for cracks along edges :meth:`Mesh.cut` cuts the mesh. On a
-        curved film a straight line runs in the plane of its two points and of the film's normal at
-        the rim; one through more points on the film runs from each towards the next.
+        For ``path="free"``; for cracks along edges :meth:`Mesh.cut` cuts the mesh. A line of two
+        points runs in their plane with the film's normal at the rim, others follow their points.
 
         Parameters
         ----------
         *points : array_like, shape (3,)
             From outside the rim, nearer to the side of it where the notch begins than that is long,
-            or from within the film, to where it ends [mm]: at the first side or node there or
-            beyond, sooner at a rim or a cut. A notch within the film begins as far beyond.
+            or from within the film, to where it ends [mm]: either at the first side or node there
+            or beyond, sooner at a rim or a cut.
 
         Raises
         ------
