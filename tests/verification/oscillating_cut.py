@@ -1,8 +1,8 @@
 """Measure the wave of an oscillating cut: ``python tests/verification/oscillating_cut.py --help``.
 
 Runs the model ``oscillating`` on a film long enough for some periods, in minutes, and prints the
-extremes of the crack's path, wavelength and amplitude over the bar's diameter beyond eight
-diameters, and where the work went from there on.
+extremes of the crack's path, wavelength and amplitude over the bar's diameter once the wave has
+grown, and where the work went from there on.
 """
 
 import argparse
@@ -21,8 +21,8 @@ from shellcut.models.oscillating import (
     film_before,
 )
 
-BEYOND = 8.0
-"""Diameters after which the wave is taken as steady."""
+GROWN = 0.5
+"""Of the diameter: the wave has grown when an extreme lies beyond the bar's side."""
 
 LEAST = 0.08
 """Of the diameter: a crack that comes no farther to the other side is not yet there."""
@@ -59,6 +59,18 @@ def extremes(path, diameter):
     return np.array(found).reshape(-1, 2)
 
 
+def grown(turns, path, diameter):
+    """Return the extremes, shape (n, 2), from the first beyond the bar's side on that is no notch.
+
+    Without the last one, if the path has not yet turned back from it.
+    """
+    far = np.flatnonzero(np.abs(turns[1:, 1]) > GROWN * diameter)
+    if not len(far):
+        return turns[:0]
+    back = abs(turns[-1, 1]) - np.sign(turns[-1, 1]) * path[-1][1]
+    return turns[1 + far[0] : None if back > 0.1 * diameter else -1]
+
+
 def run(case, until):
     """Run to the end; return rows of way, crack and works: tool, cables, damping, imbalance."""
     sim, rows, began = case.simulation, [], time.time()
@@ -81,7 +93,7 @@ def arguments():
     number("--diameter", type=float, default=6.0, help="of the bar [mm]")
     number("--size", type=float, default=0.5, help="of the quads [mm]")
     number("--thickness", type=float, default=0.1, help="of the film [mm]")
-    number("--speed", type=float, default=6000.0, help="of the bar [mm/s]")
+    number("--speed", type=float, default=3000.0, help="of the bar [mm/s]")
     number("--length", type=float, default=22.0, help="of the film [diameters]")
     number("--width", type=float, default=6.0, help="of the film [diameters]")
     number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
@@ -122,27 +134,26 @@ def main():
     d, case = chosen.diameter, case_of(chosen)
     rows = run(case, chosen.until)
     cuts = [cut for cut in case.simulation.state.split_log if cut.kind != "notch"]
-    turns = extremes([cut.reference[:2] for cut in cuts], d)
+    path = [cut.reference[:2] for cut in cuts]
+    turns = extremes(path, d)
     print("extremes [mm]:", ", ".join(f"({x:.1f}, {y:+.2f})" for x, y in turns))
-    steady = turns[turns[:, 0] > BEYOND * d]
-    if len(steady) > 2:
-        half, high = np.diff(steady[:, 0]), 0.5 * np.abs(np.diff(steady[:, 1]))
-        error = 2.0 * half.std(ddof=1) / len(half) ** 0.5 / d
-        print(
-            f"wavelength / diameter {2.0 * half.mean() / d:.2f} ± {error:.2f} "
-            f"over {len(half) / 2:g} periods"
-        )
-        print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
-    late = rows[rows[:, 0] > BEYOND * d]
-    if len(late) < 2:
-        print(f"too short: the wave is measured beyond {BEYOND * d:g} mm")
+    wave = grown(turns, path, d)
+    if len(wave) < 3:
+        print(f"too short: fewer than three extremes beyond {GROWN * d:g} mm")
         return
+    half, high = np.diff(wave[:, 0]), 0.5 * np.abs(np.diff(wave[:, 1]))
+    error = 2.0 * half.std(ddof=1) / len(half) ** 0.5 / d
+    print(f"grown from {wave[0, 0]:.0f} mm on, {len(half) / 2:g} periods")
+    print(f"wavelength / diameter {2.0 * half.mean() / d:.2f} ± {error:.2f}")
+    print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
+    late = rows[rows[:, 0] > wave[0, 0]]
     way, crack, work, cables, damping, *_ = late[-1] - late[0]
     G_h = case.simulation.law.fracture_energy * chosen.thickness
     print(f"force / (G h) {work / way / G_h:.2f}, crack / way {crack / way:.2f}")
     print(f"cables / (G h crack) {cables / (G_h * crack):.3f}, damped {damping / work:.2f}")
-    print(f"imbalance / work {np.abs(rows[:, 5]).max() / rows[-1, 2]:.4f}")
-    print(f"kinetic / work at most {(late[:, 6] / late[:, 2]).max():.3f}")
+    print(f"damped in the whole run {rows[-1, 4] / rows[-1, 2]:.2f}")
+    print(f"imbalance / work {np.abs(rows[:, 5]).max() / rows[-1, 2]:.5f}")
+    print(f"kinetic / work at most {(late[:, 6] / late[:, 2]).max():.2f}")
 
 
 if __name__ == "__main__":

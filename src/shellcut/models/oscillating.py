@@ -122,7 +122,7 @@ def oscillating(
     notch: float | None = None,
     offset: float | None = None,
     travel: float | None = None,
-    speed: float = 6000.0,
+    speed: float = 3000.0,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
     **options: Any,
@@ -165,7 +165,7 @@ def oscillating(
     --------
     >>> case = oscillating(1.5, length=40.0)
     >>> case.simulation.mesh.n_quad, round(1e3 * case.duration, 2)
-    (432, 5.17)
+    (432, 9.83)
     """
     if not (np.isfinite(diameter) and diameter > 0.0):
         raise ValueError(f"diameter must be positive in mm, got {diameter!r}")
