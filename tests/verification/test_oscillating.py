@@ -14,7 +14,7 @@ from shellcut import oscillating
 @pytest.mark.slow
 def test_the_crack_swings_about_the_bars_line():
     d = 6.0
-    case = oscillating(diameter=d, length=15.0 * d)
+    case = oscillating(diameter=d, length=14.0 * d, speed=6000.0)
     sim = case.simulation
     sim.run(case.duration)
     path = [cut.reference[:2] for cut in sim.state.split_log if cut.kind != "notch"]
