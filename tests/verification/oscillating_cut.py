@@ -1,8 +1,8 @@
 """Measure the wave of an oscillating cut: ``python tests/verification/oscillating_cut.py --help``.
 
 Runs the model ``oscillating`` on a film long enough for some periods, in minutes, and prints the
-extremes of the crack's path, wavelength and amplitude over the bar's diameter beyond ten diameters,
-and where the work went from there on.
+extremes of the crack's path, wavelength and amplitude over the bar's diameter once the wave has
+grown, and where the work went from there on.
 """
 
 import argparse
@@ -11,10 +11,18 @@ import time
 import numpy as np
 
 import shellcut as sc
-from shellcut.models.oscillating import film_before
+from shellcut.fracture import free_direction
+from shellcut.models.oscillating import (
+    CHECK_EVERY,
+    DENSITY,
+    POISSON,
+    STIFFNESS_DAMPING,
+    YOUNG,
+    film_before,
+)
 
-BEYOND = 10.0
-"""Diameters after which the wave is taken as steady."""
+GROWN = 0.5
+"""Of the diameter: the wave has grown when an extreme lies beyond the bar's side."""
 
 LEAST = 0.08
 """Of the diameter: a crack that comes no farther to the other side is not yet there."""
@@ -51,6 +59,18 @@ def extremes(path, diameter):
     return np.array(found).reshape(-1, 2)
 
 
+def grown(turns, path, diameter):
+    """Return the extremes, shape (n, 2), from the first beyond the bar's side on that is no notch.
+
+    Without the last one, if the path has not yet turned back from it.
+    """
+    far = np.flatnonzero(np.abs(turns[1:, 1]) > GROWN * diameter)
+    if not len(far):
+        return turns[:0]
+    back = abs(turns[-1, 1]) - np.sign(turns[-1, 1]) * path[-1][1]
+    return turns[1 + far[0] : None if back > 0.1 * diameter else -1]
+
+
 def run(case, until):
     """Run to the end; return rows of way, crack and works: tool, cables, damping, imbalance."""
     sim, rows, began = case.simulation, [], time.time()
@@ -66,45 +86,74 @@ def run(case, until):
     return np.array(rows)
 
 
-def main():
+def arguments():
+    """Return what the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     number = parser.add_argument
     number("--diameter", type=float, default=6.0, help="of the bar [mm]")
-    number("--size", type=float, default=0.75, help="of the quads [mm]")
+    number("--size", type=float, default=0.5, help="of the quads [mm]")
     number("--thickness", type=float, default=0.1, help="of the film [mm]")
     number("--speed", type=float, default=3000.0, help="of the bar [mm/s]")
-    number("--length", type=float, default=170.0, help="of the film [mm]")
+    number("--length", type=float, default=22.0, help="of the film [diameters]")
+    number("--width", type=float, default=6.0, help="of the film [diameters]")
+    number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
+    number("--damping", type=float, default=STIFFNESS_DAMPING, help="of the stiffness [s]")
+    number("--average", type=float, default=1.0, help="factor on the length of the mean stress")
+    number("--reach", type=float, default=1.0, help="factor on the domain of J")
+    number("--places", choices=("gauss", "ends"), default="gauss", help="of the cables")
     number("--until", type=float, default=3600.0, help="wall time at most [s]")
     parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
-    chosen = parser.parse_args()
-    d = chosen.diameter
-    film = film_before(d, size=chosen.size, length=chosen.length)
+    return parser.parse_args()
+
+
+def case_of(chosen):
+    """Return the case to run."""
+    d, size = chosen.diameter, chosen.size
+    length, width, band = (d * n for n in (chosen.length, chosen.width, chosen.band))
+    film = film_before(d, size=size, length=length, width=width, band=band)
     if chosen.mesh == "turned":
-        film = turned(film, 1.2 * d)
+        film = turned(film, band)
     elif chosen.mesh == "gmsh":
-        film = from_gmsh(chosen.length, 6.0 * d, chosen.size)
-    section = sc.ShellMaterial.homogeneous(
-        young=2200.0, poisson=0.35, density=0.9e-9, thickness=chosen.thickness
+        film = from_gmsh(length, width, size)
+    free_direction.AVERAGE *= chosen.average
+    free_direction.REACH *= chosen.reach
+    return sc.oscillating(
+        mesh=film,
+        diameter=d,
+        speed=chosen.speed,
+        material=sc.ShellMaterial.homogeneous(
+            young=YOUNG, poisson=POISSON, density=DENSITY, thickness=chosen.thickness
+        ),
+        fracture=sc.Fracture(path="free", check_every=CHECK_EVERY, cable_places=chosen.places),
+        damping_beta=chosen.damping,
     )
-    case = sc.oscillating(mesh=film, diameter=d, speed=chosen.speed, material=section)
+
+
+def main():
+    chosen = arguments()
+    d, case = chosen.diameter, case_of(chosen)
     rows = run(case, chosen.until)
     cuts = [cut for cut in case.simulation.state.split_log if cut.kind != "notch"]
-    turns = extremes([cut.reference[:2] for cut in cuts], d)
+    path = [cut.reference[:2] for cut in cuts]
+    turns = extremes(path, d)
     print("extremes [mm]:", ", ".join(f"({x:.1f}, {y:+.2f})" for x, y in turns))
-    steady = turns[turns[:, 0] > BEYOND * d]
-    if len(steady) > 2:
-        half, high = np.diff(steady[:, 0]), 0.5 * np.abs(np.diff(steady[:, 1]))
-        print(f"wavelength / diameter {2.0 * half.mean() / d:.2f} over {len(half) / 2:g} periods")
-        print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
-    late = rows[rows[:, 0] > BEYOND * d]
-    if len(late) < 2:
-        print(f"too short: the wave is measured beyond {BEYOND * d:g} mm")
+    wave = grown(turns, path, d)
+    if len(wave) < 3:
+        print(f"too short: fewer than three extremes beyond {GROWN * d:g} mm")
         return
+    half, high = np.diff(wave[:, 0]), 0.5 * np.abs(np.diff(wave[:, 1]))
+    error = 2.0 * half.std(ddof=1) / len(half) ** 0.5 / d
+    print(f"grown from {wave[0, 0]:.0f} mm on, {len(half) / 2:g} periods")
+    print(f"wavelength / diameter {2.0 * half.mean() / d:.2f} ± {error:.2f}")
+    print(f"amplitude / diameter {high.mean() / d:.2f}, scatter {high.std() / d:.2f}")
+    late = rows[rows[:, 0] > wave[0, 0]]
     way, crack, work, cables, damping, *_ = late[-1] - late[0]
     G_h = case.simulation.law.fracture_energy * chosen.thickness
     print(f"force / (G h) {work / way / G_h:.2f}, crack / way {crack / way:.2f}")
     print(f"cables / (G h crack) {cables / (G_h * crack):.3f}, damped {damping / work:.2f}")
-    print(f"imbalance / work {np.abs(rows[:, 5]).max() / rows[-1, 2]:.4f}")
+    print(f"damped in the whole run {rows[-1, 4] / rows[-1, 2]:.2f}")
+    print(f"imbalance / work {np.abs(rows[:, 5]).max() / rows[-1, 2]:.5f}")
+    print(f"kinetic / work at most {(late[:, 6] / late[:, 2]).max():.2f}")
 
 
 if __name__ == "__main__":

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
+from shellcut.fracture.criterion import CablePlaces, Fracture
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.models import oscillating
 from shellcut.models.oscillating import (
+    CABLE_PLACES,
     CHECK_EVERY,
     DENSITY,
     LAW,
@@ -23,7 +26,7 @@ from shellcut.models.oscillating import (
 )
 
 from .film_sections import Homogeneous
-from .key import Section, default_of, key, number, section, whole
+from .key import Section, choice, default_of, key, number, section, whole
 from .run_sections import Cohesive, ContactSection, Damping
 from .trouser_sections import TornFracture, again
 
@@ -124,6 +127,15 @@ class FreeFracture(TornFracture):
     """The crack goes through the quads; nothing steers it."""
 
     check_every: int = key(whole, "steps between two checks", default=CHECK_EVERY)
+    cable_places: CablePlaces = key(
+        choice(*get_args(CablePlaces)),
+        "cables across a segment of the crack, at its ends or its Gauss points",
+        default=CABLE_PLACES,
+    )
+
+    def made(self) -> Fracture:
+        """Return the modes."""
+        return replace(super().made(), cable_places=self.cable_places)
 
 
 @section("damping")
