@@ -22,6 +22,8 @@ READERS = {
     "tool.stl": read_tool,
     "tool.obj": read_tool,
     "tool.ply": read_tool,
+    "tool.step": read_tool,
+    "tool.iges": read_tool,
     "curve.csv": read_measured_curve,
     "motion.csv": TableMotion.read_csv,
     "model.toml": read_model,
