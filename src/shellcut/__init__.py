@@ -37,6 +37,7 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .tensile import TensileTest, tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -75,6 +76,7 @@ __all__ = [
     "StraightMotion",
     "Support",
     "TableMotion",
+    "TensileTest",
     "Tool",
     "blade_path",
     "check_model",
@@ -94,6 +96,7 @@ __all__ = [
     "read_tool",
     "report",
     "save_checkpoint",
+    "tensile",
     "trouser",
     "warmup",
 ]
