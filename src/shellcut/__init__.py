@@ -19,6 +19,7 @@ from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, impr
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
 from .material import Elastic, Layer, ShellMaterial
+from .mesh.drawing import FilmOutline, mesh_from_drawing, read_drawing
 from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline
@@ -52,6 +53,7 @@ __all__ = [
     "Contact",
     "EdgeTraction",
     "Elastic",
+    "FilmOutline",
     "Fracture",
     "Gravity",
     "Hook",
@@ -84,12 +86,14 @@ __all__ = [
     "guillotine",
     "imprint",
     "load_checkpoint",
+    "mesh_from_drawing",
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
     "oscillating",
     "preview",
     "read",
+    "read_drawing",
     "read_film",
     "read_measured_curve",
     "read_model",
