@@ -2,8 +2,8 @@
 
 The kernel of Gmsh, OpenCASCADE, crashes or hangs on some damaged files; here it takes nobody with
 it. :mod:`shellcut.formats.cad_surface` starts the process and reads its answer, the arrays
-``vertices`` [mm], ``triangles``, ``chord`` [mm], ``notes`` and ``problems``. This file imports
-nothing of shellcut, so that it starts at once.
+``vertices`` [mm], ``triangles``, ``chord`` [mm], ``n_solid``, ``notes`` and ``problems``. This file
+imports nothing of shellcut, so that it starts at once.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ DEVIATIONS = (1e-5, 0.1)
 """Chord deviations allowed, over the diagonal: below there are millions of triangles, above
 nothing of a curved face is left."""
 
+LARGEST = 1e7
+"""Diagonal beyond which a face has no end [mm], as OpenCASCADE reads faces without a rim."""
+
 MOST_TRIANGLES = 2_000_000
 """Limit of a surface."""
 
@@ -35,7 +38,7 @@ def main(path: str, out: str, deviation: str) -> None:
     import gmsh
     import numpy as np
 
-    chord = 0.0
+    chord, n_solid = 0.0, 0
     problems: list[str] = []
     vertices, triangles = np.zeros((0, 3)), np.zeros((0, 3), np.int64)
     notes: list[str] = []
@@ -46,6 +49,7 @@ def main(path: str, out: str, deviation: str) -> None:
     try:
         chord = _opened(gmsh, path, float(deviation))
         problems = _refusals(gmsh)
+        n_solid = len(gmsh.model.getEntities(3))
         if not problems:
             vertices, triangles, notes = _triangles(gmsh, chord)
     except _Refused as refusal:
@@ -53,7 +57,13 @@ def main(path: str, out: str, deviation: str) -> None:
     finally:
         gmsh.finalize()
     np.savez(
-        out, vertices=vertices, triangles=triangles, chord=chord, notes=notes, problems=problems
+        out,
+        vertices=vertices,
+        triangles=triangles,
+        chord=chord,
+        n_solid=n_solid,
+        notes=notes,
+        problems=problems,
     )
 
 
@@ -68,6 +78,11 @@ def _opened(gmsh: Any, path: str, deviation: float) -> float:
         raise _Refused("there must be surfaces, got none; export a solid, not a sketch")
     box = gmsh.model.getBoundingBox(-1, -1)
     diagonal = sum((box[k + 3] - box[k]) ** 2 for k in range(3)) ** 0.5
+    if not diagonal < LARGEST:
+        raise _Refused(
+            f"the faces must end within {LARGEST:g} mm, got {diagonal:.3g} mm across; is the "
+            "file damaged?"
+        )
     chord = deviation if deviation > 0.0 else DEVIATION * diagonal
     least, most = (share * diagonal for share in DEVIATIONS)
     if not least <= chord <= most:
@@ -137,7 +152,9 @@ def _triangles(gmsh: Any, chord: float) -> tuple[Any, Any, list[str]]:
         parts.append(part.reshape(-1, 3))
         if not len(part):
             notes.append(f"face {face} is degenerate and is left out")
-    triangles = np.concatenate(parts)
+    triangles = np.concatenate([*parts, np.zeros((0, 3), np.int64)])
+    if not len(triangles):
+        raise _Refused("there must be faces with an area, got none; is the file damaged?")
     if len(triangles) > MOST_TRIANGLES:
         raise _Refused(
             f"the surface must have {MOST_TRIANGLES:,} triangles at most, got {len(triangles):,} "

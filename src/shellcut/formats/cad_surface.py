@@ -27,6 +27,9 @@ SUFFIXES = (".step", ".stp", ".iges", ".igs")
 LARGEST_FILE = 200_000_000
 """Largest size [bytes]; the kernel takes about ten times as much memory."""
 
+_SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
+"""Statements of STEP that make a solid; assemblies repeat them without statements."""
+
 _LONGEST = 600.0  # s; the kernel hangs on some damaged files
 
 
@@ -72,6 +75,11 @@ def read_cad(path: str | Path, chord_deviation: float | None = None) -> SurfaceF
         raise FileError(path, "; ".join(answer["problems"]))
     unit_mm = units[0] if len(units) == 1 else 1.0
     notes = answer["notes"]
+    stated = sum(content.count(name + b"(") for name in _SOLIDS)
+    if 0 < answer["n_solid"] < stated:
+        notes.append(
+            f"{stated} solids are in the file, {answer['n_solid']} could be read: is it damaged?"
+        )
     if len(units) > 1:
         listed = " and ".join(f"{unit:g}" for unit in units)
         notes.append(f"the file states units of {listed} mm: all lengths are converted to mm")
@@ -123,6 +131,7 @@ def _triangulated(path: Path, deviation: float) -> dict[str, Any]:
                 "vertices": held["vertices"],
                 "triangles": held["triangles"],
                 "chord": held["chord"],
+                "n_solid": held["n_solid"],
                 "notes": [str(note) for note in held["notes"]],
                 "problems": [str(problem) for problem in held["problems"]],
             }

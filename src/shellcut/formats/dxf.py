@@ -106,9 +106,16 @@ def _document(path: Path, content: bytes) -> Any:
     if content.startswith(b"AC10"):
         raise FileError(path, "this is a DWG file under another name; save it as DXF")
     try:
-        return readfile(path)
+        document = readfile(path)
+        document.modelspace()  # not there in some damaged files
+        return document
     except Exception as reason:  # a damaged file makes ezdxf raise errors of all kinds
-        raise FileError(path, f"ezdxf cannot read it: {reason or type(reason).__name__}") from None
+        raise FileError(path, f"ezdxf cannot read it: {_told(reason)}") from None
+
+
+def _told(reason: Exception) -> str:
+    # in one line; some errors have no words
+    return " ".join(str(reason).split()) or type(reason).__name__
 
 
 def _layers(path: Path, document: Any, wanted: Collection[str]) -> set[str]:
@@ -153,7 +160,7 @@ def _paths(
             raise FileError(
                 path,
                 f"{outer.dxftype()} #{outer.dxf.handle} on layer {outer.dxf.layer!r} is no curve: "
-                f"{reason or type(reason).__name__}",
+                f"{_told(reason)}",
             ) from None
 
 

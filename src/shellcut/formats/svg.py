@@ -82,7 +82,7 @@ def read_svg(
         ) from None
     try:
         root = ElementTree.fromstring(content)
-    except ElementTree.ParseError as reason:
+    except (ElementTree.ParseError, LookupError, ValueError) as reason:  # also unknown encodings
         raise FileError(path, f"it is no XML: {reason}") from None
     if _tag(root) != "svg":
         raise FileError(path, f"an SVG file must begin with <svg>, got <{_tag(root)}>")
