@@ -1,4 +1,4 @@
-"""Triangulate a CAD file with Gmsh, in a process of its own: ``cad_process.py FILE OUT DEVIATION``.
+"""Triangulate a CAD file with Gmsh, in a process of its own: ``cad_process.py FILE OUT ...``.
 
 The kernel of Gmsh, OpenCASCADE, crashes or hangs on some damaged files; here it takes nobody with
 it. :mod:`shellcut.formats.cad_surface` starts the process and reads its answer, the arrays
@@ -33,8 +33,12 @@ MOST_TRIANGLES = 2_000_000
 _GAP = 0.1  # faces closer than this part of the chord deviation are sewn
 
 
-def main(path: str, out: str, deviation: str) -> None:
-    """Triangulate the file and write the answer."""
+def main(path: str, out: str, deviation: str, scale: str) -> None:
+    """Triangulate the file and write the answer.
+
+    deviation : of chords [mm], 0 for the default. scale : mm in a mm of OpenCASCADE, 1 unless the
+    user knows the file's unit better than the file.
+    """
     import gmsh
     import numpy as np
 
@@ -47,11 +51,11 @@ def main(path: str, out: str, deviation: str) -> None:
     if Path(path).suffix.lower() in (".step", ".stp"):  # IGES comes in mm by itself
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
-        chord = _opened(gmsh, path, float(deviation))
+        chord = _opened(gmsh, path, float(deviation) / float(scale), float(scale))
         problems = _refusals(gmsh)
         n_solid = len(gmsh.model.getEntities(3))
         if not problems:
-            vertices, triangles, notes = _triangles(gmsh, chord)
+            vertices, triangles, notes = _triangles(gmsh, chord, float(scale))
     except _Refused as refusal:
         problems = [str(refusal)]
     finally:
@@ -71,8 +75,8 @@ class _Refused(Exception):
     """The file holds no tool; the message says why."""
 
 
-def _opened(gmsh: Any, path: str, deviation: float) -> float:
-    # read the file and set how fine it is triangulated; returns the chord deviation [mm]
+def _opened(gmsh: Any, path: str, deviation: float, scale: float) -> float:
+    # read the file and set how fine it is triangulated; returns the chord deviation
     _read(gmsh, path)
     if not gmsh.model.getEntities(2):
         raise _Refused("there must be surfaces, got none; export a solid, not a sketch")
@@ -87,8 +91,8 @@ def _opened(gmsh: Any, path: str, deviation: float) -> float:
     least, most = (share * diagonal for share in DEVIATIONS)
     if not least <= chord <= most:
         raise _Refused(
-            f"chord_deviation must be {least:.2g} to {most:.2g} mm for a tool with a diagonal of "
-            f"{diagonal:.4g} mm, got {chord:g}"
+            f"chord_deviation must be {scale * least:.2g} to {scale * most:.2g} mm for a tool with "
+            f"a diagonal of {scale * diagonal:.4g} mm, got {scale * chord:g}"
         )
     if not gmsh.model.getEntities(3):
         # IGES, and surface models in STEP: each face has edges of its own
@@ -131,7 +135,7 @@ def _refusals(gmsh: Any) -> list[str]:
     return found
 
 
-def _triangles(gmsh: Any, chord: float) -> tuple[Any, Any, list[str]]:
+def _triangles(gmsh: Any, chord: float, scale: float) -> tuple[Any, Any, list[str]]:
     import numpy as np
 
     notes = []
@@ -158,13 +162,13 @@ def _triangles(gmsh: Any, chord: float) -> tuple[Any, Any, list[str]]:
     if len(triangles) > MOST_TRIANGLES:
         raise _Refused(
             f"the surface must have {MOST_TRIANGLES:,} triangles at most, got {len(triangles):,} "
-            f"at chord_deviation = {chord:.3g} mm: enlarge it"
+            f"at chord_deviation = {scale * chord:.3g} mm: enlarge it"
         )
     bodies = f"{len(solids)} solids" if solids else "surfaces, sewn together,"
     notes.insert(
         0,
         f"{bodies} with {len(faces)} faces became {len(triangles)} triangles, at most "
-        f"{chord:.3g} mm off a curved face; chord_deviation=... says otherwise",
+        f"{scale * chord:.3g} mm off a curved face; chord_deviation=... says otherwise",
     )
     return places.reshape(-1, 3), triangles, notes
 

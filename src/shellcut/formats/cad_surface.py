@@ -33,7 +33,9 @@ _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 _LONGEST = 600.0  # s; the kernel hangs on some damaged files
 
 
-def read_cad(path: str | Path, chord_deviation: float | None = None) -> SurfaceFile:
+def read_cad(
+    path: str | Path, chord_deviation: float | None = None, unit_mm: float | None = None
+) -> SurfaceFile:
     """Read a STEP or IGES file.
 
     Parameters
@@ -42,6 +44,8 @@ def read_cad(path: str | Path, chord_deviation: float | None = None) -> SurfaceF
     chord_deviation : float, optional, [mm]
         Largest distance of the triangles from curved faces; by default
         :data:`cad_process.DEVIATION` of the diagonal.
+    unit_mm : float, optional, [mm]
+        Unit in which the file is to be read, if not the one that it states.
 
     Returns
     -------
@@ -70,10 +74,10 @@ def read_cad(path: str | Path, chord_deviation: float | None = None) -> SurfaceF
             f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
         )
     units = stated_unit(path, content)
-    answer = _triangulated(path, chord_deviation or 0.0)
+    of_file = units[0] if len(units) == 1 else 1.0
+    answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
     if answer["problems"]:
         raise FileError(path, "; ".join(answer["problems"]))
-    unit_mm = units[0] if len(units) == 1 else 1.0
     notes = answer["notes"]
     stated = sum(content.count(name + b"(") for name in _SOLIDS)
     if 0 < answer["n_solid"] < stated:
@@ -85,15 +89,15 @@ def read_cad(path: str | Path, chord_deviation: float | None = None) -> SurfaceF
         notes.append(f"the file states units of {listed} mm: all lengths are converted to mm")
     return SurfaceFile(
         path,
-        answer["vertices"] / unit_mm,
+        answer["vertices"] / of_file,
         answer["triangles"],
         notes,
-        unit_mm=unit_mm if units else None,
-        chord_deviation=float(answer["chord"]) / unit_mm,
+        unit_mm=of_file if units else None,
+        chord_deviation=float(answer["chord"]) / of_file,
     )
 
 
-def _triangulated(path: Path, deviation: float) -> dict[str, Any]:
+def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
     if importlib.util.find_spec("gmsh") is None:
         raise ImportError(
             f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
@@ -102,9 +106,14 @@ def _triangulated(path: Path, deviation: float) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "answer.npz"
         command = [sys.executable, cad_process.__file__, str(path.resolve()), str(out)]
+        command += [repr(float(deviation)), repr(float(scale))]
         try:
             done = subprocess.run(
-                [*command, repr(deviation)], capture_output=True, text=True, timeout=_LONGEST
+                command,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=_LONGEST,
             )
         except subprocess.TimeoutExpired:
             raise FileError(

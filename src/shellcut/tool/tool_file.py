@@ -118,7 +118,7 @@ def read_tool(
     if move.shape != (3,) or not np.isfinite(move).all():
         raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
     turn = _turn_to_z(axis)
-    file = _surface(path, chord_deviation)
+    file = _surface(path, chord_deviation, unit)
     _check_coordinates(file)
     extent = float(np.ptp(file.vertices, axis=0).max())
     try:
@@ -160,10 +160,14 @@ def read_tool(
     return tool
 
 
-def _surface(path: Path, chord_deviation: float | None) -> SurfaceFile:
+def _surface(path: Path, chord_deviation: float | None, unit: str | float | None) -> SurfaceFile:
     suffix = path.suffix.lower()
     if suffix in cad_surface.SUFFIXES:
-        return cad_surface.read_cad(path, chord_deviation)
+        try:
+            given = unit_in_mm(unit, 1.0, "the tool")[0] if unit is not None else None
+        except ValueError as problem:
+            raise FileError(path, str(problem)) from None
+        return cad_surface.read_cad(path, chord_deviation, given)
     if suffix not in READERS:
         known = ", ".join((*READERS, *cad_surface.SUFFIXES))
         raise FileError(path, f"the name must end in one of {known}")
