@@ -19,6 +19,7 @@ from .imprinting import ImprintError, ImprintResult, PathCurve, blade_path, impr
 from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
 from .loads.supports import Support
 from .material import Elastic, Layer, ShellMaterial
+from .mesh.drawing import FilmOutline, mesh_from_drawing, read_drawing
 from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline
@@ -37,6 +38,7 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .tensile import TensileTest, tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -51,6 +53,7 @@ __all__ = [
     "Contact",
     "EdgeTraction",
     "Elastic",
+    "FilmOutline",
     "Fracture",
     "Gravity",
     "Hook",
@@ -75,6 +78,7 @@ __all__ = [
     "StraightMotion",
     "Support",
     "TableMotion",
+    "TensileTest",
     "Tool",
     "blade_path",
     "check_model",
@@ -82,18 +86,21 @@ __all__ = [
     "guillotine",
     "imprint",
     "load_checkpoint",
+    "mesh_from_drawing",
     "mesh_from_outline",
     "mesh_quality",
     "opening_test",
     "oscillating",
     "preview",
     "read",
+    "read_drawing",
     "read_film",
     "read_measured_curve",
     "read_model",
     "read_tool",
     "report",
     "save_checkpoint",
+    "tensile",
     "trouser",
     "warmup",
 ]

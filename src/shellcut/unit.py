@@ -57,7 +57,11 @@ TIME: Sizes = _exactly({"us": "1e-6", "ms": "1e-3", "s": "1", "min": "60"})
 """[s]"""
 MASS: Sizes = _exactly({"g": "1e-6", "kg": "1e-3", "t": "1"})
 """[t]"""
-STRESS: Sizes = _exactly({"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3", "bar": "0.1"})
+STRESS: Sizes = {
+    **_exactly({"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3", "bar": "0.1"}),
+    "psi": _POUND / Fraction("25.4") ** 2,
+    "ksi": 1000 * _POUND / Fraction("25.4") ** 2,
+}
 """[MPa]"""
 ENERGY: Sizes = _exactly({"mJ": "1", "J": "1e3", "kJ": "1e6"})
 """[N·mm]"""
@@ -79,15 +83,17 @@ DIMENSIONS: Mapping[str, Sizes] = {
     "angle": ANGLE,
     "force": FORCE,
     "torque": TORQUE,
+    "stress": STRESS,
     "time": TIME,
     "ratio": RATIO,
 }
-"""Unit of each dimension in a history."""
+"""Unit of each dimension in a history or a measured table."""
 LIBRARY_UNITS = {
     "length": "mm",
     "angle": "deg",
     "force": "N",
     "torque": "N*mm",
+    "stress": "MPa",
     "time": "s",
     "ratio": "-",
 }
@@ -113,7 +119,10 @@ _WORDS = {
     "lbs": "lbf",
     "kp": "kgf",
     "1": "-",
+    "mm/mm": "-",
     "percent": "%",
+    **{f"n/mm{power}": "MPa" for power in ("2", "^2", "²")},
+    **{f"kn/mm{power}": "GPa" for power in ("2", "^2", "²")},
 }
 _SPELLINGS = {
     **{name: name for sizes in DIMENSIONS.values() for name in sizes},

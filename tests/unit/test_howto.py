@@ -13,6 +13,8 @@ import shellcut.recording.recorder
 from run_folder import write_run
 from shellcut import guillotine, opening_test
 from shellcut.tool.shapes import tooth_ring
+from test_tensile import bilinear
+from test_tensile import write as write_film
 
 HOWTO = Path(__file__).resolve().parents[2] / "docs" / "howto"
 DATA = Path(__file__).parent / "data"
@@ -106,6 +108,25 @@ def test_compare(tmp_path, monkeypatch, capsys):
     # the peaks of the page: 13.71 N*cm against the 140 N*mm made here
     assert "peak torque" in (told := capsys.readouterr().out)
     assert "+2.1 %" in told
+
+
+def test_tensile(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for k, name in enumerate(("md_1", "md_2", "cd")):
+        write_film(tmp_path / f"{name}.csv", bilinear(noise=0.05, seed=k))
+    (code,) = blocks("tensile.md", "python")
+    names = {}
+    exec(compile(code, "tensile.md", "exec"), names)
+    assert names["law"].fracture_energy > 50.0
+    assert "tensile strength" in capsys.readouterr().out
+    assert Path("film/law_CD.toml").exists()
+    (text,) = blocks("tensile.md", "text")
+    rows = [
+        f"{0.05 * k:.2f};{k:.2f};{0.05 * k:.2f};{0.9 * k:.2f}".replace(".", ",")
+        for k in range(3, 9)
+    ]
+    Path("two.csv").write_text(text + "\n".join(rows) + "\n")
+    assert len(shellcut.tensile("two.csv").directions["MD"].figures) == 2
 
 
 def test_read_results(tmp_path, monkeypatch, capsys):

@@ -7,7 +7,8 @@ import sys
 # the import took. The others are optional, or of one file format only.
 LATER = (
     *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"),
-    *("gmsh", "matplotlib", "meshio", "pandas", "PIL", "pyvista", "rich", "vtkmodules"),
+    *("ezdxf", "gmsh", "matplotlib", "meshio", "pandas", "PIL", "pyvista", "rich", "svgpathtools"),
+    "vtkmodules",
 )
 
 

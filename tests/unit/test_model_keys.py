@@ -13,6 +13,7 @@ import pytest
 
 from shellcut import read_model
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build
@@ -33,6 +34,7 @@ GIVEN = {
     ("membrane", "disc"): {"radius": 5.0, "n_side": 4},
     ("membrane", "file"): {"file": "film.inp"},
     ("membrane", "outline"): {"outline": SQUARE, "size": 1.0},
+    ("membrane", "drawing"): {"drawing": "plate.dxf", "size": 1.0},
     ("tool", "file"): {"file": "cap.stl"},
     ("motion", "screw"): {"angle_deg": 20.0, "duration": 1e-3},
     ("motion", "straight"): {"direction": [1.0, 0.0, 0.0], "speed": 100.0, "duration": 1e-3},
@@ -78,6 +80,7 @@ VARIED = {
     "poisson": 0.2,
     "density": 2e-9,
     "file": "other",
+    "drawing": "other.dxf",
     "length": 4.4,
     "width": 7.2,
     "notch": 1.0,
@@ -168,6 +171,8 @@ def files(tmp_path_factory):
         (tmp_path / name).write_text("\n".join(lines) + "\n")
     tooth_ring().write(tmp_path / "cap.stl")
     tooth_ring(n_teeth=2).write(tmp_path / "other.stl")
+    for name in ("plate.dxf", "other.dxf"):
+        (tmp_path / name).write_text("read by nothing but the digest")
     for name, z in (("motion", -1.0), ("other", -2.0)):
         (tmp_path / f"{name}.csv").write_text(f"time [ms], z [mm]\n0, 0\n1, {z}\n2, {2 * z}\n")
     return tmp_path
@@ -218,7 +223,7 @@ def built(monkeypatch, files):
                 @functools.wraps(real)
                 def spy(**arguments):
                     read.append(described(arguments))
-                    if real is mesh_from_outline:
+                    if real in (mesh_from_outline, mesh_from_drawing):
                         sheet = rectangle(4.0, 4.0, size=1.0)
                         rim = sheet.boundary_nodes()
                         sets = {"outline": rim, "rim": rim, "other": sheet.node_set("left")}

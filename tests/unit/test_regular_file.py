@@ -7,7 +7,15 @@ from pathlib import Path
 import pytest
 
 import shellcut.formats.errors
-from shellcut import TableMotion, read_film, read_measured_curve, read_model, read_tool
+from shellcut import (
+    TableMotion,
+    read_drawing,
+    read_film,
+    read_measured_curve,
+    read_model,
+    read_tool,
+    tensile,
+)
 from shellcut.files.regular_file import read_regular
 
 needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
@@ -22,7 +30,12 @@ READERS = {
     "tool.stl": read_tool,
     "tool.obj": read_tool,
     "tool.ply": read_tool,
+    "tool.step": read_tool,
+    "tool.iges": read_tool,
+    "film.dxf": read_drawing,
+    "film.svg": read_drawing,
     "curve.csv": read_measured_curve,
+    "specimen.csv": tensile,
     "motion.csv": TableMotion.read_csv,
     "model.toml": read_model,
 }

@@ -220,8 +220,8 @@ class TestRefusals:
             read_tool(cap, **{"unit": "mm", **options})
 
     def test_other_names(self, tmp_path):
-        with pytest.raises(FileError, match=r"must end in one of \.stl, \.obj, \.ply"):
-            read_tool(tmp_path / "cap.step")
+        with pytest.raises(FileError, match=r"must end in one of \.stl, \.obj, \.ply, \.step"):
+            read_tool(tmp_path / "cap.sldprt")
         with pytest.raises(ValueError, match=r"a tool is written as \.stl"):
             RING.write(tmp_path / "cap.obj")
 

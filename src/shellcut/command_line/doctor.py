@@ -39,7 +39,9 @@ _EXTRAS = {
     "pyvista": ("3-D scenes and movies", "pip install shellcut[view]"),
     "vtk": ("3-D scenes and movies", "pip install shellcut[view]"),
     "imageio-ffmpeg": ("movies as mp4", "pip install shellcut[movie]"),
-    "gmsh": ("meshes of outlines", "pip install shellcut[mesh]"),
+    "gmsh": ("meshes of outlines, no tools from STEP and IGES", "pip install shellcut[mesh]"),
+    "ezdxf": ("outlines from DXF", "pip install shellcut[outline]"),
+    "svgpathtools": ("outlines from SVG", "pip install shellcut[outline]"),
     "pandas": ("histories as tables", "pip install pandas"),
 }
 

@@ -19,11 +19,16 @@ MILLIMETRES = {
 }
 """Length of each unit [mm]."""
 
+_LIKELY = (0.1, 2000.0)
+"""Sizes of a part [mm] beyond which the unit that its file states is taken for a mistake."""
+
 _TAKEN_FOR_MM = (2.0, 2000.0)
 _TAKEN_FOR_M = (0.002, 0.1)
 
 
-def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[float, str]:
+def unit_in_mm(
+    unit: str | float | None, extent: float, what: str, *, stated: float | None = None
+) -> tuple[float, str]:
     """Return the length of the unit [mm], and a note.
 
     Parameters
@@ -34,17 +39,20 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
         Largest side of the bounding box, in the file's unit.
     what : str
         Name of the part in messages.
+    stated : float, optional, [mm]
+        The unit that the file itself states; taken if no other is given.
 
     Returns
     -------
     factor : float
     note : str
-        Empty if the unit was given.
+        Empty if the unit was given, and the file does not state another.
 
     Raises
     ------
     ValueError
-        If the unit is unknown, or not given and too uncertain to guess.
+        If the unit is unknown, or not given and too uncertain to guess, or stated and makes a
+        part of an unlikely size.
 
     Examples
     --------
@@ -56,11 +64,13 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
     if isinstance(unit, Real):
         if not isfinite(unit) or unit <= 0.0:
             raise ValueError(f"unit must be a finite length above 0 in mm, got {unit!r}")
-        return float(unit), ""
+        return float(unit), _against(float(unit), stated)
     if unit is not None:
         if unit not in MILLIMETRES:
             raise ValueError(f"unit must be one of {', '.join(MILLIMETRES)}, got {unit!r}")
-        return MILLIMETRES[unit], ""
+        return MILLIMETRES[unit], _against(MILLIMETRES[unit], stated)
+    if stated is not None:
+        return stated, _stated(stated, extent, what)
     for name, (least, most) in (("mm", _TAKEN_FOR_MM), ("m", _TAKEN_FOR_M)):
         if least <= extent < most:
             factor = MILLIMETRES[name]
@@ -72,3 +82,26 @@ def unit_in_mm(unit: str | float | None, extent: float, what: str) -> tuple[floa
         f"the unit must be given, because {what} is {extent:.4g} units across, which fits several: "
         f"unit= one of {', '.join(MILLIMETRES)}"
     )
+
+
+def _named(millimetres: float) -> str:
+    names = {length: name for name, length in MILLIMETRES.items()}
+    return names.get(millimetres, f"{millimetres:g} mm")
+
+
+def _against(given: float, stated: float | None) -> str:
+    if stated is None or stated == given:
+        return ""
+    return f"the file states the unit {_named(stated)}, but is read in {_named(given)} as given"
+
+
+def _stated(stated: float, extent: float, what: str) -> str:
+    size = extent * stated
+    if not _LIKELY[0] <= size <= _LIKELY[1]:
+        raise ValueError(
+            f"{what} must be {_LIKELY[0]:g} to {_LIKELY[1]:g} mm across, got {size:.4g} mm by the "
+            f"unit that the file states, {_named(stated)}; if this is right, or the file is wrong, "
+            f"give unit= one of {', '.join(MILLIMETRES)}"
+        )
+    how = "" if stated == 1.0 else ", converted to mm"
+    return f"the file states the unit {_named(stated)}{how}: {what} is {size:.4g} mm across"

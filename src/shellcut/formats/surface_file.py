@@ -26,6 +26,11 @@ class SurfaceFile:
     """Vertex numbers from 0, shape (n_triangle, 3)."""
     notes: list[str] = field(default_factory=list)
     """Omissions and changes of the reader."""
+    unit_mm: float | None = None
+    """Length of the file's unit [mm], where the file states it; most formats cannot."""
+    chord_deviation: float | None = None
+    """Largest distance of the triangles from the faces for which they stand, in the file's unit;
+    None where the file itself holds triangles."""
 
 
 def surface_of_polygons(

@@ -96,7 +96,7 @@ def mesh_from_outline(
 
 def _check_count(polygons: list[Floats], size: float) -> None:
     # check the number of quads by area, and of edges along the outlines, which are passed to Gmsh
-    area = _area(polygons[0]) - sum(_area(hole) for hole in polygons[1:])
+    area = area_of(polygons[0]) - sum(area_of(hole) for hole in polygons[1:])
     check_film_size(area / size / size, "enlarge size, or shrink the outline")
     around = sum(float(np.hypot(*(np.roll(p, -1, axis=0) - p).T).sum()) for p in polygons)
     if not around / size <= _MOST_EDGES:
@@ -106,7 +106,8 @@ def _check_count(polygons: list[Floats], size: float) -> None:
         )
 
 
-def _area(polygon: Floats) -> float:
+def area_of(polygon: Floats) -> float:
+    """Return the area within a polygon, shape (n, 2)."""
     x, y = (polygon - polygon[0]).T
     return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
@@ -149,15 +150,15 @@ def _check_apart(loops: list[Floats], names: list[str]) -> None:
                     f"{'itself' if one == two else two} near ({x:.4g}, {y:.4g})"
                 )
     for k, hole in enumerate(loops[1:], start=1):
-        if not _inside(hole[0], loops[0]):
+        if not inside(hole[0], loops[0]):
             raise MeshError(f"{names[k]} must lie inside the outline")
         for other, name in zip(loops[1:], names[1:], strict=True):
-            if other is not hole and _inside(hole[0], other):
+            if other is not hole and inside(hole[0], other):
                 raise MeshError(f"holes must lie apart, {names[k]} lies in {name}")
 
 
-def _inside(point: Floats, polygon: Floats) -> bool:
-    # from the number of sides crossed by a ray along +x
+def inside(point: Floats, polygon: Floats) -> bool:
+    """Whether a point lies within a polygon: from the sides crossed by a ray along +x."""
     (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
     spans = (y1 > point[1]) != (y2 > point[1])
     at = x1[spans] + (point[1] - y1[spans]) / (y2[spans] - y1[spans]) * (x2[spans] - x1[spans])

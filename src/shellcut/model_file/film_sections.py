@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 from shellcut.material.elastic import Elastic
 from shellcut.material.shell_material import Layer, ShellMaterial
+from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.film_file import Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import OpeningName, disc, opening_disc, rectangle
@@ -143,6 +144,36 @@ class Outline(Section):
 @section("membrane", kind="outline", sign="outline", of=mesh_from_outline, deferred=True)
 class FreeOutline(Outline):
     """A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ..."""
+
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=())
+    notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
+
+
+@section("membrane", kind="drawing", sign="drawing", of=mesh_from_drawing, deferred=True)
+class DrawnFilm(Section):
+    """A mesh of the outline in a drawing, DXF or SVG, by Gmsh; node sets outline, hole_1, ..."""
+
+    drawing: str = key(file, "the drawing", parameter="path")
+    size: float = key(number("mm"), "edge length of the quads")
+    unit: str | float | None = key(
+        length_unit,
+        "of the file: um, mm, cm, m, inch, mil",
+        unset="stated by the file; guessed and logged",
+    )
+    layers: tuple[str, ...] = key(names, "layers to read; of SVG labels and ids")
+    chord_deviation: float | None = key(
+        number("mm"), "of polygons from arcs and splines", unset="1e-4 of the diagonal"
+    )
+    join: float | None = key(
+        number("mm"), "ends of curves closer than this meet", unset="1e-6 of the diagonal"
+    )
+    clamp: tuple[str, ...] = key(names, _CLAMP, default=("outline",))
+    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
+
+
+@section("membrane", kind="drawing", sign="drawing", of=mesh_from_drawing, deferred=True)
+class FreeDrawnFilm(DrawnFilm):
+    """A mesh of the outline in a drawing, DXF or SVG, by Gmsh; node sets outline, hole_1, ..."""
 
     clamp: tuple[str, ...] = key(names, _CLAMP, default=())
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))

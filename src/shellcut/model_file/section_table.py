@@ -6,7 +6,9 @@ from collections.abc import Mapping
 
 from .film_sections import (
     Disc,
+    DrawnFilm,
     FilmFile,
+    FreeDrawnFilm,
     FreeFile,
     FreeOpeningDisc,
     FreeOutline,
@@ -83,7 +85,7 @@ def _sections(membrane: Kinds, tool: Kinds, motion: Kinds) -> dict[str, Kinds]:
 
 SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
     "opening": _sections(
-        (OpeningDisc, FilmFile, Outline),
+        (OpeningDisc, FilmFile, Outline, DrawnFilm),
         (Teeth, ToolFile),
         (OpeningScrew,),
     ),
@@ -93,7 +95,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (StripWay,),
     ),
     "free": _sections(
-        (FreeOpeningDisc, Rectangle, Disc, FreeFile, FreeOutline),
+        (FreeOpeningDisc, Rectangle, Disc, FreeFile, FreeOutline, FreeDrawnFilm),
         (Teeth, Blade, ToolFile),
         (Screw, Straight, Table),
     ),

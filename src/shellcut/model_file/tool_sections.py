@@ -90,14 +90,14 @@ class StripBlade(Blade):
 
 @section("tool", kind="file", sign="file", of=read_tool, deferred=True)
 class ToolFile(Section):
-    """A surface from a CAD program: STL, OBJ or PLY."""
+    """A surface or solids from a CAD program: STL, OBJ, PLY, and with Gmsh STEP, IGES."""
 
-    file: str = key(file, "the surface", parameter="path", also="stl")
+    file: str = key(file, "the tool", parameter="path", also="stl")
     unit: str | float | None = key(
         length_unit,
         "of the file: um, mm, cm, m, inch, mil",
         also="scale",
-        unset="guessed and logged",
+        unset="stated by STEP and IGES; guessed and logged",
     )
     axis: str | tuple[float, ...] = key(direction, "direction in the file that becomes z")
     shift: tuple[float, ...] = key(numbers("mm", count=3), "moves the tool after that")
@@ -105,7 +105,14 @@ class ToolFile(Section):
     flank_angle_deg: float = key(number("deg"), "largest turn of a flank")
     not_cutting: tuple[int, ...] = key(whole_numbers, "chains found by angle that do not cut")
     merge: float | None = key(
-        number("mm"), "merge vertices closer than this", unset="1e-7 of the diagonal"
+        number("mm"),
+        "merge vertices closer than this",
+        unset="1e-7 of the diagonal; a tenth of chord_deviation",
+    )
+    chord_deviation: float | None = key(
+        number("mm"),
+        "of triangles from curved faces of STEP and IGES",
+        unset="5e-4 of the diagonal",
     )
     name: str | None = key(text, "of the tool", unset="that of the file")
 

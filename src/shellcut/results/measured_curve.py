@@ -129,9 +129,23 @@ def read_measured_curve(
         problems.append(f"x and y must be two columns, both are {_name(table, columns[0])}")
     if problems:
         raise FileError(path, "; ".join(dict.fromkeys(problems)))
+    return curve_of_columns(table, columns, given)
+
+
+def curve_of_columns(
+    table: NumberTable, columns: list[int], units: Sequence[str] = ("", "")
+) -> MeasuredCurve:
+    """Return the curve of two columns, given by index; empty units are those of the headings.
+
+    Raises
+    ------
+    FileError
+        Lists unknown units and lines that are not numbers.
+    """
+    path, problems = table.path, []
     notes = []
     taken = []
-    for column, unit in zip(columns, given, strict=True):
+    for column, unit in zip(columns, units, strict=True):
         written = table.headings[column].unit if table.headings else ""
         name = _name(table, column)
         taken.append(unit or written)

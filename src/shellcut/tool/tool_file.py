@@ -1,4 +1,4 @@
-"""Read a tool from a surface file of a CAD program: :func:`read_tool`.
+"""Read a tool from a file of a CAD program: :func:`read_tool`.
 
 Assumptions and repairs are logged as warnings by the logger ``shellcut.tool_file``; Python shows
 them by default.
@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError
 from shellcut.formats.length_unit import unit_in_mm
 from shellcut.formats.obj import read_obj
@@ -20,6 +21,7 @@ from shellcut.formats.ply import read_ply
 from shellcut.formats.stl import read_stl
 from shellcut.formats.surface_file import SurfaceFile
 
+from .seams import closed_seams
 from .surface import point_text
 from .surface_repair import repaired
 from .tool import Tool, ToolError
@@ -31,7 +33,11 @@ READERS: dict[str, Callable[[str | Path], SurfaceFile]] = {
     ".obj": read_obj,
     ".ply": read_ply,
 }
-"""Reader by suffix of the file name."""
+"""Reader of triangles by suffix of the file name; Gmsh makes those of STEP and IGES."""
+
+_WELD = 0.1
+"""Vertices of CAD faces closer than this part of the chord deviation are one: each face's vertices
+lie on its own surface, beside the common edge by the file's tolerance."""
 
 _FARTHEST = 1e5
 """A vertex this many times farther from the middle than most is an error in the file."""
@@ -49,17 +55,18 @@ def read_tool(
     flank_angle_deg: float = 40.0,
     not_cutting: Collection[int] = (),
     merge: float | None = None,
+    chord_deviation: float | None = None,
     name: str | None = None,
 ) -> Tool:
-    """Read a tool: STL, OBJ or PLY.
+    """Read a tool: STL, OBJ or PLY; STEP or IGES with Gmsh (extra ``mesh``).
 
     Parameters
     ----------
     path : str or Path
         The suffix gives the format.
     unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
-        Unit of the file's coordinates, or its length in mm. By default guessed from the size, with
-        a warning, where that is safe.
+        Unit of the file's coordinates, or its length in mm. By default the unit that a STEP or IGES
+        file states; otherwise guessed from the size where that is safe. A warning says which.
     axis : {"x", "y", "z", "-x", "-y", "-z"} or sequence of 3 floats
         Direction in the file that becomes z, the normal of the film in the package's models; the
         tool is turned by the shortest rotation.
@@ -73,7 +80,11 @@ def read_tool(
     not_cutting : collection of int
         Chains found by angle that do not cut, by their numbers in :meth:`Tool.chains` when all cut.
     merge : float, optional, [mm]
-        Vertices closer than this are merged; by default 1e-7 of the tool's diagonal.
+        Vertices closer than this are merged; by default 1e-7 of the tool's diagonal, of STEP and
+        IGES a tenth of ``chord_deviation``.
+    chord_deviation : float, optional, [mm]
+        Of STEP and IGES: largest distance of the triangles from curved faces, by default 5e-4 of
+        the tool's diagonal. Each solid becomes a body.
     name : str, optional
         The file's name by default.
 
@@ -84,10 +95,13 @@ def read_tool(
     Raises
     ------
     FileError
-        For a file that cannot be read.
+        For a file that cannot be read; of STEP and IGES also for solids with cavities, or that
+        touch.
     ToolError
         For a surface with holes (listed with place and size), without an inside, or without a sharp
         edge.
+    ImportError
+        For STEP and IGES if Gmsh is missing.
 
     Examples
     --------
@@ -100,20 +114,23 @@ def read_tool(
     (4, [5.773, 5.773, 5.773, 5.773])
     """
     path = Path(path)
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
     move = np.asarray(shift, dtype=np.float64)
     if move.shape != (3,) or not np.isfinite(move).all():
         raise ValueError(f"shift must be three finite numbers in mm, got {shift!r}")
     turn = _turn_to_z(axis)
-    file = reader(path)
+    file = _surface(path, chord_deviation, unit)
     _check_coordinates(file)
+    extent = float(np.ptp(file.vertices, axis=0).max())
     try:
-        factor, note = unit_in_mm(unit, float(np.ptp(file.vertices, axis=0).max()), "the tool")
+        factor, note = unit_in_mm(unit, extent, "the tool", stated=file.unit_mm)
     except ValueError as problem:
         raise FileError(path, str(problem)) from None
-    done = repaired((factor * file.vertices) @ turn.T + move, file.triangles, tolerance=merge)
+    vertices, triangles = (factor * file.vertices) @ turn.T + move, file.triangles
+    if file.chord_deviation is not None:
+        reach = factor * file.chord_deviation
+        merge = _WELD * reach if merge is None else merge
+        vertices, triangles, _ = closed_seams(vertices, triangles, merge=merge, reach=reach)
+    done = repaired(vertices, triangles, tolerance=merge)
     for said in [*file.notes, *([note] if note else []), *done.notes]:
         _log.warning("%s: %s", path, said)
     try:
@@ -141,6 +158,22 @@ def read_tool(
         "\n".join(f"  {chain}" for chain in chains),
     )
     return tool
+
+
+def _surface(path: Path, chord_deviation: float | None, unit: str | float | None) -> SurfaceFile:
+    suffix = path.suffix.lower()
+    if suffix in cad_surface.SUFFIXES:
+        try:
+            given = unit_in_mm(unit, 1.0, "the tool")[0] if unit is not None else None
+        except ValueError as problem:
+            raise FileError(path, str(problem)) from None
+        return cad_surface.read_cad(path, chord_deviation, given)
+    if suffix not in READERS:
+        known = ", ".join((*READERS, *cad_surface.SUFFIXES))
+        raise FileError(path, f"the name must end in one of {known}")
+    if chord_deviation is not None:
+        raise FileError(path, "chord_deviation is of STEP and IGES: this file holds triangles")
+    return READERS[suffix](path)
 
 
 def _check_coordinates(file: SurfaceFile) -> None:

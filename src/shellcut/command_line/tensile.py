@@ -1,0 +1,92 @@
+"""``shellcut tensile``: figures of a film and a cohesive law from tensile tests."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from shellcut.model_file.quantity import quantity
+from shellcut.tensile import tensile
+
+from .exit_code import BAD_INPUT, DONE, refuse
+
+_LENGTHS = (
+    ("--gauge-length", "length over which the strain was measured, as 50 or '50 mm'"),
+    ("--width", "of the specimens, for columns of force"),
+    ("--thickness", "of the specimens, for columns of force, as '74 um'"),
+)
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser."""
+    parser = commands.add_parser(
+        "tensile",
+        help="modulus, yield, strength, hardening and a cohesive law from tensile tests",
+        description="Evaluate tensile tests: modulus, yield, strength, strain at break, hardening "
+        "curve, scatter, and a proposed cohesive law. With -o write OUT/tensile.json, "
+        "hardening.csv, law.toml and, with Matplotlib, tensile.png.",
+        epilog="example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 "
+        "-o film",
+    )
+    parser.add_argument(
+        "files",
+        metavar="[DIRECTION=]FILE",
+        nargs="+",
+        help="text tables of strain and stress, or extension and force, with units in the headings",
+    )
+    for option, meaning in _LENGTHS:
+        parser.add_argument(option, metavar="MM", help=meaning)
+    parser.add_argument(
+        "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
+    )
+    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Evaluate, print a table, write the files."""
+    try:
+        lengths, problems = {}, []
+        for option, _ in _LENGTHS:
+            name = option[2:].replace("-", "_")
+            given = getattr(arguments, name)
+            try:
+                lengths[name] = None if given is None else quantity(given, "mm")
+            except ValueError as problem:
+                problems.append(f"{option} {problem}")
+        try:
+            offset = 0.01 * float(arguments.offset.removesuffix("%"))
+        except ValueError:
+            problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
+        if problems:
+            return refuse("\n".join(problems))
+        found = tensile(_by_direction(arguments.files), offset=offset, **lengths)
+    except (ValueError, OSError) as problem:
+        return refuse(problem)
+    print(found)
+    if arguments.out is None:
+        return DONE
+    try:
+        written = found.write(arguments.out)
+        try:
+            written.append(found.plot(arguments.out / "tensile.png"))
+        except ImportError as missing:
+            print(f"no picture: {missing}", file=sys.stderr)
+    except OSError as problem:
+        print(f"cannot write: {problem}", file=sys.stderr)
+        return BAD_INPUT
+    print("written: " + ", ".join(map(str, written)))
+    return DONE
+
+
+def _by_direction(files: list[str]) -> dict[str, list[str]]:
+    # a file may have "=" in its name: the part before it is a direction only if no such file is
+    groups: dict[str, list[str]] = {}
+    for text in files:
+        direction, sign, path = text.partition("=")
+        if not sign or Path(text).exists() or "/" in direction:
+            direction, path = "", text
+        groups.setdefault(direction, []).append(path)
+    return groups

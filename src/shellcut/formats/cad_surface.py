@@ -1,0 +1,146 @@
+"""STEP and IGES files, triangulated by Gmsh's OpenCASCADE kernel: :func:`read_cad`.
+
+Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL). Each face has vertices of its
+own; :mod:`shellcut.tool.seams` joins them.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import tempfile
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import cad_process
+from .cad_unit import stated_unit
+from .errors import FileError, read_bytes
+from .surface_file import SurfaceFile
+
+SUFFIXES = (".step", ".stp", ".iges", ".igs")
+"""Ends of the names of CAD files."""
+
+LARGEST_FILE = 200_000_000
+"""Largest size [bytes]; the kernel takes about ten times as much memory."""
+
+_SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
+"""Statements of STEP that make a solid; assemblies repeat them without statements."""
+
+_LONGEST = 600.0  # s; the kernel hangs on some damaged files
+
+
+def read_cad(
+    path: str | Path, chord_deviation: float | None = None, unit_mm: float | None = None
+) -> SurfaceFile:
+    """Read a STEP or IGES file.
+
+    Parameters
+    ----------
+    path : str or Path
+    chord_deviation : float, optional, [mm]
+        Largest distance of the triangles from curved faces; by default
+        :data:`cad_process.DEVIATION` of the diagonal.
+    unit_mm : float, optional, [mm]
+        Unit in which the file is to be read, if not the one that it states.
+
+    Returns
+    -------
+    SurfaceFile
+        In the unit that the file states, which ``unit_mm`` holds. A file that states several units
+        is returned in mm.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or holds no surfaces, a solid with a cavity, or solids that
+        touch.
+    ImportError
+        If Gmsh is missing or cannot be loaded.
+    """
+    path = Path(path)
+    if chord_deviation is not None and not (isfinite(chord_deviation) and chord_deviation > 0.0):
+        raise ValueError(
+            f"chord_deviation must be a finite length above 0 in mm, got {chord_deviation!r}"
+        )
+    content = read_bytes(path)
+    if len(content) > LARGEST_FILE:
+        raise FileError(
+            path,
+            f"a CAD file must hold {LARGEST_FILE / 1e6:,.0f} MB at most, got "
+            f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
+        )
+    units = stated_unit(path, content)
+    of_file = units[0] if len(units) == 1 else 1.0
+    answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
+    if answer["problems"]:
+        raise FileError(path, "; ".join(answer["problems"]))
+    notes = answer["notes"]
+    stated = sum(content.count(name + b"(") for name in _SOLIDS)
+    if 0 < answer["n_solid"] < stated:
+        notes.append(
+            f"{stated} solids are in the file, {answer['n_solid']} could be read: is it damaged?"
+        )
+    if len(units) > 1:
+        listed = " and ".join(f"{unit:g}" for unit in units)
+        notes.append(f"the file states units of {listed} mm: all lengths are converted to mm")
+    return SurfaceFile(
+        path,
+        answer["vertices"] / of_file,
+        answer["triangles"],
+        notes,
+        unit_mm=of_file if units else None,
+        chord_deviation=float(answer["chord"]) / of_file,
+    )
+
+
+def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
+    if importlib.util.find_spec("gmsh") is None:
+        raise ImportError(
+            f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
+            "pip install 'shellcut[mesh]'"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "answer.npz"
+        command = [sys.executable, cad_process.__file__, str(path.resolve()), str(out)]
+        command += [repr(float(deviation)), repr(float(scale))]
+        try:
+            done = subprocess.run(
+                command,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=_LONGEST,
+            )
+        except subprocess.TimeoutExpired:
+            raise FileError(
+                path,
+                f"Gmsh did not finish within {_LONGEST:g} s: is the file damaged, or "
+                "chord_deviation too small?",
+            ) from None
+        if done.returncode < 0 or (done.returncode and not done.stderr):
+            raise FileError(
+                path,
+                f"Gmsh broke down on it (code {done.returncode}): it is damaged, or of a kind that "
+                "OpenCASCADE cannot read; write it anew, or as STL",
+            )
+        if done.returncode:
+            said = done.stderr.strip().splitlines()[-1]
+            if "OSError" in said:  # a system library missing from its wheel
+                raise ImportError(
+                    f"Gmsh is installed but cannot be loaded: {said}; on Debian and Ubuntu: "
+                    "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
+                )
+            raise FileError(path, f"Gmsh cannot read it: {said}")
+        with np.load(out) as held:
+            return {
+                "vertices": held["vertices"],
+                "triangles": held["triangles"],
+                "chord": held["chord"],
+                "n_solid": held["n_solid"],
+                "notes": [str(note) for note in held["notes"]],
+                "problems": [str(problem) for problem in held["problems"]],
+            }

@@ -1,0 +1,295 @@
+"""The outline of a film from a drawing, DXF or SVG: :func:`read_drawing`.
+
+Curves whose ends meet are joined into closed loops; the largest loop is the outline, the others are
+its holes. Assumptions are logged as warnings of the logger ``shellcut.drawing``.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Collection
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.formats.drawing import DEVIATION, Curve, Drawing, extent_of
+from shellcut.formats.dxf import read_dxf
+from shellcut.formats.errors import FileError
+from shellcut.formats.length_unit import unit_in_mm
+from shellcut.formats.svg import read_svg
+from shellcut.numerics.connected_parts import connected_parts
+
+from .mesh import Mesh
+from .outline import area_of, inside, mesh_from_outline
+
+_log = logging.getLogger("shellcut.drawing")
+
+READERS = {".dxf": read_dxf, ".svg": read_svg}
+"""Reader by suffix of the file name."""
+
+_JOIN = 1e-6
+"""Ends of curves closer than this part of the drawing's diagonal meet: round-off of six digits."""
+
+_NAMED = 4  # gaps named in a message
+
+
+@dataclass(frozen=True, eq=False)
+class FilmOutline:
+    """The outline of a film and its holes, polygons without repeated points [mm].
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> FilmOutline(10.0 * square, (square + 5.0,)).area
+    396.0
+    """
+
+    outline: Floats
+    """Shape (n, 2)."""
+    holes: tuple[Floats, ...]
+    """In the order of the file."""
+
+    @property
+    def area(self) -> float:
+        """Area of the film [mm²]."""
+        return area_of(self.outline) - sum(area_of(hole) for hole in self.holes)
+
+
+def read_drawing(
+    path: str | Path,
+    *,
+    unit: str | float | None = None,
+    layers: Collection[str] = (),
+    chord_deviation: float | None = None,
+    join: float | None = None,
+) -> FilmOutline:
+    """Read the outline of a film with its holes: DXF, SVG (extra ``outline``).
+
+    Parameters
+    ----------
+    path : str or Path
+        The suffix gives the format.
+    unit : {"um", "mm", "cm", "m", "inch", "mil"} or float, optional
+        Unit of the file's coordinates, or its length in mm. By default the one that the file
+        states (DXF ``$INSUNITS``, SVG ``width`` and ``viewBox``), otherwise guessed from the size
+        where that is safe.
+    layers : collection of str
+        Layers to read; of SVG labels and ids. By default all that are shown.
+    chord_deviation : float, optional, [mm]
+        Largest distance of the polygons from arcs, ellipses and splines; by default 1e-4 of the
+        diagonal. They turn by 10 degrees at most in each point.
+    join : float, optional, [mm]
+        Ends of curves closer than this meet; by default 1e-6 of the diagonal.
+
+    Returns
+    -------
+    FilmOutline
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or its curves form no outline: lists ends that meet nothing,
+        with the gap to the next end, and places where more than two curves meet.
+    ImportError
+        If the reader of the format is missing.
+
+    Examples
+    --------
+    >>> import ezdxf
+    >>> drawing = ezdxf.new(units=4)  # mm
+    >>> space = drawing.modelspace()
+    >>> _ = space.add_lwpolyline([(0, 0), (20, 0), (20, 12), (0, 12)], close=True)
+    >>> _ = space.add_circle((6, 6), 2.0)
+    >>> drawing.saveas("plate.dxf")
+    >>> plate = read_drawing("plate.dxf")
+    >>> len(plate.outline), len(plate.holes), round(plate.area, 2)
+    (4, 1, 227.44)
+    """
+    path = Path(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise FileError(path, f"the name must end in one of {', '.join(READERS)}")
+    for name, value in (("chord_deviation", chord_deviation), ("join", join)):
+        if value is not None and not (isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be a finite length above 0 in mm, got {value!r}")
+    wanted = (layers,) if isinstance(layers, str) else tuple(layers)
+    drawing = reader(path, wanted)  # coarse, for the size and the unit
+    factor, extent, note = _factor(drawing, unit)
+    fine = DEVIATION * extent if chord_deviation is None else chord_deviation / factor
+    drawing = reader(path, wanted, fine)
+    for said in (*drawing.notes, note):
+        if said:
+            _log.warning("%s: %s", path, said)
+    curves = [Curve(factor * curve.points, curve.where) for curve in drawing.curves]
+    loops = _loops(path, curves, join)
+    return _with_holes(path, loops)
+
+
+def mesh_from_drawing(
+    path: str | Path,
+    *,
+    size: float,
+    unit: str | float | None = None,
+    layers: Collection[str] = (),
+    chord_deviation: float | None = None,
+    join: float | None = None,
+) -> Mesh:
+    """Return a mesh of quads within the outline of a drawing, with Gmsh.
+
+    Parameters
+    ----------
+    path, unit, layers, chord_deviation, join
+        See :func:`read_drawing`.
+    size : float, [mm]
+        Desired edge length.
+
+    Returns
+    -------
+    Mesh
+        See :func:`mesh_from_outline`: node sets "outline", "hole_1", ... in the file's order.
+
+    Raises
+    ------
+    FileError, MeshError, ImportError
+        See :func:`read_drawing` and :func:`mesh_from_outline`.
+
+    Examples
+    --------
+    >>> mesh = mesh_from_drawing("plate.dxf", size=0.5, layers=["cut"])  # doctest: +SKIP
+    """
+    found = read_drawing(path, unit=unit, layers=layers, chord_deviation=chord_deviation, join=join)
+    return mesh_from_outline(found.outline, holes=found.holes, size=size)
+
+
+def _factor(drawing: Drawing, unit: str | float | None) -> tuple[float, float, str]:
+    # length of the unit [mm], diagonal in the unit, note
+    if not drawing.curves:
+        raise FileError(
+            drawing.path,
+            f"there must be curves, got none; {'; '.join(drawing.notes) or 'is it empty?'}",
+        )
+    points = np.concatenate([curve.points for curve in drawing.curves])
+    if not np.isfinite(points).all():
+        raise FileError(drawing.path, "coordinates must be finite numbers")
+    if unit is None and drawing.unit_mm is None and drawing.no_unit:
+        raise FileError(drawing.path, f"the unit must be given: {drawing.no_unit}")
+    try:
+        extent = float(np.ptp(points, axis=0).max())
+        factor, note = unit_in_mm(unit, extent, "the drawing", stated=drawing.unit_mm)
+    except ValueError as problem:
+        raise FileError(drawing.path, str(problem)) from None
+    return factor, extent_of(points), note
+
+
+def _loops(path: Path, curves: list[Curve], join: float | None) -> list[Floats]:
+    # closed curves, and chains of open ones, in the order of the first curve of each
+    reach = join or _JOIN * extent_of(np.concatenate([curve.points for curve in curves]))
+    open_ones, loops = [], []
+    for number, curve in enumerate(curves):
+        if extent_of(curve.points) <= reach:
+            _log.warning("%s: %s is shorter than %.3g mm and is left out", path, curve.where, reach)
+        elif np.linalg.norm(curve.points[0] - curve.points[-1]) <= reach:
+            loops.append((number, _cleaned(curve.points, reach)))
+        else:
+            open_ones.append((number, curve))
+    if open_ones:
+        loops += _chained(path, open_ones, reach)
+    return [points for _, points in sorted(loops, key=lambda one: one[0])]
+
+
+def _chained(
+    path: Path, open_ones: list[tuple[int, Curve]], reach: float
+) -> list[tuple[int, Floats]]:
+    ends = np.array([curve.points[k] for _, curve in open_ones for k in (0, -1)])
+    pairs = scipy.spatial.cKDTree(ends).query_pairs(reach, output_type="ndarray")
+    spot = connected_parts(pairs[:, 0], pairs[:, 1], len(ends))
+    at: dict[int, list[int]] = {}
+    for end, label in enumerate(spot.tolist()):
+        at.setdefault(label, []).append(end)
+    _check_ends(path, open_ones, ends, at)
+    left = dict.fromkeys(range(len(open_ones)))
+    found = []
+    while left:
+        first = end = 2 * next(iter(left))
+        points = []
+        while True:
+            here, back = divmod(end, 2)
+            del left[here]
+            points.append(open_ones[here][1].points[:: -1 if back else 1])
+            arrived = end ^ 1
+            (end,) = (other for other in at[int(spot[arrived])] if other != arrived)
+            if end == first:
+                break
+        found.append((open_ones[first // 2][0], _cleaned(np.concatenate(points), reach)))
+    return found
+
+
+def _check_ends(
+    path: Path, open_ones: list[tuple[int, Curve]], ends: Floats, at: dict[int, list[int]]
+) -> None:
+    problems = []
+    alone = [members[0] for members in at.values() if len(members) == 1]
+    for end in alone[:_NAMED]:
+        away = np.linalg.norm(ends[alone] - ends[end], axis=1)
+        away[alone.index(end)] = np.inf
+        gap = ""
+        if len(alone) > 1:
+            near = alone[int(np.argmin(away))]
+            there = f"{_text(ends[near])} of {_of(open_ones, near)}"
+            gap = f", {away.min():.3g} mm from the end at {there}"
+        here = f"{_of(open_ones, end)} at {_text(ends[end])}"
+        problems.append(f"an end of {here} meets no other{gap}")
+    if len(alone) > _NAMED:
+        problems.append(f"and {len(alone) - _NAMED} more open ends")
+    for members in [members for members in at.values() if len(members) > 2][:_NAMED]:
+        kinds = ", ".join(dict.fromkeys(_of(open_ones, end) for end in members))
+        problems.append(
+            f"{len(members)} ends meet at {_text(ends[members[0]])} ({kinds}): choose layers, or "
+            "remove lines drawn twice"
+        )
+    if problems:
+        more = "; join=... (mm) closes gaps" if alone else ""
+        raise FileError(path, f"curves must form closed loops: {'; '.join(problems)}{more}")
+
+
+def _cleaned(points: Floats, reach: float) -> Floats:
+    # without the repeated last point, and without points closer than `reach` to the one before
+    kept = [0]
+    for k in range(1, len(points)):
+        if np.linalg.norm(points[k] - points[kept[-1]]) > reach:
+            kept.append(k)
+    while len(kept) > 1 and np.linalg.norm(points[kept[-1]] - points[0]) <= reach:
+        kept.pop()
+    return points[kept]
+
+
+def _with_holes(path: Path, loops: list[Floats]) -> FilmOutline:
+    whole = [loop for loop in loops if len(loop) > 2]
+    if not whole:
+        raise FileError(path, "curves must form closed loops with an area, got none")
+    largest = max(range(len(whole)), key=lambda k: area_of(whole[k]))
+    holes = [loop for k, loop in enumerate(whole) if k != largest]
+    problems = [
+        f"the loop of {area_of(hole):.4g} mm² around {_text(hole.mean(axis=0))} lies outside"
+        for hole in holes
+        if not inside(hole[0], whole[largest])
+    ]
+    if problems:
+        raise FileError(
+            path,
+            f"all loops must lie in the largest, of {area_of(whole[largest]):.4g} mm²: "
+            f"{'; '.join(problems[:_NAMED])}; choose the layers of one film",
+        )
+    return FilmOutline(whole[largest], tuple(holes))
+
+
+def _of(open_ones: list[tuple[int, Curve]], end: int) -> str:
+    return open_ones[end // 2][1].where
+
+
+def _text(point: Floats) -> str:
+    return f"({point[0]:.5g}, {point[1]:.5g})"

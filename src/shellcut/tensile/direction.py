@@ -1,0 +1,149 @@
+"""Means and scatter over the specimens of one direction, hardening curve and law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import nan, sqrt
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+
+from .figures import Figures
+from .law import falling_curve, proposed_law
+
+MEASURES = {
+    "young": ("Young's modulus", "MPa"),
+    "yield_stress": ("yield stress", "MPa"),
+    "strength": ("tensile strength", "MPa"),
+    "strain_at_strength": ("strain at strength", "-"),
+    "strain_at_break": ("strain at break", "-"),
+}
+"""Name and unit of each figure."""
+
+_ENOUGH = 5  # specimens in each direction (ISO 527-1)
+_N_ROW = 25  # of the hardening curve
+_WIDE = 0.15  # scatter over the mean that is worth a word
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Mean and standard deviation of a figure over specimens."""
+
+    mean: float
+    deviation: float
+    """NaN for one specimen."""
+    n: int
+    """Number of specimens that have the figure."""
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Spread:
+        """Return the spread of the values that are numbers."""
+        known = [value for value in values if value == value]
+        if not known:
+            return cls(nan, nan, 0)
+        mean = sum(known) / len(known)
+        square = sum((value - mean) ** 2 for value in known)
+        return cls(mean, sqrt(square / (len(known) - 1)) if len(known) > 1 else nan, len(known))
+
+    def text(self, unit: str = "") -> str:
+        """Return "mean ± deviation unit", per cent for ratios."""
+        if not self.n:
+            return "-"
+        factor, shown = (100.0, " %") if unit == "-" else (1.0, f" {unit}")
+        around = f" ± {factor * self.deviation:.2g}" if self.n > 1 else ""
+        return f"{factor * self.mean:.4g}{around}{shown}"
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """All specimens cut in one direction."""
+
+    name: str
+    figures: list[Figures]
+    gauge_length: float | None
+    """[mm]"""
+
+    def spread(self, measure: str) -> Spread:
+        """Return mean and scatter of one of :data:`MEASURES`."""
+        return Spread.of([getattr(one, measure) for one in self.figures])
+
+    @property
+    def fracture_energy(self) -> Spread:
+        """Gauge length times the area below the falling stress [N/mm = kJ/m²]."""
+        length = nan if self.gauge_length is None else self.gauge_length
+        return Spread.of([length * one.energy_per_length for one in self.figures])
+
+    @property
+    def falling(self) -> list[Figures]:
+        """Specimens whose fall after the strength is recorded."""
+        return [one for one in self.figures if len(one.opening_per_length)]
+
+    def falling_curve(self) -> tuple[Floats, Floats]:
+        """Return mean opening [mm] and stress [MPa] after the strength; empty if unknown."""
+        if self.gauge_length is None or not self.falling:
+            return np.zeros(0), np.zeros(0)
+        return falling_curve(self.falling, self.gauge_length)
+
+    def law(self) -> CohesiveLaw | None:
+        """Return the proposed law, None where the tests say nothing about the fall."""
+        opening, stress = self.falling_curve()
+        if not len(opening):
+            return None
+        return proposed_law(opening, stress, self.fracture_energy.mean)
+
+    def hardening(self) -> tuple[Floats, Floats, Floats, int]:
+        """Return plastic strain, mean true stress and its deviation [MPa], number of specimens.
+
+        Up to the smallest strain of the specimens at strength; empty arrays without yield.
+        """
+        known = [one for one in self.figures if len(one.plastic_strain)]
+        if not known:
+            nothing = np.zeros(0)
+            return nothing, nothing, nothing, 0
+        end = min(float(one.plastic_strain[-1]) for one in known)
+        strain = end * np.linspace(0.0, 1.0, _N_ROW) ** 2  # closer where the curve bends
+        each = np.array([np.interp(strain, one.plastic_strain, one.true_stress) for one in known])
+        scatter = each.std(axis=0, ddof=1) if len(known) > 1 else np.full(_N_ROW, nan)
+        return strain, each.mean(axis=0), scatter, len(known)
+
+    def sentences(self) -> list[str]:
+        """Return what to know before the figures are used."""
+        said = [f"{one.specimen.name}: {text}" for one in self.figures for text in one.sentences]
+        n = len(self.figures)
+        if n == 1:
+            said.append("one specimen: the scatter is unknown")
+        elif n < _ENOUGH:
+            said.append(f"{n} specimens: the scatter is rough, ISO 527 asks for {_ENOUGH}")
+        for measure, (name, _) in MEASURES.items():
+            spread = self.spread(measure)
+            if spread.deviation > _WIDE * spread.mean:
+                said.append(f"{name} scatters by {spread.deviation / spread.mean:.0%} of its mean")
+        return said + self._about_energy()
+
+    def _about_energy(self) -> list[str]:
+        if not self.falling:
+            return [
+                "no law: no specimen shows a fall; a tear test, or the force of a cut, gives the "
+                "fracture energy"
+            ]
+        if self.gauge_length is None:
+            return ["no law: give the gauge_length, openings and fracture energy follow from it"]
+        length, energy = self.gauge_length, self.fracture_energy
+        per_length = Spread.of([one.energy_per_length for one in self.falling])
+        said = [
+            f"fracture energy {energy.text('kJ/m²')} = gauge length {length:g} mm x "
+            f"{per_length.text('N/mm²')} below the fall, from {energy.n} of {len(self.figures)} "
+            "specimens. All elongation after the strength is taken as the opening of one crack: "
+            "if the film also stretched elsewhere, openings and energy are upper bounds. A second "
+            "gauge length tells: if the energy grows with it, they are"
+        ]
+        if drawn := [one for one in self.falling if one.drawn]:
+            said.append(
+                f"{len(drawn)} of {len(self.falling)} specimens hold over 80 % of the strength "
+                "half-way to the break: a neck spreads along the gauge length. The energy then "
+                "grows with the gauge length and is an upper bound, not a property of the film"
+            )
+        return said

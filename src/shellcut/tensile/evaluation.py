@@ -1,0 +1,239 @@
+"""Tensile tests of a film, evaluated: :func:`tensile`."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shellcut.files.whole_file import atomic_write
+from shellcut.formats.errors import FileError
+
+from .direction import MEASURES, Direction
+from .figures import figures_of
+from .specimen import SpecimenSize, read_specimens
+
+Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+_LAW = ("strength", "plateau", "opening_a", "opening_p", "opening_u", "onset")
+
+
+@dataclass(frozen=True, eq=False)
+class TensileTest:
+    """The directions of a film, with figures, hardening curves and proposed laws.
+
+    Examples
+    --------
+    >>> path = Path("sheet.csv")
+    >>> rows = [(0, 0), (0.05, 1), (0.1, 2), (0.15, 3), (0.2, 4), (0.25, 5), (0.8, 16), (1, 0)]
+    >>> _ = path.write_text(chr(10).join(["strain [%];CD [MPa]", *(f"{x};{y}" for x, y in rows)]))
+    >>> print(str(tensile(path)).splitlines()[2])
+    Young's modulus       2000 MPa
+    """
+
+    directions: dict[str, Direction]
+    """By name, as MD and CD; the name is empty if none was given."""
+    offset: float
+    """Plastic strain at yield [-]."""
+
+    def sentences(self) -> list[str]:
+        """Return what to know before the figures are used, in all directions."""
+        said = [
+            f"{name}: {text}" if name else text
+            for name, one in self.directions.items()
+            for text in one.sentences()
+        ]
+        if len(self.directions) > 1:
+            said.append(
+                "a cut along one direction is opened across it: take the law of the specimens cut "
+                "across the blade's way"
+            )
+        return said
+
+    def __str__(self) -> str:
+        """Return the figures as a table, the laws, and the sentences."""
+        names = [name or "film" for name in self.directions]
+        rows = [["", *names], ["specimens", *(str(len(d.figures)) for d in self._all())]]
+        for measure, (title, unit) in MEASURES.items():
+            if measure == "yield_stress":
+                title += f" ({100 * self.offset:g} %)"
+            rows.append([title, *(d.spread(measure).text(unit) for d in self._all())])
+        rows.append(["fracture energy", *(d.fracture_energy.text("kJ/m²") for d in self._all())])
+        laws = [one.law() for one in self._all()]
+        for name in _LAW[:-1]:
+            unit = "MPa" if name in ("strength", "plateau") else "mm"
+            cells = ["-" if law is None else f"{getattr(law, name):.4g} {unit}" for law in laws]
+            rows.append([f"law: {name}", *cells])
+        width = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = [
+            "  ".join(c.ljust(w) for c, w in zip(r, width, strict=True)).rstrip() for r in rows
+        ]
+        return "\n".join([*table, "", *(f"- {text}" for text in self.sentences())])
+
+    def _all(self) -> list[Direction]:
+        return list(self.directions.values())
+
+    def figures(self) -> dict[str, Any]:
+        """Return all figures as plain values: means, deviations, laws; unknown ones are None."""
+        found: dict[str, Any] = {}
+        for name, one in self.directions.items():
+            law = one.law()
+            spreads = {measure: one.spread(measure) for measure in MEASURES}
+            spreads["fracture_energy"] = one.fracture_energy
+            found[name or "film"] = {
+                "n_specimen": len(one.figures),
+                "gauge_length": one.gauge_length,
+                "specimens": [each.specimen.name for each in one.figures],
+                **{key: _plain(asdict(spread)) for key, spread in spreads.items()},
+                "law": None if law is None else {key: getattr(law, key) for key in _LAW},
+            }
+        return {"offset": self.offset, "directions": found, "sentences": self.sentences()}
+
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write ``tensile.json``, and for each direction ``hardening.csv`` and ``law.toml``.
+
+        Returns
+        -------
+        list of Path
+            Of the files; names end in the direction, as ``hardening_MD.csv``.
+        """
+        out = Path(folder)
+        out.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(self.figures(), indent=2, ensure_ascii=False)
+        written = [_write(out / "tensile.json", text + "\n")]
+        for name, one in self.directions.items():
+            end = f"_{name}" if name else ""
+            strain, stress, scatter, n = one.hardening()
+            if n:
+                rows = [f"# {n} specimens, up to the strength; deviation over the specimens"]
+                rows += ["plastic strain [-],true stress [MPa],deviation [MPa]"]
+                rows += [
+                    f"{x:.6g},{y:.6g},{s:.3g}"
+                    for x, y, s in zip(strain, stress, np.nan_to_num(scatter), strict=True)
+                ]
+                written.append(_write(out / f"hardening{end}.csv", "\n".join(rows) + "\n"))
+            if law := one.law():
+                lines = [f"# fracture energy {law.fracture_energy:.6g} N/mm, from tensile tests"]
+                lines += ["[cohesive]", *(f"{key} = {getattr(law, key):.6g}" for key in _LAW)]
+                written.append(_write(out / f"law{end}.toml", "\n".join(lines) + "\n"))
+        return written
+
+    def plot(self, path: str | os.PathLike[str]) -> Path:
+        """Draw the curves of all specimens, and the proposed laws over the falling parts.
+
+        Raises
+        ------
+        ImportError
+            If Matplotlib is not installed.
+        """
+        from shellcut.view.tensile_picture import FallingCurves, draw_tensile
+
+        curves, falls = {}, {}
+        for name, one in self.directions.items():
+            title = name or "film"
+            curves[title] = [(f.specimen.strain - f.slack, f.specimen.stress) for f in one.figures]
+            law = one.law()
+            if law is not None:
+                length = float(one.gauge_length or 0.0)
+                measured = [(length * f.opening_per_length, f.falling_stress) for f in one.falling]
+                opening = np.linspace(0.0, law.opening_u, 400)
+                stress = np.array([law.traction(x) for x in opening])
+                said = f"G = {law.fracture_energy:.3g} kJ/m², gauge length {length:g} mm"
+                falls[title] = FallingCurves(measured, (opening, stress), said)
+        draw_tensile(path, curves, falls)
+        return Path(path)
+
+
+def tensile(
+    files: Paths | Mapping[str, Paths],
+    *,
+    gauge_length: float | None = None,
+    width: float | None = None,
+    thickness: float | None = None,
+    offset: float = 0.002,
+) -> TensileTest:
+    """Evaluate tensile tests: modulus, yield, strength, hardening curve, a cohesive law.
+
+    Parameters
+    ----------
+    files : path, paths, or mapping from directions to paths
+        Tables of nominal stress and strain, or of force and extension, one specimen or several in
+        each. The unit in a heading says what a column is; a word of it, as in "stress MD [MPa]",
+        may name the direction.
+    gauge_length : float, optional, [mm]
+        Length over which the strain was measured; needed for the law, and for extensions.
+    width, thickness : float, optional, [mm]
+        Of the specimens; needed for forces.
+    offset : float
+        Plastic strain at yield [-].
+
+    Returns
+    -------
+    TensileTest
+
+    Raises
+    ------
+    FileError
+        For files that cannot be read: all of them, with lines.
+    ValueError
+        For dimensions and offsets that are not above 0.
+
+    Examples
+    --------
+    >>> path = Path("film.csv")
+    >>> rows = [(0, 0), (0.05, 1), (0.1, 2), (0.15, 3), (0.2, 4), (0.25, 5), (0.8, 16)]
+    >>> rows += [(20, 20), (40, 24), (42, 8), (46, 0)]
+    >>> text = "strain [%],stress [MPa]" + "".join(f"{chr(10)}{x},{y}" for x, y in rows)
+    >>> _ = path.write_text(text)
+    >>> film = tensile(path, gauge_length=50.0).directions[""]
+    >>> round(film.spread("young").mean), film.spread("strength").mean
+    (2000, 24.0)
+    """
+    piece = SpecimenSize(gauge_length=gauge_length, width=width, thickness=thickness)
+    if not (isfinite(offset) and 0.0 < offset < 1.0):
+        raise ValueError(f"offset must be a strain between 0 and 1, got {offset!r}")
+    groups = files if isinstance(files, Mapping) else {"": files}
+    found: dict[str, Direction] = {}
+    problems: list[str] = []
+    for direction, paths in groups.items():
+        for path in _listed(paths):
+            try:
+                specimens = read_specimens(path, piece, direction)
+            except FileError as problem:
+                problems.append(str(problem))
+                continue
+            for specimen in specimens:
+                into = found.setdefault(
+                    specimen.direction, Direction(specimen.direction, [], gauge_length)
+                )
+                try:
+                    into.figures.append(figures_of(specimen, offset))
+                except ValueError as problem:
+                    problems.append(f"{path}: {specimen.name}: {problem}")
+    if problems:
+        raise ValueError("\n".join(problems))
+    if not found:
+        raise ValueError("there must be at least one file")
+    return TensileTest(found, offset)
+
+
+def _listed(paths: Paths) -> Iterable[str | Path]:
+    if isinstance(paths, str | os.PathLike):
+        return [Path(paths)]
+    return [Path(path) for path in paths]
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in values.items()}
+
+
+def _write(path: Path, text: str) -> Path:
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path

@@ -1,0 +1,266 @@
+"""Figures of one specimen: :func:`figures_of`.
+
+The modulus is the slope of a straight line through the elastic range (ISO 527: strains of 0.05 to
+0.25 % after the slack); the line's zero corrects the strains. Yield is where the curve meets that
+line moved by the offset. After the strength the strain is taken to gather in one place; the rest of
+the gauge length gives back its elastic strain,
+
+    opening / gauge length = (strain - strain of the strength) + (strength - stress) / modulus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+from .specimen import BROKEN, Specimen
+
+ELASTIC = (0.0005, 0.0025)
+"""Strains between which the modulus is measured, after the slack (ISO 527-1)."""
+
+_SLACK = 0.02  # of the strength: until then the specimen is being straightened
+_RISEN = 0.2  # of the strength: slack ends below this
+_BENT = 0.9  # slope of the upper half of the elastic range over that of the lower half
+_FEW = 5  # points of a trustworthy line
+_LOOSE = 0.05  # relative error of the modulus that is worth a word
+_FALLEN = 0.8  # of the strength: a record that ends above shows no fall
+_TORN = 0.3  # of the strength: a break from above is worth a word
+_DRAWN = 0.8  # stress half-way after the strength, over it: the film is drawn, it does not part
+_NOISE = 2.5  # standard deviations
+_MEAN_OF = 4  # points averaged into a row of the hardening curve
+_MOST_ROWS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """What one curve says; NaN where it says nothing."""
+
+    specimen: Specimen
+    young: float
+    """[MPa]"""
+    young_error: float
+    """Standard error of the slope [MPa]."""
+    slack: float
+    """Strain at which the elastic line starts [-]; subtracted from all strains below."""
+    yield_stress: float
+    """Nominal, at the offset [MPa]."""
+    strength: float
+    """Largest nominal stress [MPa]."""
+    strain_at_strength: float
+    strain_at_break: float
+    """[-]; NaN if the record ends before the break."""
+    plastic_strain: Floats
+    """Logarithmic, from yield to strength, first 0; empty if there are too few points."""
+    true_stress: Floats
+    """[MPa], of each plastic strain."""
+    opening_per_length: Floats
+    """Opening over the gauge length [-] from the strength on, from 0; empty without a fall."""
+    falling_stress: Floats
+    """Nominal [MPa], of each opening."""
+    sentences: list[str] = field(default_factory=list)
+    """What to know before the figures are used."""
+
+    @property
+    def energy_per_length(self) -> float:
+        """Area below the falling stress [N/mm over mm]; NaN without a fall."""
+        if not len(self.opening_per_length):
+            return float("nan")
+        return _area(self.opening_per_length, self.falling_stress)
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the stress stays up after the strength, as where a neck spreads."""
+        half = 0.5 * self.opening_per_length[-1:]
+        stress = (
+            np.interp(half, self.opening_per_length, self.falling_stress) if len(half) else half
+        )
+        return bool((stress > _DRAWN * self.strength).any())
+
+
+def figures_of(specimen: Specimen, offset: float = 0.002) -> Figures:
+    """Return the figures of a curve.
+
+    Parameters
+    ----------
+    specimen : Specimen
+    offset : float
+        Plastic strain at which the film yields [-].
+    """
+    said: list[str] = []
+    strain, stress = specimen.strain, specimen.stress
+    peak = _peak(stress)
+    young, error, slack = _elastic_line(strain[: peak + 1], stress[: peak + 1], said)
+    strain = strain - slack
+    strength = float(stress.max())
+    at_yield = _yield(strain, stress, young, offset)
+    if at_yield is None:
+        said.append(f"it parts before a plastic strain of {100 * offset:g} %: no yield stress")
+    plastic, true = _hardening(strain[: peak + 1], stress[: peak + 1], young, at_yield, said)
+    opening, falling = _fall(strain[peak:], stress[peak:], young, specimen.broken, said)
+    if not specimen.broken:
+        said.append(
+            f"the record ends at {stress[-1]:.3g} MPa, {stress[-1] / strength:.0%} of the "
+            "strength, before the break: strain at break unknown"
+        )
+    return Figures(
+        specimen,
+        young=young,
+        young_error=error,
+        slack=slack,
+        yield_stress=np.nan if at_yield is None else at_yield[1],
+        strength=strength,
+        strain_at_strength=float(strain[peak]),
+        strain_at_break=_break(strain, stress) if specimen.broken else np.nan,
+        plastic_strain=plastic,
+        true_stress=true,
+        opening_per_length=opening,
+        falling_stress=falling,
+        sentences=said,
+    )
+
+
+def _peak(stress: Floats) -> int:
+    # The last point that differs from the largest by no more than noise: of a flat top the end,
+    # because there the fall begins. Noise from second differences, which do not see the curve.
+    noise = 1.4826 * float(np.median(np.abs(np.diff(stress, 2)))) / 6.0**0.5
+    return int(np.flatnonzero(stress >= stress.max() - _NOISE * noise)[-1])
+
+
+def _elastic_line(strain: Floats, stress: Floats, said: list[str]) -> tuple[float, float, float]:
+    # slope, its standard error, strain at zero stress
+    strength = stress[-1]
+    risen = int(np.argmax(stress >= _RISEN * strength))
+    below = np.flatnonzero(stress[: risen + 1] < _SLACK * strength)
+    start = float(strain[below[-1]]) if len(below) else float(strain[0])
+    low, high = start + ELASTIC[0], start + ELASTIC[1]
+    inside = (strain >= low) & (strain <= high)
+    while inside.sum() >= 2 * _FEW and _bends(strain[inside], stress[inside]):
+        high = low + 0.5 * (high - low)
+        inside = (strain >= low) & (strain <= high)
+    if high < start + ELASTIC[1]:
+        said.append(
+            f"the curve bends below a strain of {100 * ELASTIC[1]:g} %: modulus from the part up "
+            f"to {100 * (high - start):.2g} %"
+        )
+    n = int(inside.sum())
+    if n < _FEW:
+        first = int(np.searchsorted(strain, start))
+        inside = np.zeros(len(strain), dtype=bool)
+        inside[max(0, min(first, len(strain) - _FEW)) :][:_FEW] = True
+        said.append(
+            f"only {n} points between strains of {100 * ELASTIC[0]:g} and {100 * ELASTIC[1]:g} % "
+            f"({_FEW} are needed): modulus from the first {int(inside.sum())} points, up to "
+            f"{100 * float(strain[inside][-1] - start):.2g} %; it may be too low"
+        )
+    slope, level, error = _line(strain[inside], stress[inside])
+    if not slope > 0.0:
+        raise ValueError(
+            "the stress must rise with the strain in the elastic range, got a modulus of "
+            f"{slope:.3g} MPa; does the record start before the test?"
+        )
+    if error > _LOOSE * slope:
+        said.append(f"the modulus is uncertain by {error / slope:.0%}: noise, or too few points")
+    return slope, error, -level / slope
+
+
+def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
+    # slope, value at 0, standard error of the slope
+    middle = x.mean()
+    spread = float(((x - middle) ** 2).sum())
+    slope = float(((x - middle) @ y) / spread)
+    level = float(y.mean() - slope * middle)
+    rest = y - level - slope * x
+    error = float(np.sqrt((rest @ rest) / max(len(x) - 2, 1) / spread))
+    return slope, level, error
+
+
+def _bends(strain: Floats, stress: Floats) -> bool:
+    half = len(strain) // 2
+    lower, _, lower_error = _line(strain[:half], stress[:half])
+    upper, _, upper_error = _line(strain[half:], stress[half:])
+    return upper < _BENT * lower and lower - upper > 3.0 * float(np.hypot(lower_error, upper_error))
+
+
+def _yield(
+    strain: Floats, stress: Floats, young: float, offset: float
+) -> tuple[float, float] | None:
+    # strain and stress where the curve comes below the moved line for two points or for good
+    above = stress - young * (strain - offset)
+    under = (above <= 0.0) & (strain > offset)
+    under &= np.append(under[1:], True)
+    if not under.any():
+        return None
+    k = int(np.argmax(under))
+    if k == 0:
+        return float(strain[0]), float(stress[0])
+    share = above[k - 1] / (above[k - 1] - above[k])
+    return tuple(float(c[k - 1] + share * (c[k] - c[k - 1])) for c in (strain, stress))  # type: ignore[return-value]
+
+
+def _hardening(
+    strain: Floats,
+    stress: Floats,
+    young: float,
+    at_yield: tuple[float, float] | None,
+    said: list[str],
+) -> tuple[Floats, Floats]:
+    # true stress over logarithmic plastic strain up to the strength, where necking may begin
+    nothing = np.zeros(0)
+    if at_yield is None:
+        return nothing, nothing
+    beyond = strain >= at_yield[0]
+    true = stress[beyond] * (1.0 + strain[beyond])
+    plastic = np.log1p(strain[beyond]) - true / young
+    n_row = min(_MOST_ROWS, len(true) // _MEAN_OF)
+    if n_row < 2:
+        said.append(
+            f"only {len(true)} points between yield and strength ({2 * _MEAN_OF} are needed): no "
+            "hardening curve"
+        )
+        return nothing, nothing
+    rows = np.array_split(np.arange(len(true)), n_row)
+    x = np.array([plastic[row].mean() for row in rows])
+    y = np.array([true[row].mean() for row in rows])
+    # the first row is that of no plastic strain, by the line through the first quarter
+    quarter = slice(0, max(len(true) // 4, _MEAN_OF))
+    slope, level, _ = _line(plastic[quarter], true[quarter])
+    x, y = np.append(0.0, x), np.append(min(level, y[0]) if slope > 0.0 else y[0], y)
+    kept = np.append(True, np.diff(np.maximum.accumulate(x)) > 0.0)
+    return x[kept], np.maximum.accumulate(y[kept])
+
+
+def _fall(
+    strain: Floats, stress: Floats, young: float, broken: bool, said: list[str]
+) -> tuple[Floats, Floats]:
+    nothing = np.zeros(0)
+    strength, last = float(stress[0]), float(stress[-1])
+    if len(stress) < 3 or (last > _FALLEN * strength and not broken):
+        bound = f", at most {strength**2 / 2.0 / young:.3g} N/mm² times the gauge length" * broken
+        said.append(
+            "no fall after the strength is recorded: this test says nothing about the fracture "
+            f"energy{bound}"
+        )
+        return nothing, nothing
+    opening = (strain - strain[0]) + (strength - stress) / young
+    if broken:  # the last part is too fast for the machine: the film is let go
+        opening = np.append(opening, strain[-1] - strain[0] + strength / young)
+        stress = np.append(stress, 0.0)
+        if last > _TORN * strength:
+            said.append(
+                f"it broke at once from {last / strength:.0%} of the strength: what the rest of "
+                "the gauge length gave back then is counted as fracture energy, an upper bound"
+            )
+    # noise may make a rise of the stress faster than the strain
+    return np.maximum.accumulate(opening), stress
+
+
+def _break(strain: Floats, stress: Floats) -> float:
+    held = np.flatnonzero(stress >= BROKEN * stress.max())
+    return float(strain[held[-1]])
+
+
+def _area(x: Floats, y: Floats) -> float:
+    return float((0.5 * (y[1:] + y[:-1]) * np.diff(x)).sum())

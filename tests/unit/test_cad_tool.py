@@ -1,0 +1,353 @@
+"""Tools from STEP and IGES, written by Gmsh's OpenCASCADE here and by CadQuery in data."""
+
+from contextlib import contextmanager
+from math import pi, radians, tan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shellcut import guillotine, read_tool
+from shellcut.command_line import main
+from shellcut.formats import cad_surface
+from shellcut.formats.errors import FileError
+from shellcut.tool.shapes import straight_blade
+from shellcut.tool.tool import ToolError
+from test_mesh_files_damaged import mutated
+
+DATA = Path(__file__).parent / "data"
+# Of data/two_teeth_inch, as CadQuery prints them in make_cad_files.py.
+TEETH_VOLUME, TEETH_AREA = 27.24247719318988, 83.40479060760168
+
+pytest.importorskip("gmsh", exc_type=ImportError)
+
+
+@contextmanager
+def kernel():
+    """An empty model of Gmsh's OpenCASCADE."""
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("cad")
+        yield gmsh
+    finally:
+        gmsh.finalize()
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Write shapes, made by a function that takes Gmsh's kernel, under a name."""
+    folder = tmp_path_factory.mktemp("cad")
+
+    def write(name, shape):
+        path = folder / name
+        with kernel() as gmsh:
+            shape(gmsh.model.occ)
+            gmsh.model.occ.synchronize()
+            gmsh.write(str(path))
+        return path
+
+    return write
+
+
+def prism(occ, points, height, z=0.0):
+    corners = [occ.addPoint(x, y, z) for x, y in points]
+    sides = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(sides)])
+    return [part for part in occ.extrude([(2, face)], 0.0, 0.0, height) if part[0] == 3]
+
+
+def wedge(occ, length=6.0, height=6.0):
+    """The package's straight blade as a solid."""
+    back = 0.3 / tan(radians(10.0))
+    profile = [(0, 0), (-back, -0.3), (-length, -0.3), (-length, 0.3), (-back, 0.3)]
+    return prism(occ, profile, height, z=-0.5 * height)
+
+
+def ring(occ):
+    """Four teeth around the z axis."""
+    for k in range(4):
+        tooth = wedge(occ)
+        occ.translate(tooth, 0.0, 10.0, 0.0)
+        occ.rotate(tooth, 0, 0, 0, 0, 0, 1, 0.5 * pi * k)
+
+
+def area(tool):
+    a, b, c = (tool.vertices[tool.triangles[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+
+
+@pytest.mark.parametrize("name", ["cylinder.step", "cylinder.igs"])
+def test_volume_and_area_converge_with_the_chord_deviation(written, name):
+    path = written(name, lambda occ: occ.addCylinder(0, 0, 0, 0, 0, 10.0, 5.0))
+    missing = []
+    for chord in (0.05, 1e-3):
+        tool = read_tool(path, chord_deviation=chord, sharp_angle_deg=80.0)
+        assert tool.n_body == 1
+        # closed edges; the seam of the cylinder is none
+        assert [chain.closed for chain in tool.chains()] == [True, True]
+        assert tool.chains()[0].length == pytest.approx(10.0 * pi, rel=chord)
+        missing.append(1.0 - tool.volume().sum() / (250.0 * pi))
+        # chords cut off two thirds of their height, at most the deviation: 4 d / 3 r
+        assert 0.0 < missing[-1] < 4.0 * chord / 15.0
+        assert 0.0 < 1.0 - area(tool) / (150.0 * pi) < 4.0 * chord / 15.0
+        radius = np.hypot(*tool.vertices[:, :2].T)
+        np.testing.assert_allclose(radius, 5.0, atol=1e-5)  # sewn within a tenth of the deviation
+    assert missing[0] > 20.0 * missing[1]
+
+
+@pytest.mark.parametrize("suffix", [".stp", ".iges"])
+def test_wedges_are_bodies_with_their_edges(written, suffix, caplog):
+    tool = read_tool(written(f"ring{suffix}", ring))
+    assert tool.n_body == 4
+    assert [chain.length for chain in tool.chains()] == pytest.approx([6.0] * 4, rel=1e-9)
+    for chain in tool.chains():
+        assert chain.turn_deg == pytest.approx((160.0, 160.0))
+    assert tool.volume() == pytest.approx(straight_blade(length=6.0).volume().repeat(4), rel=1e-9)
+    assert "the file states the unit mm: the tool is 2" in caplog.text
+    assert "4 cutting edges found by angle, 24 mm in all, of 4 bodies" in caplog.text
+
+
+def test_a_box_has_square_edges_only(written):
+    path = written("box.step", lambda occ: occ.addBox(0, 0, 0, 3, 4, 5))
+    with pytest.raises(ToolError, match="none turns by sharp_angle_deg = 100"):
+        read_tool(path)
+    box = read_tool(path, sharp_angle_deg=89.0)
+    assert (box.n_triangle, box.n_edge, box.n_chain) == (12, 12, 12)
+    assert box.volume().sum() == pytest.approx(60.0, rel=1e-12)
+
+
+class TestUnits:
+    @pytest.mark.parametrize("name", ["two_teeth_inch.step", "two_teeth_inch.iges"])
+    def test_inches_of_another_program(self, name, caplog):
+        tool = read_tool(DATA / name, chord_deviation=2e-4)
+        assert tool.n_body == 2
+        assert tool.volume().sum() == pytest.approx(TEETH_VOLUME, rel=3e-4)  # 4 d / 3 r
+        assert area(tool) == pytest.approx(TEETH_AREA, rel=3e-4)
+        assert [chain.length for chain in tool.chains()] == pytest.approx([4.0, 4.0], rel=1e-6)
+        assert "states the unit inch, converted to mm: the tool is 11.8 mm across" in caplog.text
+
+    def test_metres(self, written, caplog):
+        path = written("metres.step", lambda occ: occ.addBox(0, 0, 0, 0.003, 0.004, 0.005))
+        text = path.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
+        path.write_text(text)
+        assert read_tool(path, sharp_angle_deg=80.0).volume().sum() == pytest.approx(60.0)
+        assert "states the unit m, converted to mm: the tool is 5 mm across" in caplog.text
+
+    def test_a_given_unit_goes_before(self, caplog):
+        tool = read_tool(DATA / "two_teeth_inch.step", unit="mm", chord_deviation=1e-3)
+        assert "at most 0.001 mm off a curved face" in caplog.text
+        assert tool.n_triangle < 200  # of 0.46 mm: as coarse as 0.0254 mm on 11.8 mm
+        assert tool.volume().sum() == pytest.approx(TEETH_VOLUME / 25.4**3, rel=0.02)
+        assert "the file states the unit inch, but is read in mm as given" in caplog.text
+
+    def test_an_unlikely_size_is_a_wrong_unit(self, written):
+        path = written("wide.step", lambda occ: occ.addBox(0, 0, 0, 2540, 10, 10))
+        with pytest.raises(FileError, match=r"0\.1 to 2000 mm across, got 2540 mm.* give unit="):
+            read_tool(path, sharp_angle_deg=80.0)
+        assert read_tool(path, sharp_angle_deg=80.0, unit="mm").n_body == 1
+
+    def test_several_units_become_mm(self, monkeypatch, caplog):
+        monkeypatch.setattr(cad_surface, "stated_unit", lambda path, content: [1.0, 25.4])
+        assert read_tool(DATA / "two_teeth_inch.step").volume().sum() == pytest.approx(
+            27.2, rel=0.01
+        )
+        assert "units of 1 and 25.4 mm: all lengths are converted to mm" in caplog.text
+
+
+def test_the_same_cut_as_from_stl(written, tmp_path):
+    """One blade by two ways: faces are cut into other triangles, their places are the same.
+
+    The cut is symmetric: from 0.95 mm on the flaps buckle, to the side that round-off chooses.
+    """
+    stl = tmp_path / "blade.stl"
+    straight_blade(length=6.0).write(stl)
+    forces = []
+    for path in (stl, written("blade.step", wedge)):
+        tool = read_tool(path, unit="mm")
+        simulation = guillotine(
+            1.0, length=6.0, width=4.0, notch=1.0, travel=1.5, tool=tool
+        ).simulation
+        curve = []
+        while simulation.pose.translation[0] < 0.9:
+            for _ in range(10):
+                simulation.step()
+            curve.append(simulation.contact.forces.wrench[:, 0].sum())
+        forces.append(np.array(curve))
+    from_stl, from_step = forces
+    assert len(from_stl) > 20
+    assert np.abs(from_stl).max() > 0.5
+    # STL rounds places to 3e-7 mm: measured 3e-5 of the largest force
+    assert np.abs(from_step - from_stl).max() < 2e-4 * np.abs(from_stl).max()
+
+
+def test_the_force_of_a_round_blade_follows_the_chord_deviation(written):
+    """Flanks are arcs: measured over 4 to 7 mm 6.612, 6.603, 6.594 N at 20, 5, 1 um."""
+
+    def blade(occ):
+        radius = (2.0**2 + 0.3**2) / 0.6
+        edge, a, b, c, d = (
+            occ.addPoint(x, y, -3.0)
+            for x, y in ((0, 0), (-2, 0.3), (-14, 0.3), (-14, -0.3), (-2, -0.3))
+        )
+        right, left = (occ.addPoint(-2, y, -3.0) for y in (0.3 - radius, radius - 0.3))
+        around = [occ.addCircleArc(edge, right, a), occ.addLine(a, b), occ.addLine(b, c)]
+        around += [occ.addLine(c, d), occ.addCircleArc(d, left, edge)]
+        occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(around)]))], 0.0, 0.0, 6.0)
+
+    path = written("round.step", blade)
+    means = []
+    for chord in (0.02, 0.001):
+        tool = read_tool(path, chord_deviation=chord)
+        case = guillotine(0.5, length=12.0, width=6.0, notch=2.0, travel=7.0, tool=tool)
+        curve = []
+        while case.simulation.state.time < case.duration:
+            for _ in range(20):
+                case.simulation.step()
+            if case.simulation.pose.translation[0] > 4.0:
+                curve.append(-case.simulation.tooth_wrenches[:, 0].sum())
+        means.append(np.mean(curve))
+    # The flank moves by up to 0.02 of the 0.3 mm half thickness.
+    assert means[0] == pytest.approx(means[1], rel=0.01)
+    assert means[1] == pytest.approx(6.594, rel=0.01)  # regression
+
+
+def test_from_a_model_file_and_the_command_line(written, tmp_path, caplog):
+    blade = written("from_model.step", wedge)
+    (tmp_path / "cut.toml").write_text(
+        'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0\nnotch = 1.0\n'
+        f'[motion]\ntravel = 1.5\n[tool]\nfile = "{blade}"\nchord_deviation = "5 um"\n'
+    )
+    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    model, picture = str(tmp_path / "cut.toml"), tmp_path / "cap.png"
+    assert main(["preview", model, "--set", "chord_deviation=2e-3", "-o", str(picture)]) == 0
+    assert "from_model.step: 1 cutting edges found by angle, 6 mm in all" in caplog.text
+    assert "at most 0.002 mm off a curved face" in caplog.text
+    assert picture.exists()
+
+
+class TestRefusals:
+    def test_a_cavity(self, written):
+        def hollow(occ):
+            occ.cut([(3, occ.addBox(0, 0, 0, 5, 5, 5))], [(3, occ.addSphere(2.5, 2.5, 2.5, 1))])
+
+        with pytest.raises(FileError, match="solid 1 has a cavity: fill it"):
+            read_tool(written("hollow.step", hollow))
+
+    @pytest.mark.parametrize("x", [1.0, 0.5, 0.2])
+    def test_solids_that_touch(self, written, x):
+        def touching(occ):
+            occ.addBox(0, 0, 0, 1, 1, 1)
+            occ.addBox(x, 0.2, 0.2, 0.4, 0.4, 0.4)
+            occ.addBox(5, 0, 0, 1, 1, 1)
+
+        with pytest.raises(FileError, match="step: solids 1 and 2 touch or overlap: unite them"):
+            read_tool(written(f"{x}.step", touching))
+
+    @pytest.mark.parametrize("suffix", [".step", ".iges"])
+    def test_a_hole(self, written, suffix):
+        def opened(occ):
+            occ.addBox(0, 0, 0, 3, 4, 5)
+            occ.remove([(3, 1)])
+            occ.remove([(2, 6)])
+
+        with pytest.raises(
+            ToolError, match=r"open edges: the surface has a hole around \(1.5, 2, 5\)"
+        ):
+            read_tool(written(f"open{suffix}", opened), sharp_angle_deg=80.0)
+
+    def test_a_sketch(self, written):
+        path = written("sketch.step", lambda occ: occ.addCircle(0, 0, 0, 3))
+        with pytest.raises(FileError, match="there must be surfaces, got none"):
+            read_tool(path)
+
+    @pytest.mark.parametrize(
+        ("name", "content", "words"),
+        [
+            ("a.step", b"", "the file is empty"),
+            ("a.step", b"solid cap\nendsolid", "must begin with ISO-10303-21"),
+            ("a.iges", b"solid cap\nendsolid", "an S in column 73"),
+            ("a.step", b"ISO-10303-21;\nHEADER;\nENDSEC;\n", "Gmsh cannot read it"),
+        ],
+    )
+    def test_what_is_no_cad_file(self, tmp_path, name, content, words):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(FileError, match=words):
+            read_tool(tmp_path / name)
+
+    def test_a_huge_file(self, tmp_path):
+        path = tmp_path / "car.step"
+        with path.open("wb") as file:
+            file.truncate(cad_surface.LARGEST_FILE + 1)
+        with pytest.raises(FileError, match="must hold 200 MB at most, got 200 MB"):
+            read_tool(path)
+
+    @pytest.mark.parametrize(
+        ("chord", "words"),
+        [
+            (-1.0, "must be a finite length above 0"),
+            (float("nan"), "must be a finite length above 0"),
+            (1e-7, r"must be 0\.00013 to 1\.3 mm for a tool with a diagonal of 12\.56"),
+            (50.0, r"must be 0\.00013 to 1\.3 mm"),
+        ],
+    )
+    def test_deviations(self, chord, words):
+        with pytest.raises(ValueError, match=words):
+            read_tool(DATA / "two_teeth_inch.step", chord_deviation=chord)
+
+    @pytest.mark.parametrize("unit", ["feet", -1.0])
+    def test_units(self, unit):
+        with pytest.raises(FileError, match="unit must be"):
+            read_tool(DATA / "two_teeth_inch.step", unit=unit)
+
+    def test_a_deviation_of_triangles(self, tmp_path):
+        straight_blade().write(tmp_path / "a.stl")
+        with pytest.raises(FileError, match="chord_deviation is of STEP and IGES"):
+            read_tool(tmp_path / "a.stl", unit="mm", chord_deviation=0.1)
+
+    @pytest.mark.parametrize(
+        ("script", "error", "words"),
+        [
+            ("import os; os.abort()", FileError, r"Gmsh broke down on it \(code -6\)"),
+            ("raise OSError('libGLU.so.1')", ImportError, "cannot be loaded: OSError: libGLU"),
+            ("raise ValueError('odd')", FileError, "cannot read it: ValueError: odd"),
+            ("import time; time.sleep(60)", FileError, "did not finish within 0.5 s"),
+        ],
+    )
+    def test_a_kernel_that_breaks_down(self, tmp_path, monkeypatch, script, error, words):
+        # OpenCASCADE ends the process, or never ends, on one damaged file in ten
+        (tmp_path / "process.py").write_text(script)
+        monkeypatch.setattr(cad_surface.cad_process, "__file__", str(tmp_path / "process.py"))
+        if "sleep" in script:
+            monkeypatch.setattr(cad_surface, "_LONGEST", 0.5)
+        with pytest.raises(error, match=words):
+            read_tool(DATA / "two_teeth_inch.step")
+
+
+def test_a_solid_that_is_lost_is_told(tmp_path, caplog):
+    content = (DATA / "two_teeth_inch.step").read_bytes()
+    first = content.index(b"CLOSED_SHELL(")
+    path = tmp_path / "lost.step"
+    path.write_bytes(content[:first] + b"CLOSED_SHELX(" + content[first + 13 :])
+    assert read_tool(path).n_body == 1
+    assert "2 solids are in the file, 1 could be read: is it damaged?" in caplog.text
+
+
+def test_damaged_files_are_refused_or_whole(tmp_path, caplog):
+    rng = np.random.default_rng(3)
+    content = (DATA / "two_teeth_inch.step").read_bytes()
+    path = tmp_path / "damaged.step"
+    n_refused = 0
+    for k in range(4):
+        cut = content[: int(rng.integers(len(content)))]
+        path.write_bytes(mutated(rng, content) if k % 2 else cut)
+        caplog.clear()
+        try:
+            tool = read_tool(path)
+        except ValueError:
+            n_refused += 1
+            continue
+        assert tool.n_body == 2 or "could be read: is it damaged?" in caplog.text
+    assert n_refused >= 2

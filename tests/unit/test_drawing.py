@@ -1,0 +1,352 @@
+"""Outlines from DXF, written by ezdxf, and from SVG, as Inkscape and Matplotlib write it."""
+
+import shutil
+import sys
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shellcut import mesh_from_drawing, read_drawing, read_model
+from shellcut.formats import drawing, dxf, svg
+from shellcut.formats.errors import FileError
+from test_mesh_files_damaged import mutated
+
+ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
+pytest.importorskip("svgpathtools", reason="needs shellcut[outline]")
+
+PLATE = Path(__file__).parent / "data" / "inkscape_plate.svg"
+CUT = {"layer": "cut"}
+# A plate of 20 x 12 mm with a round end, a round and an elliptic hole.
+AREA = 20 * 12 + 18 * pi - 4 * pi - 3 * 1.5 * pi
+# The plate of Inkscape: rounded corners, circles of 4 and 2 mm, a slot whose end is a cubic over
+# three fifths of the rectangle of its control points.
+SLOT = 4 * 3 + 0.6 * 4 * 2.209
+PLATE_AREA = 40 * 24 - (4 - pi) * 9 - 20 * pi - SLOT
+
+
+def plate(units=4, scale=1.0):
+    """The document, with a dimension line on a layer of its own."""
+    document = ezdxf.new(units=units)
+    for name in ("cut", "dim"):
+        document.layers.add(name)
+    space = document.modelspace()
+    for start, end in (((20, 12), (0, 12)), ((0, 0), (0, 12)), ((0, 0), (20, 0))):
+        space.add_line(np.multiply(scale, start), np.multiply(scale, end), dxfattribs=CUT)
+    space.add_arc((20 * scale, 6 * scale), 6 * scale, -90, 90, dxfattribs=CUT)
+    space.add_circle((6 * scale, 6 * scale), 2 * scale, dxfattribs=CUT)
+    space.add_ellipse((14 * scale, 6 * scale), (3 * scale, 0), 0.5, dxfattribs=CUT)
+    space.add_text("plate", dxfattribs={"layer": "dim"})
+    space.add_line((-5 * scale, 0), (-5 * scale, 12 * scale), dxfattribs={"layer": "dim"})
+    return document
+
+
+def saved(path, document):
+    document.saveas(path)
+    return path
+
+
+class TestDxf:
+    def test_lines_arcs_and_ellipses_make_an_outline_with_holes(self, tmp_path, caplog):
+        found = read_drawing(saved(tmp_path / "plate.dxf", plate()), layers=["CUT"])
+        assert len(found.holes) == 2
+        assert found.area == pytest.approx(AREA, rel=1e-3)
+        np.testing.assert_allclose(found.outline.min(axis=0), [0, 0], atol=1e-12)
+        np.testing.assert_allclose(found.outline.max(axis=0), [26, 12], atol=1e-12)
+        assert "left out: 2 entities on layer 'dim'" in caplog.text
+        assert "the file states the unit mm: the drawing is 26 mm across" in caplog.text
+
+    def test_the_area_converges_with_the_chord_deviation(self, tmp_path):
+        path = saved(tmp_path / "plate.dxf", plate())
+        misses = []
+        for chord in (1e-2, 1e-3, 1e-4):
+            found = read_drawing(path, layers="cut", chord_deviation=chord)
+            misses.append(abs(found.area - AREA))
+            assert misses[-1] < chord * 60.0  # along the curves: 6 pi + 4 pi + 15 mm
+            radius = np.hypot(*(found.holes[0] - [6, 6]).T)
+            np.testing.assert_allclose(radius, 2.0, rtol=3e-4)  # ezdxf: cubics for arcs
+        assert misses[0] > misses[1] > misses[2]
+
+    @pytest.mark.parametrize(("units", "mm"), [(1, 25.4), (5, 10.0), (6, 1000.0), (13, 1e-3)])
+    def test_units(self, tmp_path, units, mm, caplog):
+        path = saved(tmp_path / "plate.dxf", plate(units, 1.0 / mm))
+        found = read_drawing(path, layers=["cut"])
+        assert found.area == pytest.approx(AREA, rel=1e-3)
+        assert "converted to mm: the drawing is 26 mm across" in caplog.text
+
+    def test_no_unit_is_guessed_or_must_be_given(self, tmp_path, caplog):
+        path = saved(tmp_path / "plate.dxf", plate(0))
+        assert read_drawing(path, layers=["cut"]).area == pytest.approx(AREA, rel=1e-3)
+        assert "no unit given: taken as mm" in caplog.text
+        path = saved(tmp_path / "small.dxf", plate(0, 1 / 25.4))
+        with pytest.raises(FileError, match="unit must be given, because the drawing is 1"):
+            read_drawing(path, layers=["cut"])
+        assert read_drawing(path, layers=["cut"], unit="inch").area == pytest.approx(AREA, rel=1e-3)
+
+    def test_polylines_with_bulges_splines_and_blocks(self, tmp_path):
+        document = ezdxf.new(units=4)
+        space = document.modelspace()
+        # two straight sides and two half circles
+        stadium = [(0, 0, 0), (10, 0, 1), (10, 6, 0), (0, 6, 1)]
+        space.add_lwpolyline(stadium, format="xyb", close=True)
+        hole = document.blocks.new("hole")
+        hole.add_circle((0, 0), 1)
+        space.add_blockref("hole", (2, 3))
+        space.add_blockref("hole", (8, 3), dxfattribs={"xscale": 0.5, "yscale": 0.5})
+        space.add_spline(degree=3).set_closed([(4, 2, 0), (6, 2, 0), (6, 4, 0), (4, 4, 0)])
+        found = read_drawing(saved(tmp_path / "a.dxf", document), chord_deviation=1e-4)
+        assert len(found.holes) == 3
+        large, small, spline = (hole_area(hole) for hole in found.holes)
+        assert (large, small) == pytest.approx((pi, pi / 4), rel=1e-3)
+        # the periodic cubic through the thirds of a square of 2 mm, by Gauss integration
+        corners = np.array([[4, 2], [6, 2], [6, 4], [4, 4]] * 2)
+        assert spline == pytest.approx(periodic_area(corners), abs=6e-4)  # 6 mm of chords
+        assert found.area == pytest.approx(60 + 9 * pi - large - small - spline, rel=1e-4)
+
+
+def periodic_area(corners):
+    """Area within a uniform cubic B-spline over the corners of a square, given twice."""
+    basis = np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]]) / 6.0
+    at, weight = np.polynomial.legendre.leggauss(4)
+    t, area = 0.5 * (at + 1.0), 0.0
+    for k in range(4):
+        x, y = corners[k : k + 4].T @ basis
+        dx, dy = x[1:] * [1, 2, 3], y[1:] * [1, 2, 3]
+        values = [np.polynomial.polynomial.polyval(t, c) for c in (x, y, dx, dy)]
+        area += 0.25 * weight @ (values[0] * values[3] - values[1] * values[2])
+    return area
+
+
+def hole_area(points):
+    x, y = points.T
+    return 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+class TestSvg:
+    def test_inkscape_with_layers_transforms_and_uses(self, caplog):
+        found = read_drawing(PLATE, layers=["film"], chord_deviation=1e-4)
+        assert len(found.holes) == 3
+        circle, clone, slot = found.holes
+        assert hole_area(circle) == pytest.approx(16 * pi, rel=1e-4)
+        assert hole_area(clone) == pytest.approx(4 * pi, rel=1e-4)
+        assert hole_area(slot) == pytest.approx(SLOT, rel=1e-3)
+        assert found.area == pytest.approx(PLATE_AREA, rel=1e-4)
+        # y goes up from the lower edge of the page: the first corner of the circle's box
+        turn = np.array([[np.cos(pi / 12), -np.sin(pi / 12)], [np.sin(pi / 12), np.cos(pi / 12)]])
+        x, y = turn @ [15, 17] + [10, 20]
+        np.testing.assert_allclose(circle.mean(axis=0), [x, 297 - y], atol=1e-6)
+        clone_at = turn @ [30, 17] + [10, 20]
+        np.testing.assert_allclose(clone.mean(axis=0), [clone_at[0], 297 - clone_at[1]], atol=1e-6)
+        assert "left out: 1 hidden, 1 text" in caplog.text
+        assert "the file states the unit mm" in caplog.text
+
+    def test_a_layer_by_the_id_of_a_group_or_a_path(self):
+        slot = read_drawing(PLATE, layers=["slot"], chord_deviation=1e-4)
+        assert slot.area == pytest.approx(SLOT, rel=1e-3)
+
+    def test_an_open_line_on_another_layer_is_named(self):
+        with pytest.raises(FileError, match=r"an end of path 'path6' at \(5, 292\) meets no other"):
+            read_drawing(PLATE)
+
+    def test_layers_that_are_not_there(self, tmp_path):
+        with pytest.raises(FileError, match="no layers fim; there are film, g1, notes, old"):
+            read_drawing(PLATE, layers=["fim"])
+        path = saved(tmp_path / "plate.dxf", plate())
+        with pytest.raises(FileError, match="nothing on the layers fim; layers in use: cut, dim"):
+            read_drawing(path, layers=["fim"])
+
+    def test_matplotlib(self, tmp_path):
+        """Points, clipping paths, styles: 72 points are an inch."""
+        pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+        from matplotlib.figure import Figure
+        from matplotlib.patches import Circle, Rectangle
+
+        figure = Figure(figsize=(2.0, 1.0))
+        FigureCanvasSVG(figure)
+        axes = figure.add_axes((0, 0, 1, 1))
+        axes.set_xlim(0, 50.8)
+        axes.set_ylim(0, 25.4)
+        axes.axis("off")
+        axes.add_patch(Rectangle((5, 5), 40, 15, gid="film"))
+        axes.add_patch(Circle((20, 12), 3, gid="hole"))
+        figure.savefig(tmp_path / "page.svg")
+        found = read_drawing(tmp_path / "page.svg", layers=["film", "hole"])
+        assert found.area == pytest.approx(600 - 9 * pi, rel=1e-3)
+        np.testing.assert_allclose(found.outline.min(axis=0), [5, 5], atol=1e-4)
+
+    @pytest.mark.parametrize(
+        ("head", "words"),
+        [
+            ('width="100" height="100"', "the unit must be given: the page is in px, 1/96 inch"),
+            ('width="100px" height="100px" viewBox="0 0 9 9"', "the unit must be given"),
+            ('viewBox="0 0 9 9"', "the unit must be given"),
+            ('width="9mm" height="9mm"', "the unit must be given"),
+            ('width="9mm" height="18mm" viewBox="0 0 9 9"', "must scale the viewBox alike"),
+            ('width="9 mils a" height="18mm"', "width and height must be lengths, got '9 mils a'"),
+        ],
+    )
+    def test_pages_without_a_unit(self, tmp_path, head, words):
+        path = tmp_path / "a.svg"
+        body = '<rect x="1" y="1" width="5" height="4"/>'
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>')
+        with pytest.raises(FileError, match=words):
+            read_drawing(path)
+        if "unit" in words:
+            assert read_drawing(path, unit=25.4 / 96).area == pytest.approx(20 * (25.4 / 96) ** 2)
+
+    def test_another_unit_of_the_page(self, tmp_path):
+        path = tmp_path / "a.svg"
+        head = 'width="2cm" height="1cm" viewBox="0 0 200 100"'
+        body = '<polygon points="10,10 190,10 190,90 10,90"/><line x1="0" x2="0"/>'
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{body}</svg>')
+        assert read_drawing(path).area == pytest.approx(18 * 8, rel=1e-12)
+
+
+class TestLoops:
+    def opened(self, tmp_path, gap):
+        document = ezdxf.new(units=4)
+        space = document.modelspace()
+        for line in (((0, 0), (10, 0)), ((10, gap), (10, 8)), ((10, 8), (0, 8)), ((0, 8), (0, 0))):
+            space.add_line(*line)
+        return saved(tmp_path / "open.dxf", document)
+
+    def test_a_gap_is_named_and_closed_on_demand(self, tmp_path):
+        path = self.opened(tmp_path, 0.02)
+        with pytest.raises(FileError) as caught:
+            read_drawing(path)
+        assert "LINE on layer '0' at (10, 0) meets no other, 0.02 mm from the end" in str(
+            caught.value
+        )
+        assert "at (10, 0.02) of LINE on layer '0'" in str(caught.value)
+        assert "join=... (mm) closes gaps" in str(caught.value)
+        assert read_drawing(path, join=0.05).area == pytest.approx(80.0, rel=0.01)
+
+    def test_round_off_is_no_gap(self, tmp_path):
+        assert read_drawing(self.opened(tmp_path, 5e-6)).area == pytest.approx(80.0, rel=1e-6)
+
+    def test_lines_that_branch_or_are_drawn_twice(self, tmp_path):
+        document = ezdxf.readfile(self.opened(tmp_path, 0.0))
+        document.modelspace().add_line((10, 8), (0, 8))
+        with pytest.raises(FileError, match=r"3 ends meet at \(10, 8\) .* drawn twice"):
+            read_drawing(saved(tmp_path / "twice.dxf", document))
+
+    def test_two_films(self, tmp_path):
+        document = ezdxf.new(units=4)
+        for x in (0, 20):
+            document.modelspace().add_circle((x, 0), 5 + x / 20)
+        with pytest.raises(FileError, match=r"largest, of 113.* of 78.* around .* lies out"):
+            read_drawing(saved(tmp_path / "two.dxf", document))
+
+    def test_a_drawing_in_space(self, tmp_path):
+        document = plate()
+        document.modelspace().add_line((0, 0, 0), (1, 1, 3))
+        with pytest.raises(FileError, match="must be flat, got heights z of 0 to 3"):
+            read_drawing(saved(tmp_path / "space.dxf", document))
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        ("name", "content", "words"),
+        [
+            ("a.dwg", b"AC1027", r"must end in one of \.dxf, \.svg"),
+            ("a.dxf", b"", "the file is empty"),
+            ("a.dxf", b"AC1027" + bytes(50), "this is a DWG file under another name"),
+            ("a.dxf", b"  0\nSECTION\n  2\nENTIT", "ezdxf cannot read it"),
+            ("a.svg", b"<svg", "it is no XML"),
+            ("a.svg", b"<html/>", "must begin with <svg>, got <html>"),
+            ("a.svg", b'<svg xmlns="http://www.w3.org/2000/svg"/>', "must be curves, got none"),
+            (
+                "a.svg",
+                b'<svg xmlns="http://www.w3.org/2000/svg"><rect id="r" width="3mm" height="2"/>'
+                b"</svg>",
+                "rect 'r' is no curve: .*3mm.* lengths must be numbers without a unit",
+            ),
+            (
+                "a.svg",
+                b'<svg xmlns="http://www.w3.org/2000/svg"><g transform="turn(3)"/></svg>',
+                "g: Unknown SVG transform type: turn",
+            ),
+        ],
+    )
+    def test_what_is_no_drawing(self, tmp_path, name, content, words):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(FileError, match=words):
+            read_drawing(tmp_path / name)
+
+    @pytest.mark.parametrize("name", ["chord_deviation", "join"])
+    def test_lengths(self, name):
+        with pytest.raises(ValueError, match=f"{name} must be a finite length .* got -1"):
+            read_drawing(PLATE, **{name: -1})
+
+    def test_too_many_points(self, tmp_path, monkeypatch):
+        path = saved(tmp_path / "plate.dxf", plate())
+        for module in (dxf, svg):
+            monkeypatch.setattr(module, "MOST_POINTS", 20)
+        for one, layer in ((path, "cut"), (PLATE, "film")):
+            with pytest.raises(FileError, match="must have 20 points at most: enlarge"):
+                read_drawing(one, layers=[layer])
+
+    def test_a_huge_file(self, tmp_path, monkeypatch):
+        path = saved(tmp_path / "plate.dxf", plate())
+        for module in (dxf, svg):
+            monkeypatch.setattr(module, "LARGEST_FILE", 1000)
+        for one in (path, PLATE):
+            with pytest.raises(FileError, match=r"a drawing must hold 0\.001 MB at most"):
+                read_drawing(one)
+        assert drawing.LARGEST_FILE > 1e7
+
+    @pytest.mark.parametrize(("name", "package"), [("a.dxf", "ezdxf"), ("a.svg", "svgpathtools")])
+    def test_a_missing_reader_is_named(self, tmp_path, monkeypatch, name, package):
+        (tmp_path / name).write_text("x")
+        for loaded in [key for key in sys.modules if key.split(".")[0] == package]:
+            monkeypatch.setitem(sys.modules, loaded, None)
+        with pytest.raises(ImportError, match=rf"needs {package}.*pip install"):
+            read_drawing(tmp_path / name)
+
+
+def test_damaged_files_are_refused_or_read(tmp_path):
+    rng = np.random.default_rng(5)
+    n_refused = 0
+    saved(tmp_path / "plate.dxf", plate())
+    shutil.copy(PLATE, tmp_path / "plate.svg")
+    for path, layer, n in (
+        (tmp_path / "plate.dxf", "cut", 12),
+        (tmp_path / "plate.svg", "film", 30),
+    ):
+        content = path.read_bytes()
+        for k in range(n):
+            cut = content[: int(rng.integers(len(content)))]
+            path.write_bytes(mutated(rng, content) if k % 4 else cut)
+            try:
+                assert read_drawing(path, layers=[layer]).area > 0.0
+            except ValueError:
+                n_refused += 1
+    assert n_refused > 10
+
+
+class TestMesh:
+    @pytest.fixture(autouse=True)
+    def gmsh(self):
+        return pytest.importorskip("gmsh", exc_type=ImportError)
+
+    def test_quads_within_the_outline(self, tmp_path):
+        path = saved(tmp_path / "plate.dxf", plate())
+        mesh = mesh_from_drawing(path, size=0.8, layers=["cut"])
+        assert sorted(mesh.node_sets) == ["hole_1", "hole_2", "outline"]
+        assert mesh.quad_areas().sum() == pytest.approx(AREA, rel=5e-3)  # chords of 0.8 mm
+        assert mesh.scaled_jacobian().min() > 0.3
+
+    def test_from_a_model_file(self, tmp_path):
+        saved(tmp_path / "plate.dxf", plate())
+        (tmp_path / "cut.toml").write_text(
+            'model = "free"\n[membrane]\ndrawing = "plate.dxf"\nlayers = "cut"\nsize = 1.0\n'
+            'chord_deviation = "5 um"\nclamp = "outline"\nimprint = false\n[fracture]\n'
+            'path = "free"\n[tool]\nkind = "blade"\nshift = [-1.0, 3.0, 0.0]\n'
+            "[motion]\ndirection = [1.0, 0.0, 0.0]\nspeed = 6000.0\nramp = 1e-4\nduration = 1e-3\n"
+        )
+        model = read_model(tmp_path / "cut.toml")
+        assert [Path(path).name for path in model.files()] == ["plate.dxf"]
+        mesh = model.build().simulation.mesh
+        assert mesh.quad_areas().sum() == pytest.approx(AREA, rel=1e-2)

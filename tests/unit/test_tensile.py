@@ -1,0 +1,299 @@
+"""Figures of tensile tests against curves in closed form, refusals by line, files written."""
+
+import json
+from math import log
+
+import numpy as np
+import pytest
+
+from shellcut import CohesiveLaw, read_measured_curve, read_model, tensile
+from shellcut.command_line import main
+from shellcut.formats.errors import FileError
+from shellcut.tensile.law import proposed_law
+
+# A bilinear film: modulus and hardening [MPa], yield 16 MPa at 0.8 %, strength at 40 %, then
+# an opening over 50 mm by the law.
+YOUNG, HARDENING, FIRST, END = 2000.0, 20.0, 0.008, 0.4
+GAUGE = 50.0
+STRENGTH = YOUNG * FIRST + HARDENING * (END - FIRST)
+LAW = CohesiveLaw(strength=STRENGTH, plateau=14.0, opening_a=0.6, opening_p=3.0, opening_u=4.5)
+
+
+def bilinear(*, noise=0.0, seed=0, slack=0.0, scale=1.0, points=(40, 200, 200), fall=True):
+    """Strain [-] and stress [MPa] of a specimen."""
+    rng = np.random.default_rng(seed)
+    n_elastic, n_plastic, n_fall = points
+    strain = np.concatenate(
+        [np.linspace(0, FIRST, n_elastic)[:-1], np.linspace(FIRST, END, n_plastic)]
+    )
+    stress = np.minimum(YOUNG * strain, YOUNG * FIRST + HARDENING * (strain - FIRST))
+    if fall:
+        opening = np.linspace(0, LAW.opening_u, n_fall)[1:]
+        falling = np.array([LAW.traction(x) for x in opening])
+        # the rest of the specimen gives back its elastic strain
+        back = END + opening / GAUGE - (STRENGTH - falling) / YOUNG
+        strain, stress = np.append(strain, back), np.append(stress, falling)
+    if slack:
+        strain, stress = np.append(0.0, strain + slack), np.append(0.0, stress)
+    return strain, scale * stress + noise * rng.standard_normal(len(stress))
+
+
+def write(path, *curves, headings="strain {k} [%];stress {k} [MPa]", factor=100.0, bare=""):
+    """Write a table of specimens side by side, as a spreadsheet does."""
+    lines = [";".join(headings.format(k=k + 1) for k in range(len(curves)))]
+    for row in range(max(len(x) for x, _ in curves)):
+        cells = [f"{factor * x[row]:.6f};{y[row]:.6f}" if row < len(x) else ";" for x, y in curves]
+        lines.append(";".join(cells))
+    path.write_text(bare + "\n".join(lines) + "\n")
+    return path
+
+
+class TestClosedForm:
+    def test_without_noise(self, tmp_path):
+        found = tensile(write(tmp_path / "film.csv", bilinear()), gauge_length=GAUGE)
+        film = found.directions[""]
+        (one,) = film.figures
+        assert one.young == pytest.approx(YOUNG, rel=1e-5)  # six digits in the file
+        # 16 MPa + H (e - 0.8 %) = E (e - 0.2 %)
+        at_yield = (YOUNG * 0.002 + (YOUNG - HARDENING) * FIRST) / (YOUNG - HARDENING)
+        wanted = YOUNG * FIRST + HARDENING * (at_yield - FIRST)
+        assert one.yield_stress == pytest.approx(wanted, rel=1e-5)
+        assert one.strength == pytest.approx(STRENGTH, rel=1e-6)
+        assert one.strain_at_strength == pytest.approx(END, rel=1e-5)
+        assert film.fracture_energy.mean == pytest.approx(LAW.fracture_energy, rel=1e-3)
+
+    def test_the_hardening_curve_is_that_of_the_line(self, tmp_path):
+        film = tensile(write(tmp_path / "film.csv", bilinear())).directions[""]
+        plastic, true, scatter, n = film.hardening()
+        strain = np.linspace(FIRST, END, 10_000)
+        nominal = YOUNG * FIRST + HARDENING * (strain - FIRST)
+        wanted = np.interp(
+            plastic, np.log1p(strain) - nominal * (1 + strain) / YOUNG, nominal * (1 + strain)
+        )
+        assert (plastic[0], n) == (0.0, 1)
+        assert plastic[-1] == pytest.approx(log(1 + END) - STRENGTH * (1 + END) / YOUNG, rel=0.02)
+        np.testing.assert_allclose(true, wanted, rtol=0.01)  # rows are means of some points
+        assert (np.diff(true) >= 0.0).all()
+        assert np.isnan(scatter).all()
+
+    def test_with_noise_within_the_stated_scatter(self, tmp_path):
+        curves = [bilinear(noise=0.05, seed=k) for k in range(6)]
+        film = tensile(write(tmp_path / "film.csv", *curves), gauge_length=GAUGE).directions[""]
+        young = film.spread("young")
+        assert young.n == 6
+        # the mean of six lies within three of its standard errors, and the scatter is that of
+        # the slope itself: 0.05 MPa on ten points over 0.2 %
+        assert abs(young.mean - YOUNG) < 3.0 * young.deviation / np.sqrt(6)
+        stated = np.mean([one.young_error for one in film.figures])
+        assert 0.4 * stated < young.deviation < 2.5 * stated
+        assert film.spread("yield_stress").mean == pytest.approx(16.04, abs=0.05)
+        assert film.spread("strength").mean == pytest.approx(STRENGTH, abs=0.15)
+        energy = film.fracture_energy
+        assert energy.mean == pytest.approx(LAW.fracture_energy, rel=0.03)
+        law = film.law()
+        assert law.fracture_energy == pytest.approx(energy.mean, rel=1e-9)
+        for name, band in (("plateau", 0.4), ("opening_a", 0.15), ("opening_p", 0.25)):
+            assert getattr(law, name) == pytest.approx(getattr(LAW, name), abs=band), name
+        assert law.opening_u == pytest.approx(LAW.opening_u, abs=0.25)
+
+    def test_slack_is_taken_off(self, tmp_path):
+        found = tensile(write(tmp_path / "film.csv", bilinear(slack=0.013)), gauge_length=GAUGE)
+        (one,) = found.directions[""].figures
+        assert one.slack == pytest.approx(0.013, rel=1e-3)
+        assert one.young == pytest.approx(YOUNG, rel=1e-3)
+        assert one.strain_at_strength == pytest.approx(END, rel=1e-4)
+
+    def test_force_and_extension_in_pounds_and_inches(self, tmp_path):
+        strain, stress = bilinear()
+        force = stress * 15.0 * 0.074 / 4.4482216152605
+        path = tmp_path / "film.csv"
+        extension = strain * GAUGE / 25.4
+        write(path, (extension, force), headings="travel [in];load [lbf]", factor=1.0)
+        found = tensile(path, gauge_length=GAUGE, width=15.0, thickness=0.074)
+        (one,) = found.directions[""].figures
+        assert one.young == pytest.approx(YOUNG, rel=1e-3)  # six decimals of an inch
+        assert one.strength == pytest.approx(STRENGTH, rel=1e-5)
+
+    def test_a_law_gives_back_itself(self):
+        opening = np.linspace(0.0, 4.0, 101)
+        law = CohesiveLaw()
+        stress = np.array([law.traction(x) for x in opening])
+        found = proposed_law(opening, stress, law.fracture_energy)
+        assert found.fracture_energy == pytest.approx(law.fracture_energy, rel=1e-12)
+        assert found.plateau == pytest.approx(law.plateau, rel=0.01)
+        for name in ("opening_a", "opening_p", "opening_u"):
+            assert getattr(found, name) == pytest.approx(getattr(law, name), abs=0.05), name
+        assert found.onset == pytest.approx(law.onset, rel=0.02)
+
+
+class TestDirections:
+    def test_by_name_and_by_heading(self, tmp_path):
+        write(tmp_path / "md.csv", bilinear(), bilinear(scale=1.1))
+        both = "strain [%];stress CD {k} [MPa]"
+        write(tmp_path / "cd.csv", bilinear(scale=0.6), bilinear(scale=0.7), headings=both)
+        found = tensile({"MD": tmp_path / "md.csv", "": [tmp_path / "cd.csv"]}, gauge_length=GAUGE)
+        assert list(found.directions) == ["MD", "CD"]
+        assert found.directions["MD"].spread("young").mean == pytest.approx(1.05 * YOUNG, rel=1e-4)
+        spread = found.directions["CD"].spread("young")
+        assert spread.mean == pytest.approx(0.65 * YOUNG, rel=1e-4)
+        assert spread.deviation == pytest.approx(0.1 * YOUNG / np.sqrt(2.0), rel=1e-3)
+        said = "\n".join(found.sentences())
+        assert "take the law of the specimens cut across the blade's way" in said
+        assert "MD: 2 specimens: the scatter is rough, ISO 527 asks for 5" in said
+
+    def test_one_strain_for_all_and_specimens_of_other_lengths(self, tmp_path):
+        strain, stress = bilinear()
+        path = tmp_path / "film.csv"
+        lines = ["strain [%];45° 1 [MPa];45° 2 [MPa];time [s]"]
+        for k, (x, y) in enumerate(zip(strain, stress, strict=True)):
+            second = f"{1.2 * y:.5f}" if k < 235 else "0"
+            lines.append(f"{100 * x:.5f};{y:.5f};{second};{k}")
+        path.write_text("\n".join(lines))
+        found = tensile(path)
+        assert list(found.directions) == ["45°"]
+        assert [one.specimen.broken for one in found.directions["45°"].figures] == [True, True]
+        shorter = write(tmp_path / "two.csv", bilinear(), bilinear(points=(30, 80, 50)))
+        assert len(tensile(shorter).directions[""].figures) == 2
+
+
+class TestHonestSentences:
+    def said(self, path, **options):
+        return "\n".join(tensile(path, **options).sentences())
+
+    def test_energy_and_its_reservation(self, tmp_path):
+        path = write(tmp_path / "film.csv", bilinear())
+        said = self.said(path, gauge_length=GAUGE)
+        assert "fracture energy 55.44 kJ/m² = gauge length 50 mm x 1.109 N/mm² below" in said
+        assert "openings and energy are upper bounds" in said
+        assert "one specimen: the scatter is unknown" in said
+        assert "spreads along the gauge length" not in said
+        assert "no law: give the gauge_length" in self.said(path)
+
+    def test_too_few_points_in_the_elastic_range(self, tmp_path):
+        path = write(tmp_path / "film.csv", bilinear(points=(4, 100, 50)))
+        assert "only 0 points between strains of 0.05 and 0.25 %" in self.said(path)
+
+    def test_a_curve_that_bends_early(self, tmp_path):
+        # a foil that yields at 0.1 %: the modulus comes from below
+        strain = np.append(np.linspace(0.0, 0.01, 400), [0.0101, 0.0102])
+        stress = np.append(np.minimum(70e3 * strain, 70.0 + 500.0 * (strain - 1e-3))[:400], [5, 0])
+        path = write(tmp_path / "foil.csv", (strain, stress))
+        found = tensile(path).directions[""].figures[0]
+        assert found.young == pytest.approx(70e3, rel=0.05)
+        assert "the curve bends below a strain of 0.25 %" in "\n".join(found.sentences)
+
+    def test_no_fall(self, tmp_path):
+        path = write(tmp_path / "film.csv", bilinear(fall=False))
+        said = self.said(path, gauge_length=GAUGE)
+        assert "no fall after the strength is recorded" in said
+        assert "the record ends at 23.8 MPa, 100% of the strength, before the break" in said
+        assert "no law: no specimen shows a fall" in said
+        assert "0 specimens" not in str(tensile(path))
+
+    def test_a_sudden_break_gives_a_bound_only(self, tmp_path):
+        strain, stress = bilinear(fall=False)
+        path = write(tmp_path / "film.csv", (np.append(strain, 0.4001), np.append(stress, 0.1)))
+        # 23.84² / 2 E
+        assert "at most 0.142 N/mm² times the gauge length" in self.said(path)
+
+    def test_a_film_that_draws(self, tmp_path):
+        strain, stress = bilinear(fall=False)
+        more = np.linspace(END + 0.01, 3.0, 100)
+        curve = np.append(strain, [*more, 3.001]), np.append(stress, [*(0 * more + 22.0), 0.0])
+        said = self.said(write(tmp_path / "pe.csv", curve), gauge_length=GAUGE)
+        assert "1 of 1 specimens hold over 80 % of the strength half-way" in said
+        assert "it broke at once from 92% of the strength" in said
+
+    def test_an_elastic_film_has_no_yield(self, tmp_path):
+        strain = np.linspace(0.0, 0.01, 200)
+        stress = np.append(2000.0 * strain[:-1], 0.0)
+        said = self.said(write(tmp_path / "film.csv", (strain, stress)))
+        assert "parts before a plastic strain of 0.2 %: no yield stress" in said
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        ("text", "words"),
+        [
+            ("0;0\n1;2\n2;3\n", "must have headings with units"),
+            ("strain;stress\n0;0\n1;2\n", "with the unit in its heading; got 'strain', 'stress'"),
+            ("time [s];stress [MPa]\n0;0\n1;2\n", "needs a column of strain"),
+            (
+                "a [%];b [%];c [MPa];d [MPa];e [MPa]\n0;0;0;0;0\n1;1;1;1;1\n",
+                "got 2 columns of strain and 3 of stress",
+            ),
+            ("way [mm];force [N]\n0;0\n1;1\n", "gauge_length; forces need width and thickness"),
+            (
+                "e [%];s [MPa]\n0;0\n1;-2\n2;-3\n",
+                "'s .MPa.' must rise above 0; is tension negative",
+            ),
+            ("e [%];s [MPa]\n0;0\n1;2\n2;3\n", "must have 5 points up to the break, got 3"),
+            ("e [%];s [MPa]\n0;0\n1;2\n2;x\n3;4;5\n", "line 4: must be a number, got 'x'; line 5"),
+            ("e [%];s [MPa]\n0;0\n1;1\n2;2\n0.5;2\n3;3\n4;4\n", "reverses at 0.5: .* in line 5"),
+            ("e [-];s [MPa]\n0;0\n1;1\n2;2\n3;3\n40;4\n", "strain must stay below 20.* is it in %"),
+            ("e [%];s [MPa]\n0;5\n1;4\n2;5\n3;4\n4;5\n5;5.1", "must rise with the strain"),
+        ],
+    )
+    def test_rough_input(self, tmp_path, text, words):
+        path = tmp_path / "film.csv"
+        path.write_text(text)
+        with pytest.raises(ValueError, match=words) as caught:
+            tensile(path)
+        assert str(path) in str(caught.value)
+
+    def test_all_files_at_once(self, tmp_path):
+        with pytest.raises(ValueError, match=r"(?s)a\.csv: cannot be read.*b\.csv: cannot be read"):
+            tensile([tmp_path / "a.csv", tmp_path / "b.csv"])
+        assert issubclass(FileError, ValueError)
+
+    def test_dimensions(self, tmp_path):
+        with pytest.raises(ValueError, match=r"gauge_length must be .* got -1; width must be"):
+            tensile(tmp_path / "a.csv", gauge_length=-1, width=float("nan"))
+        with pytest.raises(ValueError, match="offset must be a strain between 0 and 1, got 0"):
+            tensile(tmp_path / "a.csv", offset=0)
+        with pytest.raises(ValueError, match="at least one file"):
+            tensile([])
+
+
+class TestCommand:
+    def test_figures_files_and_picture(self, tmp_path, capsys):
+        pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+        md = write(tmp_path / "md.csv", *(bilinear(noise=0.05, seed=k) for k in range(3)))
+        cd = write(tmp_path / "cd.csv", bilinear(scale=0.8))
+        out = tmp_path / "out"
+        arguments = ["tensile", f"MD={md}", f"CD={cd}", "--gauge-length", "5 cm", "-o", str(out)]
+        assert main(arguments) == 0
+        told = capsys.readouterr().out
+        assert "Young's modulus" in told
+        assert "law: opening_u" in told
+        names = ["hardening_CD.csv", "hardening_MD.csv", "law_CD.toml", "law_MD.toml"]
+        assert sorted(path.name for path in out.iterdir()) == [
+            *names,
+            "tensile.json",
+            "tensile.png",
+        ]
+        kept = json.loads((out / "tensile.json").read_text())["directions"]
+        assert kept["CD"]["young"]["mean"] == pytest.approx(0.8 * YOUNG, rel=1e-3)
+        assert kept["CD"]["young"]["deviation"] is None
+        # what was written is read back: a section of a model file, a table
+        (tmp_path / "cut.toml").write_text(
+            'model = "opening"\n' + (out / "law_MD.toml").read_text()
+        )
+        law = read_model(tmp_path / "cut.toml").sections["cohesive"].made()
+        assert law.fracture_energy == pytest.approx(kept["MD"]["fracture_energy"]["mean"], rel=1e-4)
+        curve = read_measured_curve(out / "hardening_MD.csv", x=1, y=2)
+        assert (curve.x[0], curve.y_unit) == (0.0, "MPa")
+
+    def test_bad_arguments(self, tmp_path, capsys):
+        arguments = ["--gauge-length", "5 kg", "--width", "wide", "--offset", "x"]
+        assert main(["tensile", str(tmp_path / "no.csv"), *arguments]) == 2
+        told = capsys.readouterr().err
+        assert "--gauge-length must be a number in mm" in told
+        assert "--width must be a number in mm" in told
+        assert "--offset must be a number of per cent" in told
+
+    def test_a_file_with_a_sign_in_its_name(self, tmp_path, capsys, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        write(tmp_path / "T=23.csv", bilinear())
+        assert main(["tensile", "T=23.csv"]) == 0
+        assert "no law: give the gauge_length" in capsys.readouterr().out
