@@ -37,6 +37,8 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .study.design import Design
+from .study.study import StudyResults, sweep
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -49,6 +51,7 @@ __all__ = [
     "CohesiveLaw",
     "Comparison",
     "Contact",
+    "Design",
     "EdgeTraction",
     "Elastic",
     "Fracture",
@@ -73,6 +76,7 @@ __all__ = [
     "Stepping",
     "StopRun",
     "StraightMotion",
+    "StudyResults",
     "Support",
     "TableMotion",
     "Tool",
@@ -94,6 +98,7 @@ __all__ = [
     "read_tool",
     "report",
     "save_checkpoint",
+    "sweep",
     "trouser",
     "warmup",
 ]

@@ -63,6 +63,17 @@ def read_model(
     return _Reading(overridden(source, overrides or {})).model()
 
 
+def model_of_text(text: str, name: str) -> Model:
+    """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
+
+    Raises
+    ------
+    ModelFileError
+        Lists every problem; ``name`` stands for the file.
+    """
+    return _Reading(parse(text, name, Path.cwd())).model()
+
+
 class ModelVariants:
     """One model file, read with many overrides.
 

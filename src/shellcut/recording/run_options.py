@@ -26,7 +26,7 @@ class RunOptions:
     """Pictures of the film over the run; 0 for none."""
 
     curves: bool = True
-    """Whether to draw torque or force and the energies when the run ends, if Matplotlib is there."""
+    """Whether to draw the curves when the run ends, if Matplotlib is there."""
 
     progress: bool = True
     """Whether to show progress on standard error, with a status line every 5 %."""

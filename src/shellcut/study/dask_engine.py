@@ -11,7 +11,10 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
 from typing import Any
+
+from distributed import Client, KilledWorker, LocalCluster, as_completed
 
 from .one_run import Outcome, Task, run_one
 
@@ -20,6 +23,28 @@ _MOST_DEATHS = 3
 
 _PATIENCE = 300.0
 """Wall time for which to wait for a lost scheduler [s]."""
+
+
+@contextmanager
+def cluster_at(address: str, n_worker: int) -> Iterator[Client]:
+    """Give a client of the scheduler at an address, or of a cluster begun here for ``local``.
+
+    Raises
+    ------
+    ConnectionError
+        If there is no scheduler.
+    """
+    with ExitStack() as close:
+        where: Any = address
+        if address == "local":
+            cluster = LocalCluster(n_workers=n_worker, threads_per_worker=1, dashboard_address=None)
+            where = close.enter_context(cluster)
+        try:
+            client = close.enter_context(Client(where, timeout=10.0))
+        except (OSError, TimeoutError, ValueError) as problem:
+            said = f"{type(problem).__name__}: {problem}"
+            raise ConnectionError(f"there is no Dask scheduler at {address}: {said}") from None
+        yield client
 
 
 class DaskEngine:
@@ -53,8 +78,6 @@ class DaskEngine:
 
     def _round(self, tasks: list[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield the outcomes that the present scheduler lives to see."""
-        from distributed import KilledWorker, as_completed
-
         try:
             given = {
                 self._client.submit(
@@ -81,8 +104,6 @@ class DaskEngine:
 
     def _connect_again(self) -> None:
         """Wait for a scheduler at the address of the lost one."""
-        from distributed import Client
-
         end = time.monotonic() + _PATIENCE
         while True:
             try:

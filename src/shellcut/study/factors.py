@@ -146,7 +146,7 @@ def _files(key: str, value: object) -> list[object]:
     """Return the files that fit a pattern, in order, and any other value as it is."""
     if not isinstance(value, str) or not glob.has_magic(value):
         return [value]
-    found: list[object] = sorted(glob.glob(value))
+    found = sorted(glob.glob(value))
     if not found:
         raise ValueError(f"{key}: there is no file {value}")
-    return found
+    return [*found]

@@ -17,7 +17,8 @@ from shellcut.checks import RefusedModel
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.run_folder import CHECKPOINT, SUMMARY
 from shellcut.files.whole_file import atomic_write
-from shellcut.model_file import ModelFileError, read_model
+from shellcut.model_file import Model, ModelFileError
+from shellcut.model_file.reader import model_of_text
 from shellcut.models.case import Case, check_length
 from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.recorder import Recorder, RunEnded
@@ -143,10 +144,10 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     folder.mkdir(parents=True, exist_ok=True)
     used = folder / USED
     resume = (folder / CHECKPOINT).exists() and _text(used) == task.model
-    _write(used, task.model)
+    model = model_of_text(task.model, USED)
     with _library_said(folder / LOG), contextlib.suppress(RunEnded):
-        case, recorder = _begun(used, resume=resume)
-        _write(used, task.model)  # of an earlier run, the recorder has removed it
+        case, recorder = _begun(model, folder, resume=resume)
+        _write(used, task.model)
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
@@ -155,9 +156,8 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     return figures
 
 
-def _begun(used: Path, *, resume: bool) -> tuple[Case, Recorder]:
+def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]:
     """Return the case and its recorder, from the checkpoint where that can be read."""
-    model = read_model(used)
     case = model.build()
     options = {
         **model.run_options(),
@@ -170,11 +170,11 @@ def _begun(used: Path, *, resume: bool) -> tuple[Case, Recorder]:
     check_length(case.simulation, case.duration)
     if resume:
         try:
-            return case, Recorder(case.simulation, used.parent, resume=True, **options)
+            return case, Recorder(case.simulation, folder, resume=True, **options)
         except (CheckpointError, FileNotFoundError) as problem:
             _log.warning("begun afresh: %s", problem)
             case = model.build()  # the checkpoint may have been read in part
-    return case, Recorder(case.simulation, used.parent, **options)
+    return case, Recorder(case.simulation, folder, **options)
 
 
 @contextlib.contextmanager

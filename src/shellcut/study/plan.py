@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -90,7 +90,7 @@ class Plan:
         model = self.variants.read(run.values)
         if model.head.threads is None:
             threads = max(1, available_cores() // jobs)
-            model = replace(model, head=replace(model.head, threads=threads))
+            model = model.with_threads(threads)
         return model
 
 
@@ -149,7 +149,7 @@ class _Digests(dict[str, str]):
 
 def _key(model: Model, digests: Mapping[str, str]) -> str:
     """Return the hash of all that makes the results what they are."""
-    head = {name: value for name, value in asdict(model.head).items() if name not in _NO_INPUT}
+    head = {name: value for name, value in vars(model.head).items() if name not in _NO_INPUT}
     inputs = {
         "version": _VERSION,
         "head": head,

@@ -43,7 +43,9 @@ class StudyProgress:
 
     def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
         """Say how a run ended."""
-        values = ", ".join(f"{key}={value}" for key, value in self._plan.runs[number].values.items())
+        values = ", ".join(
+            f"{key}={value}" for key, value in self._plan.runs[number].values.items()
+        )
         if outcome.status == "done":
             shown = [name for name in _SHOWN if name in outcome.figures][:1]
             said = "".join(f", {n} {v:.4g}" for n, v in plain_figures(outcome.figures, shown))

@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
 
-_FEW_FRAMES = {"output.snapshots": 0, "output.frames": 20}
+FEW_FILES = {"output.snapshots": 0, "output.frames": 20}
 """What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
 
 _log = logging.getLogger(__name__)
@@ -138,7 +138,7 @@ def sweep(
     [139.8, 146.1]
     """
     several, single = factors_of(factors)
-    given = {**_FEW_FRAMES, **(settings or {}), **single}
+    given = {**FEW_FILES, **(settings or {}), **single}
     planned = plan(str(model), given, several, design or Design())
     engine = engine_of(executor, default_jobs=available_cores())
     return run_study(planned, Path(out), engine, say)
@@ -149,7 +149,7 @@ def run_study(
 ) -> StudyResults:
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     folder.mkdir(parents=True, exist_ok=True)
-    with _locked(folder):
+    with closing(FolderLock(folder)):
         (folder / STOP).unlink(missing_ok=True)
         write_study(folder / STUDY, planned)
         found = _done_before(planned, folder)
@@ -247,7 +247,3 @@ def _compile(planned: Plan) -> None:
         sorted(head),
         sorted({path for _, path in fracture}) or ["edges"],
     )
-
-
-def _locked(folder: Path) -> FolderLock:
-    return FolderLock(folder)

@@ -1,18 +1,18 @@
 """``study.toml``: a study as a file. Model, settings, factors, design and the figures of interest.
 
-    model = "opening"
-    figures = ["torque_plateau_Nmm"]     # for the report; all, if left out
+model = "opening"
+figures = ["torque_plateau_Nmm"]     # for the report; all, if left out
 
-    [set]
-    "membrane.mesh" = "quick"
+[set]
+"membrane.mesh" = "quick"
 
-    [factors]
-    "tool.edge_inclination_deg" = [40, 60, 80]
-    "motion.pitch" = "12 mm : 20 mm"
+[factors]
+"tool.edge_inclination_deg" = [40, 60, 80]
+"motion.pitch" = "12 mm : 20 mm"
 
-    [design]
-    kind = "sobol"
-    n = 32
+[design]
+kind = "sobol"
+n = 32
 """
 
 from __future__ import annotations
@@ -99,7 +99,9 @@ def read_study(path: str | os.PathLike[str]) -> StudyFile:
     for name, value in values.items():
         wanted = _SECTIONS.get(name)
         if wanted is None:
-            problems.append(Problem(source.place((name,)), f"unknown {name}{guess(name, _SECTIONS)}"))
+            problems.append(
+                Problem(source.place((name,)), f"unknown {name}{guess(name, _SECTIONS)}")
+            )
         elif not isinstance(value, wanted):
             kind = {dict: "a section", str: "a text", list: "a list"}[wanted]
             problems.append(Problem(source.place((name,)), f"{name} must be {kind}"))
@@ -133,7 +135,7 @@ def write_study(path: Path, planned: Plan) -> None:
     """Write the study file of a plan, from which the same runs follow."""
     model = Path(planned.model)
     lines = [
-        "# The study whose runs are beside this file; shellcut sweep FILE -o OUT does the same runs.",
+        "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
         f"model = {written(str(model.resolve()) if model.is_file() else planned.model)}",
         *_figures_kept(path),
         "",
