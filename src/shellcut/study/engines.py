@@ -9,6 +9,8 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
+import time
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import (
@@ -22,10 +24,12 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from .one_run import Outcome, Task, run_one
+from .one_run import UNDER_WAY, Outcome, Task, run_one
 
 _MOST_DEATHS = 3
 """Times that the process of a run may die before the run counts as failed."""
+
+_LOOK_EVERY = 0.2  # s between two looks whether the last run of an orphan has stopped
 
 # Libraries that would start threads of their own in every process.
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -87,7 +91,7 @@ class Processes:
             min(self.jobs, n_task),
             # A forked process would share locks and threads of this one in any state.
             mp_context=multiprocessing.get_context("spawn"),
-            initializer=_leave_interrupts,
+            initializer=_begin_worker,
         )
 
 
@@ -156,9 +160,24 @@ def _one_thread_each() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _leave_interrupts() -> None:
-    """Leave Ctrl-C to the study, which stops all runs by its file."""
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the study, which stops all runs by its file; end when the study is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_the_study, daemon=True).start()
+
+
+def _end_with_the_study() -> None:
+    """End this process when that of the study has ended, be it killed.
+
+    A process of a pool waits for its next task for ever. A run that is under way stops by itself,
+    with a checkpoint.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        while UNDER_WAY:
+            time.sleep(_LOOK_EVERY)
+        os._exit(1)
 
 
 def _died(times: int) -> str:

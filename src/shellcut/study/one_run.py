@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import logging.handlers
 import multiprocessing
 import time
 import traceback
@@ -32,7 +33,11 @@ STOP = "stop"
 """A file of this name in the study's folder stops all runs after their step."""
 
 _LOOK_EVERY = 1.0  # s between two looks for that file
+_MOST_LINES = 1000  # of a log, kept before they are written
 _PATIENCE = 1.0  # s between two tries at a folder in use
+
+UNDER_WAY: set[str] = set()
+"""Hashes of the runs of this process that have not ended."""
 
 Status = Literal["done", "failed", "stopped"]
 
@@ -84,6 +89,14 @@ class Outcome:
 
 def run_one(task: Task) -> Outcome:
     """Do a run, or continue it from its checkpoint; a failure is an outcome, not an error."""
+    UNDER_WAY.add(task.key)
+    try:
+        return _run_or_say(task)
+    finally:
+        UNDER_WAY.discard(task.key)
+
+
+def _run_or_say(task: Task) -> Outcome:
     began = time.perf_counter()
     folder = Path(task.folder)
     stops = _Stops(folder.parent.parent)
@@ -103,9 +116,11 @@ def run_one(task: Task) -> Outcome:
     except (ModelFileError, RefusedModel, UnstableStep, OSError, ValueError, MemoryError) as error:
         return Outcome("failed", _one_line(error), seconds=time.perf_counter() - began)
     except Exception as error:  # a fault of the library must not end the study either
-        with contextlib.suppress(OSError), (folder / LOG).open("a", encoding="utf-8") as log:
-            log.write(traceback.format_exc())
-        reason = f"{type(error).__name__}: {_one_line(error)} (traceback in {LOG})"
+        # Not in the folder, where no run may have begun.
+        beside = folder.with_suffix(".error")
+        with contextlib.suppress(OSError):
+            beside.write_text(traceback.format_exc(), encoding="utf-8")
+        reason = f"{type(error).__name__}: {_one_line(error)} (traceback in {beside.name})"
         return Outcome("failed", reason, seconds=time.perf_counter() - began)
     seconds = time.perf_counter() - began
     if figures is None:
@@ -145,9 +160,10 @@ def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     used = folder / USED
     resume = (folder / CHECKPOINT).exists() and _text(used) == task.model
     model = model_of_text(task.model, USED)
-    with _library_said(folder / LOG), contextlib.suppress(RunEnded):
+    with _library_said() as log, contextlib.suppress(RunEnded):
         case, recorder = _begun(model, folder, resume=resume)
         _write(used, task.model)
+        log.setTarget(logging.FileHandler(folder / LOG, encoding="utf-8"))
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
             return None
@@ -178,20 +194,26 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
 
 
 @contextlib.contextmanager
-def _library_said(path: Path) -> Iterator[None]:
-    """Write what the library logs to the log of a run, and nowhere else."""
-    handler = logging.FileHandler(path, encoding="utf-8", delay=True)
+def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
+    """Keep what the library logs for the log of a run, and show it nowhere else.
+
+    Its file may be opened only when the recorder has taken the folder: it is the target to set.
+    """
+    handler = logging.handlers.MemoryHandler(_MOST_LINES, logging.CRITICAL)
     logger, propagate, level = _LIBRARY, _LIBRARY.propagate, _LIBRARY.level
     logger.addHandler(handler)
     logger.setLevel(logging.INFO)
     logger.propagate = False
     try:
-        yield
+        yield handler
     finally:
         logger.propagate = propagate
         logger.setLevel(level)
         logger.removeHandler(handler)
-        handler.close()
+        target = handler.target
+        handler.close()  # and writes what is left
+        if target is not None:
+            target.close()
 
 
 def _write(path: Path, text: str) -> None:
