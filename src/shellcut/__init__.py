@@ -37,7 +37,9 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .study.curve_misfit import FitCurve
 from .study.design import Design
+from .study.fit import fit
 from .study.study import StudyResults, sweep
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
@@ -54,6 +56,7 @@ __all__ = [
     "Design",
     "EdgeTraction",
     "Elastic",
+    "FitCurve",
     "Fracture",
     "Gravity",
     "Hook",
@@ -83,6 +86,7 @@ __all__ = [
     "blade_path",
     "check_model",
     "compare",
+    "fit",
     "guillotine",
     "imprint",
     "load_checkpoint",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .exit_code import DONE, FAILED, refuse
 from .run import add_settings_to
+from .study_engine import add_engine_to, engine_given
 
 if TYPE_CHECKING:
     from shellcut.study.plan import Plan
@@ -34,13 +34,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--design", choices=("grid", "sobol", "lhs"), help="by default a grid")
     parser.add_argument("--n", metavar="N", type=int, help="number of runs of sobol or lhs")
     parser.add_argument("--seed", metavar="K", type=int, help="of sobol and lhs, 0 by default")
-    engine = parser.add_mutually_exclusive_group()
-    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one a core")
-    engine.add_argument(
-        "--dask",
-        metavar="ADDRESS",
-        help="a Dask scheduler such as tcp://host:8786, whose workers see OUT; or local",
-    )
+    add_engine_to(parser)
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
     parser.set_defaults(run=run)
 
@@ -49,6 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Plan, run, and say where the table is."""
     from shellcut.files.folder_lock import FolderInUse
     from shellcut.model_file import ModelFileError
+    from shellcut.numerics.threads import available_cores
+    from shellcut.study.engines import engine_of
     from shellcut.study.study import read_outcomes, run_study
 
     if arguments.out is None and not arguments.dry_run:
@@ -62,7 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
         _print(planned, len(done))
         return DONE
     try:
-        with _engine(arguments) as engine:
+        with engine_given(arguments) as executor:
+            engine = engine_of(executor, default_jobs=available_cores())
             found = run_study(planned, arguments.out, engine)
     except KeyboardInterrupt:
         print("interrupted; to continue, call it again", file=sys.stderr)
@@ -104,24 +101,6 @@ def _texts(arguments: argparse.Namespace) -> Iterator[tuple[str, str]]:
         if not equals or not key.strip():
             raise ValueError(f"--set {text}: must be KEY=VALUE")
         yield key.strip(), value.strip()
-
-
-@contextlib.contextmanager
-def _engine(arguments: argparse.Namespace) -> Iterator[Any]:
-    """Give the engine, with a Dask client or cluster of its own if asked for."""
-    from shellcut.numerics.threads import available_cores
-    from shellcut.study.engines import engine_of
-
-    cores = available_cores()
-    if arguments.dask is None:
-        yield engine_of(arguments.jobs, default_jobs=cores)
-        return
-    try:
-        from shellcut.study.dask_engine import cluster_at
-    except ImportError:
-        raise ImportError("--dask needs Dask: pip install 'shellcut[sweep]'") from None
-    with cluster_at(arguments.dask, cores) as client:
-        yield engine_of(client, default_jobs=cores)
 
 
 def _print(planned: Plan, n_done: int) -> None:

@@ -115,11 +115,24 @@ def plan(
     variants = ModelVariants(model, settings)
     combined = design.runs(factors)
     _try_values(variants, factors, combined)
+    return Plan(
+        model, settings, tuple(factors), design, tuple(planned_runs(variants, combined)), variants
+    )
+
+
+def planned_runs(
+    variants: ModelVariants, combined: Sequence[Mapping[str, object]]
+) -> Iterator[PlannedRun]:
+    """Yield a run for each set of values.
+
+    Raises
+    ------
+    ModelFileError
+        If a value cannot be read.
+    """
     digests = _Digests()
-    runs = []
     for number, values in enumerate(combined):
-        runs.append(PlannedRun(number, values, _key(variants.read(values, try_out=False), digests)))
-    return Plan(model, settings, tuple(factors), design, tuple(runs), variants)
+        yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digests))
 
 
 def _try_values(

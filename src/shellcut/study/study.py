@@ -152,10 +152,10 @@ def run_study(
     with closing(FolderLock(folder)):
         (folder / STOP).unlink(missing_ok=True)
         write_study(folder / STUDY, planned)
-        found = _done_before(planned, folder)
+        found = done_before(planned, folder)
         progress = StudyProgress(planned, len(found), engine.jobs, say)
         try:
-            _carry_out(planned, folder, engine, found, progress)
+            carry_out(planned, folder, engine, found, progress)
         finally:
             write_table(folder, planned, found)
         progress.end(found)
@@ -164,10 +164,11 @@ def run_study(
 
 def read_outcomes(planned: Plan, folder: Path) -> StudyResults:
     """Return what is done of a study, without running anything."""
-    return StudyResults(folder, planned, _done_before(planned, folder))
+    return StudyResults(folder, planned, done_before(planned, folder))
 
 
-def _done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
+def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
+    """Return the outcomes of the runs that are done in a folder, by their numbers."""
     found = {}
     for run in planned.runs:
         if outcome := outcome_in(run.folder(folder), run.key):
@@ -175,14 +176,14 @@ def _done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
     return found
 
 
-def _carry_out(
+def carry_out(
     planned: Plan,
     folder: Path,
     engine: Engine,
     found: dict[int, Outcome],
     progress: StudyProgress,
 ) -> None:
-    """Give the open runs to the engine, and note their outcomes in ``found``."""
+    """Give the runs of a plan that are not found to the engine, and note their outcomes."""
     twins: dict[int, list[PlannedRun]] = {}
     for run, first in repeated(planned.runs):
         twins.setdefault(first.number, []).append(run)
