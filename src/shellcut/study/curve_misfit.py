@@ -100,8 +100,8 @@ def compared(folder: Path, curve: FitCurve, window: float) -> Comparison:
     inside = (found.x >= low) & (found.x <= high)
     if inside.sum() < _FEWEST:
         raise ValueError(
-            f"the measured curve must have {_FEWEST} points or more where it is compared, {low:.4g} "
-            f"to {high:.4g} {found.x_unit}, got {inside.sum()}"
+            f"the measured curve must have {_FEWEST} points or more where it is compared, from "
+            f"{low:.4g} to {high:.4g} {found.x_unit}, got {inside.sum()}"
         )
     averaged = BrokenLine(*found.measured_curve).mean_at(found.x, window)
     return replace(
