@@ -38,6 +38,10 @@ from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
 from .statics.statics import Statics
+from .study.curve_misfit import FitCurve
+from .study.design import Design
+from .study.fit import fit
+from .study.study import StudyResults, sweep
 from .tensile import TensileTest, tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
@@ -51,9 +55,11 @@ __all__ = [
     "CohesiveLaw",
     "Comparison",
     "Contact",
+    "Design",
     "EdgeTraction",
     "Elastic",
     "FilmOutline",
+    "FitCurve",
     "Fracture",
     "Gravity",
     "Hook",
@@ -76,6 +82,7 @@ __all__ = [
     "Stepping",
     "StopRun",
     "StraightMotion",
+    "StudyResults",
     "Support",
     "TableMotion",
     "TensileTest",
@@ -83,6 +90,7 @@ __all__ = [
     "blade_path",
     "check_model",
     "compare",
+    "fit",
     "guillotine",
     "imprint",
     "load_checkpoint",
@@ -100,6 +108,7 @@ __all__ = [
     "read_tool",
     "report",
     "save_checkpoint",
+    "sweep",
     "tensile",
     "trouser",
     "warmup",

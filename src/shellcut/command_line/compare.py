@@ -60,7 +60,7 @@ def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
     ValueError, OSError
         Like :func:`shellcut.compare`.
     """
-    (x, x_column), (y, y_column) = _parted(arguments.x), _parted(arguments.y)
+    (x, x_column), (y, y_column) = parted(arguments.x), parted(arguments.y)
     return compare(
         out,
         arguments.measured,
@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _parted(text: str) -> tuple[str | None, str | None]:
+def parted(text: str) -> tuple[str | None, str | None]:
     """Split ``angle=Winkel`` into the history's name and the file's."""
     name, _, column = text.partition("=")
     return name or None, column or None

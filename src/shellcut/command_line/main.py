@@ -7,11 +7,37 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from . import compare, doctor, keys, preview, report, resume, run, tensile, view, warmup
+from . import (
+    compare,
+    doctor,
+    fit,
+    keys,
+    preview,
+    report,
+    resume,
+    run,
+    sweep,
+    tensile,
+    view,
+    warmup,
+)
 from .exit_code import INTERRUPTED, in_lines, refuse
 from .listener import ignore_closed_pipe
 
-_COMMANDS = (run, resume, preview, keys, compare, tensile, report, view, doctor, warmup)
+_COMMANDS = (
+    run,
+    resume,
+    sweep,
+    fit,
+    preview,
+    keys,
+    compare,
+    tensile,
+    report,
+    view,
+    doctor,
+    warmup,
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -168,7 +168,6 @@ class DrawnFilm(Section):
         number("mm"), "ends of curves closer than this meet", unset="1e-6 of the diagonal"
     )
     clamp: tuple[str, ...] = key(names, _CLAMP, default=("outline",))
-    imprint: bool = key(flag, _IMPRINT, default=default_of(opening_test, "imprint"))
 
 
 @section("membrane", kind="drawing", sign="drawing", of=mesh_from_drawing, deferred=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,6 +73,11 @@ class Model:
         from .parts import parts
 
         return parts(self)
+
+    def with_threads(self, threads: int) -> Model:
+        """Return the same model with another number of threads."""
+        head = Head(**{**vars(self.head), "threads": threads})
+        return replace(self, head=head)
 
     def run_options(self) -> dict[str, Any]:
         """Return the arguments of :meth:`Case.run` given in ``[output]``."""

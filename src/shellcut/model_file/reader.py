@@ -63,6 +63,53 @@ def read_model(
     return _Reading(overridden(source, overrides or {})).model()
 
 
+def model_of_text(text: str, name: str) -> Model:
+    """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
+
+    Raises
+    ------
+    ModelFileError
+        Lists every problem; ``name`` stands for the file.
+    """
+    return _Reading(parse(text, name, Path.cwd())).model()
+
+
+class ModelVariants:
+    """One model file, read with many overrides.
+
+    Parameters
+    ----------
+    name_or_path, overrides
+        As of :func:`read_model`; the overrides of all variants.
+
+    Raises
+    ------
+    ModelFileError
+        If the file cannot be read, or an override has no key.
+    """
+
+    def __init__(
+        self, name_or_path: str | os.PathLike[str], overrides: Mapping[str, object] | None = None
+    ) -> None:
+        self._source = _source(name_or_path)
+        self._overrides = dict(overrides or {})
+        overridden(self._source, self._overrides)
+
+    def read(self, overrides: Mapping[str, object], *, try_out: bool = True) -> Model:
+        """Return the model with further overrides.
+
+        Without ``try_out`` the values of a section are read, but not tried together: that is a
+        hundred times faster for a tool, which is built for the trial.
+
+        Raises
+        ------
+        ModelFileError
+            Lists every problem.
+        """
+        together = self._overrides | dict(overrides)
+        return _Reading(overridden(self._source, together), try_out=try_out).model()
+
+
 def shipped_models() -> dict[str, str]:
     """Return the text of each model file that comes with the package, by name."""
     folder = files("shellcut.models")
@@ -103,8 +150,9 @@ def _is_there(path: Path) -> bool:
 class _Reading:
     """One reading of a file; collects the problems."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, *, try_out: bool = True) -> None:
         self.source = source
+        self._tries = try_out
         self.problems: list[Problem] = []
 
     def model(self) -> Model:
@@ -206,7 +254,8 @@ class _Reading:
         if len(self.problems) > before:
             return None
         made = cls(**values)
-        self.try_out(made, path)
+        if self._tries:
+            self.try_out(made, path)
         return made
 
     def choose(self, kinds: Kinds, table: dict[str, Any], path: KeyPath) -> type[Section] | None:

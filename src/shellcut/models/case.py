@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -127,13 +128,15 @@ class Case:
             return
         self.go(recorder)
 
-    def go(self, recorder: Recorder) -> None:
+    def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
         """Run to the end with a given recorder, as :meth:`run` does.
 
         Parameters
         ----------
         recorder : Recorder
             Of this simulation, up to ``duration``; it is closed at the end of the run in any case.
+        also : sequence of Hook
+            Further hooks.
 
         Raises
         ------
@@ -141,7 +144,7 @@ class Case:
             As in :meth:`run`.
         """
         with Interruption() as interruption:
-            hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested)]
+            hooks: list[Hook] = [recorder, StopWhen(lambda: interruption.requested), *also]
             self.simulation.run(self.duration, hooks)
         if interruption.requested and self.simulation.state.time < self.duration:
             _log.warning(

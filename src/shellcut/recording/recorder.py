@@ -129,6 +129,7 @@ class Recorder:
         self._front = CutFront(sim, until)
         self._until = until
         self._can_draw = _matplotlib_is_there()
+        self._draws_curves = chosen.curves and self._can_draw
         # One stress scale for all pictures: from 0 to the strength. Without a law the maximum is
         # not known beforehand, so each picture has its own scale.
         self._stress_limits = None if sim.law is None else (0.0, sim.law.strength)
@@ -291,7 +292,7 @@ class Recorder:
                 f"{path} was saved by hand: resume it with load_checkpoint, in another folder"
             )
         # A run that was killed or failed after its last step still needs its summary.
-        if self._sim.state.time >= self._until and self._files.are_summed_up(self._can_draw):
+        if self._sim.state.time >= self._until and self._files.are_summed_up(self._draws_curves):
             raise RunEnded(f"{self.name} in {self.folder} has already ended, at {self.place()}")
         return schedule
 
@@ -417,7 +418,7 @@ class Recorder:
         write_splits(self.folder / SPLITS, self._sim.state.splits)
         with atomic_write(self.folder / SUMMARY) as temporary:
             temporary.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
-        if self._can_draw and len(results.history["time"]) > 1:
+        if self._draws_curves and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()
 

@@ -25,6 +25,9 @@ class RunOptions:
     n_snapshot: int = 5
     """Pictures of the film over the run; 0 for none."""
 
+    curves: bool = True
+    """Whether to draw the curves when the run ends, if Matplotlib is there."""
+
     progress: bool = True
     """Whether to show progress on standard error, with a status line every 5 %."""
 

@@ -1,0 +1,130 @@
+"""``shellcut fit``: fit keys of a model to measured curves."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .compare import parted
+from .exit_code import DONE, FAILED, refuse
+from .run import add_settings_to, settings_of
+from .study_engine import add_engine_to, engine_given
+
+if TYPE_CHECKING:
+    from shellcut.study.curve_misfit import FitCurve
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser."""
+    parser = commands.add_parser(
+        "fit",
+        help="fit keys of a model to measured curves",
+        description="Fit keys of a model to measured curves by least squares. Writes "
+        "OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are "
+        "kept: the same call again runs nothing, an ended one goes on.",
+        epilog="example: shellcut fit opening cap.csv --free cohesive.plateau,cohesive.opening_u "
+        "--max-runs 40 -o OUT",
+    )
+    parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
+    parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
+    parser.add_argument(
+        "--free", metavar="KEYS", required=True, help="keys to fit, SECTION.KEY, with commas"
+    )
+    parser.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="folder")
+    add_settings_to(parser)
+    parser.add_argument(
+        "--bounds",
+        metavar="KEY=LOW:HIGH",
+        action="append",
+        default=[],
+        help="of a key, in its unit; by default a third of its value to three times it",
+    )
+    parser.add_argument(
+        "--keep-energy",
+        action="store_true",
+        help="keep the fracture energy of the law: the last free key follows from the others",
+    )
+    parser.add_argument("--max-runs", metavar="N", type=int, default=40, help="40 by default")
+    parser.add_argument(
+        "--method",
+        choices=("local", "global"),
+        default="local",
+        help="least squares from the model's values, or a search of all values within the bounds",
+    )
+    parser.add_argument(
+        "--x", metavar="NAME[=COLUMN]", default="", help="the coordinate, as of compare"
+    )
+    parser.add_argument(
+        "--y",
+        metavar="NAME[=COLUMN]",
+        action="append",
+        default=[],
+        help="the quantity, as of compare; once for each file, or several of one file",
+    )
+    parser.add_argument("--units", help='units of the files\' columns, as "deg, N*cm"')
+    add_engine_to(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Fit, print the result."""
+    from shellcut.files.folder_lock import FolderInUse
+    from shellcut.study.fit import fit
+
+    try:
+        with engine_given(arguments) as executor:
+            found = fit(
+                arguments.model,
+                _curves(arguments),
+                [key.strip() for key in arguments.free.split(",") if key.strip()],
+                arguments.out,
+                settings=settings_of(arguments),
+                bounds=_bounds(arguments),
+                keep_energy=arguments.keep_energy,
+                max_runs=arguments.max_runs,
+                method=arguments.method,
+                executor=executor,
+            )
+    except (FolderInUse, OSError, ImportError, ValueError) as problem:
+        return refuse(problem)
+    except RuntimeError as problem:
+        refuse(problem)
+        return FAILED
+    print(found)
+    print(f"in {arguments.out}: fit.json")
+    return DONE
+
+
+def _curves(arguments: argparse.Namespace) -> list[FitCurve]:
+    """Return the curves: a file with several quantities, or files with one each."""
+    from shellcut.study.curve_misfit import FitCurve
+
+    files, names = arguments.measured, arguments.y or [""]
+    if len(files) == 1:
+        files = files * len(names)
+    elif len(names) == 1:
+        names = names * len(files)
+    if len(files) != len(names):
+        raise ValueError(
+            f"--y must be given once, once for each file, or several times for one file, but there "
+            f"are {len(names)} for {len(files)} files"
+        )
+    x, x_column = parted(arguments.x)
+    curves = []
+    for file, name in zip(files, names, strict=True):
+        y, y_column = parted(name)
+        curves.append(FitCurve(file, x, y, (x_column, y_column), arguments.units))
+    return curves
+
+
+def _bounds(arguments: argparse.Namespace) -> dict[str, tuple[float, float]]:
+    found = {}
+    for text in arguments.bounds:
+        key, _, ends = text.partition("=")
+        low, _, high = ends.partition(":")
+        try:
+            found[key.strip()] = float(low), float(high)
+        except ValueError:
+            raise ValueError(f"--bounds {text}: must be KEY=LOW:HIGH with two numbers") from None
+    return found

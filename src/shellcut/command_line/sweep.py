@@ -1,0 +1,112 @@
+"""``shellcut sweep``: run a model with many values, or a study file."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .exit_code import DONE, FAILED, refuse
+from .run import add_settings_to
+from .study_engine import add_engine_to, engine_given
+
+if TYPE_CHECKING:
+    from shellcut.study.plan import Plan
+
+_DRY_SHOWN = 20  # runs of a plan that are printed
+
+
+def add_to(commands: Any) -> None:
+    """Add the subcommand to the parser."""
+    parser = commands.add_parser(
+        "sweep",
+        help="run a model with many values: a study",
+        description="Run a model with many values of some keys, or the runs of a study file. A key "
+        "with several values (40,60,80), with files (caps/*.stl), or with a range (12:20, for "
+        "--design sobol or lhs) is a factor. Runs that are done are found and not repeated, "
+        "interrupted ones go on. OUT/table.csv has a row for each run.",
+    )
+    parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
+    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder of the study")
+    add_settings_to(parser)
+    parser.add_argument("--design", choices=("grid", "sobol", "lhs"), help="by default a grid")
+    parser.add_argument("--n", metavar="N", type=int, help="number of runs of sobol or lhs")
+    parser.add_argument("--seed", metavar="K", type=int, help="of sobol and lhs, 0 by default")
+    add_engine_to(parser)
+    parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Plan, run, and say where the table is."""
+    from shellcut.files.folder_lock import FolderInUse
+    from shellcut.model_file import ModelFileError
+    from shellcut.numerics.threads import available_cores
+    from shellcut.study.engines import engine_of
+    from shellcut.study.study import read_outcomes, run_study
+
+    if arguments.out is None and not arguments.dry_run:
+        return refuse("give a folder for the study: -o OUT")
+    try:
+        planned = _planned(arguments)
+    except (ModelFileError, ValueError, OSError) as problem:
+        return refuse(problem)
+    if arguments.dry_run:
+        done = read_outcomes(planned, arguments.out).outcomes if arguments.out else {}
+        _print(planned, len(done))
+        return DONE
+    try:
+        with engine_given(arguments) as executor:
+            engine = engine_of(executor, default_jobs=available_cores())
+            found = run_study(planned, arguments.out, engine)
+    except KeyboardInterrupt:
+        print("interrupted; to continue, call it again", file=sys.stderr)
+        raise
+    except (FolderInUse, ConnectionError, ImportError, ValueError) as problem:
+        return refuse(problem)
+    print(f"in {arguments.out}: {found.table.name}; shellcut report {arguments.out} shows it")
+    return DONE if found.count("done") == len(planned.runs) else FAILED
+
+
+def _planned(arguments: argparse.Namespace) -> Plan:
+    """Return the plan of a model with its factors, or of a study file."""
+    from shellcut.study.design import Design
+    from shellcut.study.factors import factors_of
+    from shellcut.study.plan import plan
+    from shellcut.study.study import FEW_FILES
+    from shellcut.study.study_file import is_study, read_study
+
+    given: dict[str, object] = dict(_texts(arguments))
+    if is_study(arguments.model):
+        study = read_study(arguments.model)
+        several, _ = factors_of(given)
+        if several or arguments.design or arguments.n is not None or arguments.seed is not None:
+            raise ValueError(
+                f"{arguments.model} is a study: its factors and its design are in the file; --set "
+                "takes one value a key here"
+            )
+        return study.plan({**FEW_FILES, **factors_of(given)[1]})
+    several, single = factors_of(given)
+    seed = arguments.seed if arguments.seed is not None else 0
+    design = Design(arguments.design or "grid", arguments.n, seed)
+    return plan(arguments.model, {**FEW_FILES, **single}, several, design)
+
+
+def _texts(arguments: argparse.Namespace) -> Iterator[tuple[str, str]]:
+    """Yield keys with the texts of their values, which may be several."""
+    for text in arguments.settings:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise ValueError(f"--set {text}: must be KEY=VALUE")
+        yield key.strip(), value.strip()
+
+
+def _print(planned: Plan, n_done: int) -> None:
+    print(f"{len(planned.runs)} runs, {n_done} of them done before")
+    for one in planned.runs[:_DRY_SHOWN]:
+        values = ", ".join(f"{key}={value}" for key, value in one.values.items())
+        print(f"{one.number:>5}  {one.key}  {values}")
+    if len(planned.runs) > _DRY_SHOWN:
+        print(f"... and {len(planned.runs) - _DRY_SHOWN} more")

@@ -1,0 +1,145 @@
+"""The difference between measured curves and runs, as a vector for least squares.
+
+For each curve, with m_i measured, s_i simulated and averaged over whole node periods, and w_i the
+weights of the trapezoidal rule on the common range [a, b],
+
+    r_i = sqrt(w_i / (b - a)) (s_i - m_i) / max |m|,
+
+so that r·r is the mean square difference relative to the peak, whatever the number of points, and
+every curve counts alike. The torque of a cut is a sawtooth with the spacing of the nodes, which no
+measured curve has: both are averaged over two spacings, where a straight line stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.numerics.broken_line import BrokenLine
+from shellcut.results.comparison import Comparison, compare
+from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.results.run_results import read
+
+_PERIODS = 2.0
+"""Node spacings over which the simulated curve is averaged."""
+
+_FEWEST = 5
+"""Points at which curves must be compared."""
+
+_LARGEST_WINDOW = 0.2
+"""Of the measured range: wider, little would be left of the curve."""
+
+
+@dataclass(frozen=True)
+class FitCurve:
+    """A measured curve, and the run that it belongs to.
+
+    Attributes
+    ----------
+    measured : str, Path or MeasuredCurve
+        Table of numbers, or the curve.
+    x, y : str, optional
+        Columns of the run's history; by default its coordinate and its torque or force.
+    columns : pair, optional
+        Columns of the file by heading or number, if they have other names.
+    units : str, optional
+        Of the file's columns, as ``"deg, N*mm"``; by default those of its headings.
+    settings : mapping, optional
+        Keys that this experiment had otherwise, such as another speed.
+    """
+
+    measured: str | Path | MeasuredCurve
+    x: str | None = None
+    y: str | None = None
+    columns: tuple[str | int | None, str | int | None] | None = None
+    units: str | None = None
+    settings: Mapping[str, object] = field(default_factory=dict)
+
+
+def window_of(folder: Path, figures: Mapping[str, Any], n_body: int, curve: FitCurve) -> float:
+    """Return the width over which to average a run's curve, in the unit of its coordinate.
+
+    Two node spacings: an edge of the film along the cut, as the coordinate of the motion.
+    """
+    results = read(folder)
+    x = results.history[curve.x or results.coordinate_name]
+    per_body = figures.get("crack_length_mm", 0.0) / n_body
+    edge = figures.get("edge_length_mm", 0.0)
+    across = float(x.max() - x.min())
+    if not per_body > 0.0 or not edge > 0.0:
+        return 0.0
+    return float(min(_PERIODS * edge * across / per_body, _LARGEST_WINDOW * across))
+
+
+def compared(folder: Path, curve: FitCurve, window: float) -> Comparison:
+    """Compare a run with its measured curve, both averaged over the window.
+
+    The points are those at which both windows lie within their curves.
+
+    Raises
+    ------
+    ValueError
+        If columns, units or ranges do not fit.
+    """
+    found = compare(
+        folder,
+        curve.measured,
+        x=curve.x,
+        y=curve.y,
+        columns=curve.columns,
+        units=curve.units,
+        window=window or None,
+    )
+    (m, _), (s, _) = found.measured_curve, found.simulated_curve
+    low, high = max(m[0], s[0]) + 0.5 * window, min(m[-1], s[-1]) - 0.5 * window
+    inside = (found.x >= low) & (found.x <= high)
+    if inside.sum() < _FEWEST:
+        raise ValueError(
+            f"the measured curve must have {_FEWEST} points or more where it is compared, from "
+            f"{low:.4g} to {high:.4g} {found.x_unit}, got {inside.sum()}"
+        )
+    averaged = BrokenLine(*found.measured_curve).mean_at(found.x, window)
+    return replace(
+        found,
+        x=found.x[inside],
+        measured=averaged[inside],
+        simulated=found.simulated[inside],
+    )
+
+
+def residuals(comparisons: Sequence[Comparison]) -> Floats:
+    """Return r of all curves, one after the other, shape (n_point,)."""
+    return np.concatenate([_weights(one) * (one.simulated - one.measured) for one in comparisons])
+
+
+def nothing_simulated(comparisons: Sequence[Comparison]) -> Floats:
+    """Return r of runs that failed: as if they had no force at all, and twice that."""
+    return np.concatenate([-2.0 * _weights(one) * one.measured for one in comparisons])
+
+
+def _weights(one: Comparison) -> Floats:
+    steps = np.diff(one.x)
+    share = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)) / (one.x[-1] - one.x[0])
+    return np.asarray(np.sqrt(share) / np.abs(one.measured).max())
+
+
+def independent_points(comparisons: Sequence[Comparison]) -> float:
+    """Return how many independent points the curves are worth.
+
+    Neighbouring points of a curve miss by alike amounts, as far as the miss is the model's and not
+    noise. With the correlation c of neighbours, n points are worth n (1 - c) / (1 + c).
+    """
+    total = 0.0
+    for one in comparisons:
+        miss = one.simulated - one.measured
+        miss = miss - miss.mean()
+        square = float(miss @ miss)
+        near = float(miss[1:] @ miss[:-1]) / square if square > 0.0 else 0.0
+        near = min(max(near, 0.0), 0.999)
+        total += len(miss) * (1.0 - near) / (1.0 + near)
+    return total

@@ -1,0 +1,98 @@
+"""Designs: which values the factors take together in each run.
+
+A grid takes every combination. Sobol' points and a Latin hypercube fill the box of the ranges
+evenly with any number of runs [McKay1979], [Sobol1967]; SciPy makes both.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import scipy.stats
+
+from .factors import Factor
+
+Kind = Literal["grid", "sobol", "lhs"]
+KINDS: tuple[str, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True)
+class Design:
+    """How the values of the factors are combined.
+
+    Attributes
+    ----------
+    kind : {"grid", "sobol", "lhs"}
+        Every combination; Sobol' points, scrambled; a Latin hypercube.
+    n : int, optional
+        Number of runs of the last two.
+    seed : int
+        Of the last two: another seed gives other points.
+    """
+
+    kind: Kind = "grid"
+    n: int | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        problems = []
+        if self.kind not in KINDS:
+            problems.append(f"the design must be one of {', '.join(KINDS)}, got {self.kind!r}")
+        elif self.kind == "grid" and self.n is not None:
+            problems.append("a grid has as many runs as combinations: leave out n")
+        elif self.kind != "grid" and not (isinstance(self.n, int) and self.n > 0):
+            problems.append(f"a design of kind {self.kind} must have n runs, 1 or more: {self.n!r}")
+        if not (isinstance(self.seed, int) and self.seed >= 0):
+            problems.append(f"seed must be a whole number, 0 or more, got {self.seed!r}")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+    def runs(self, factors: Sequence[Factor]) -> list[dict[str, object]]:
+        """Return the values of all factors in each run, by key.
+
+        Raises
+        ------
+        ValueError
+            If a factor of a grid is a range.
+        """
+        if self.kind == "grid":
+            return _grid(factors)
+        points = self._points(len(factors))
+        keys = [factor.key for factor in factors]
+        return [
+            dict(zip(keys, (f.at(u) for f, u in zip(factors, row, strict=True)), strict=True))
+            for row in points
+        ]
+
+    def _points(self, n_factor: int) -> list[list[float]]:
+        """Return points of the unit cube."""
+        assert self.n is not None
+        if n_factor == 0:
+            return [[]]
+        if self.kind == "lhs":
+            points = scipy.stats.qmc.LatinHypercube(n_factor, seed=self.seed).random(self.n)
+        else:
+            # Whole powers of two keep the balance of the sequence; the first n are of that.
+            power = math.ceil(math.log2(self.n))
+            sobol = scipy.stats.qmc.Sobol(n_factor, seed=self.seed)
+            points = sobol.random_base2(power)[: self.n]
+        listed: list[list[float]] = points.tolist()
+        return listed
+
+
+def _grid(factors: Sequence[Factor]) -> list[dict[str, object]]:
+    ranges = [f"{f.key} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
+    if ranges:
+        raise ValueError(
+            f"a grid takes lists of values, and {', '.join(ranges)} is a range: write the values, "
+            "or choose the design sobol or lhs with a number of runs"
+        )
+    keys = [factor.key for factor in factors]
+    return [
+        dict(zip(keys, values, strict=True))
+        for values in itertools.product(*(factor.values for factor in factors))
+    ]

@@ -1,0 +1,167 @@
+"""Fit parameters of a model to measured curves, in as few runs as it takes.
+
+The misfit is that of :mod:`.curve_misfit`. ``local`` is SciPy's least squares with bounds (a trust
+region), whose derivatives are differences over steps of 8 %: far above the noise that an explicit
+run leaves in its smoothed curve, so the misfit looks smooth to it. All runs of a derivative go to
+the engine together. ``global`` first spreads runs over the box, lays a smooth surface through their
+curves, seeks its least misfit anywhere, and adds that point, until it stays or no runs are left.
+
+Every run is kept by the hash of its inputs: a fit that is called again takes the same way without
+running anything, and goes on where it was ended.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.files.folder_lock import FolderLock
+from shellcut.model_file.reader import ModelVariants
+from shellcut.numerics.threads import available_cores
+
+from .curve_misfit import FitCurve
+from .engines import engine_of
+from .fit_result import FitResult, result_of
+from .fit_runs import FitRuns, OutOfRuns
+from .free_parameters import FreeParameters
+from .study import FEW_FILES
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Method = Literal["local", "global"]
+
+_STEP = 0.08
+"""Of the differences, in the logarithm of a parameter."""
+
+_CLOSE = 2e-3
+"""Relative change of the parameters at which the fit has arrived: a tenth of what data can tell."""
+
+_SPREAD = 0.4
+"""Of the runs, that a global fit spreads over the box."""
+
+
+def fit(
+    model: str | os.PathLike[str],
+    curves: Sequence[FitCurve],
+    free: Sequence[str],
+    out: str | os.PathLike[str],
+    *,
+    settings: Mapping[str, object] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    keep_energy: bool = False,
+    max_runs: int = 40,
+    method: Method = "local",
+    executor: int | Executor | Client | None = None,
+    say: Callable[[str], None] | None = None,
+) -> FitResult:
+    """Fit keys of a model to measured curves.
+
+    Parameters
+    ----------
+    model : str or path
+        Model file, or name of a shipped model.
+    curves : sequence of FitCurve
+        What was measured; each may have settings of its own, then it takes a run of its own.
+    free : sequence of str
+        Keys that are fitted, as ``cohesive.plateau``; numbers above zero. They start at the values
+        of the model.
+    out : str or path
+        Folder for the runs and the result.
+    settings : mapping, optional
+        Keys with another value than in the model.
+    bounds : mapping from str to (low, high), optional
+        In the unit of the key; a third of the start to three times it by default.
+    keep_energy : bool
+        Keep the fracture energy of the model's law: the last free key follows from the others.
+    max_runs : int
+        Runs to take at most.
+    method : {"local", "global"}
+        Least squares from the start, or a search of the whole box on a surface through the runs.
+    executor : int, Executor or distributed.Client, optional
+        As of :func:`shellcut.sweep`.
+    say : callable, optional
+        Takes the lines about progress; standard error by default.
+
+    Returns
+    -------
+    FitResult
+        Values with 95 % confidence intervals, and in words how far the data tell them.
+
+    Raises
+    ------
+    ModelFileError, ValueError
+        With what is wrong with model, keys, bounds or curves, before anything runs.
+    RuntimeError
+        If the run at the start fails.
+    """
+    if method not in get_args(Method):
+        raise ValueError(f"method must be one of {', '.join(get_args(Method))}, got {method!r}")
+    variants = ModelVariants(model, {**FEW_FILES, **(settings or {})})
+    parameters = FreeParameters(variants, free, bounds or {}, keep_energy=keep_energy)
+    least = len(parameters.varied) + 2
+    if max_runs < least:
+        raise ValueError(f"max_runs must be {least} or more with these keys, got {max_runs}")
+    engine = engine_of(executor, default_jobs=available_cores())
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    with closing(FolderLock(folder)):
+        runs = FitRuns(variants, parameters, tuple(curves), folder, engine, max_runs, say)
+        runs.begin()
+        try:
+            (_locally if method == "local" else _globally)(runs)
+            ended = "the parameters no longer change"
+        except OutOfRuns:
+            ended = f"max_runs, {max_runs}, are used up"
+        found = result_of(runs, _slopes_at_best(runs), ended)
+        found.write(folder)
+    return found
+
+
+def _locally(runs: FitRuns, start: Floats | None = None) -> None:
+    """Take SciPy's least squares from a start."""
+    low, high = runs.parameters.bounds()
+    scipy.optimize.least_squares(
+        runs.residuals,
+        np.zeros(low.size) if start is None else start,
+        jac=lambda logs: runs.slopes(logs, _STEP),
+        bounds=(low, high),
+        xtol=_CLOSE,
+        ftol=1e-4,
+        gtol=1e-8,
+        x_scale=1.0,
+    )
+
+
+def _globally(runs: FitRuns) -> None:
+    """Search the box on a surface through the residuals of the runs."""
+    low, high = runs.parameters.bounds()
+    n_spread = max(2 * low.size + 1, int(_SPREAD * runs.left))
+    cube = scipy.stats.qmc.LatinHypercube(low.size, seed=0).random(n_spread)
+    points = [np.zeros(low.size), *(low + cube * (high - low))]
+    runs.several(points)
+    while True:
+        tried, missed = runs.tried()
+        surface = scipy.interpolate.RBFInterpolator(tried, missed, kernel="thin_plate_spline")
+        found = scipy.optimize.differential_evolution(
+            lambda logs, s=surface: float(np.sum(s(logs[None])[0] ** 2)),
+            list(zip(low, high, strict=True)),
+            seed=0,
+        )
+        nearest = float(np.abs(tried - found.x).max(axis=1).min())
+        runs.residuals(found.x)
+        if nearest < _CLOSE:
+            return
+
+
+def _slopes_at_best(runs: FitRuns) -> Floats:
+    """Return the derivatives at the best run, for the intervals, whatever runs that takes."""
+    return runs.slopes(runs.best(), _STEP, beyond=True)

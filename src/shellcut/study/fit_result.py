@@ -1,0 +1,226 @@
+r"""The result of a fit: values, how far the data tell them, and the curves.
+
+With the derivatives J of the n_eff independent residuals r at the best of p parameters, their
+covariance is
+
+    C = r·r / (n_eff - p) (Jᵀ J)⁻¹,
+
+in the logarithm of the parameters (Gauss-Newton); the 95 % interval is the value times
+exp(± t sqrt(C_kk)), t of Student with n_eff - p degrees of freedom. Residuals whose neighbours are
+correlated count as fewer independent ones (:mod:`.curve_misfit`). It says how well the data
+determine the parameters of *this* model, not whether the model is right.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.files.whole_file import atomic_write
+from shellcut.results.comparison import Comparison
+
+from .curve_misfit import independent_points
+from .fit_runs import FitRuns
+
+FIT, PICTURE = "fit.json", "fit.png"
+
+_LEVEL = 0.95
+_APART = 0.95
+"""Correlation of two parameters beyond which the data do not tell them apart."""
+_WIDE = 1.5
+"""Factor from the value to the end of its interval beyond which it is not determined."""
+
+
+@dataclass(frozen=True)
+class FittedValue:
+    """A fitted parameter.
+
+    Attributes
+    ----------
+    key, unit : str
+    start, value : float
+        In the unit.
+    low, high : float
+        Ends of the 95 % interval; nan for one that follows from the others.
+    """
+
+    key: str
+    unit: str
+    start: float
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """What a fit has found.
+
+    Attributes
+    ----------
+    values : tuple of FittedValue
+    rms, rms_at_start : float
+        Root mean square difference over the measured peak, now and at the start.
+    correlation : ndarray, shape (n, n)
+        Of the varied parameters.
+    n_run : int
+        Runs it rests on.
+    notes : tuple of str
+        How far the data tell the parameters, in words.
+    comparisons : list of Comparison
+        The curves at the best parameters.
+    at_start : list of Comparison
+        The same at the start.
+    """
+
+    values: tuple[FittedValue, ...]
+    rms: float
+    rms_at_start: float
+    correlation: Floats
+    n_run: int
+    notes: tuple[str, ...]
+    comparisons: list[Comparison]
+    at_start: list[Comparison]
+
+    def __str__(self) -> str:
+        """Return a small table and the notes."""
+        lines = [f"{'key':<34}{'start':>12}{'fitted':>12}   95 % interval"]
+        for one in self.values:
+            between = f"{one.low:.4g} to {one.high:.4g}" if one.low == one.low else "follows"
+            unit = f" {one.unit}" if one.unit else ""
+            lines.append(f"{one.key:<34}{one.start:>12.5g}{one.value:>12.5g}   {between}{unit}")
+        lines.append(
+            f"difference {100 * self.rms:.2f} % of the peak (rms), {100 * self.rms_at_start:.2f} % "
+            f"at the start; {self.n_run} runs"
+        )
+        return "\n".join([*lines, *self.notes])
+
+    def write(self, folder: Path) -> None:
+        """Write ``fit.json`` and, with Matplotlib, ``fit.png``."""
+        figures = {
+            "values": [asdict(one) for one in self.values],
+            "rms_relative": self.rms,
+            "rms_relative_at_start": self.rms_at_start,
+            "correlation": self.correlation.tolist(),
+            "n_run": self.n_run,
+            "notes": list(self.notes),
+        }
+        with atomic_write(folder / FIT) as temporary:
+            temporary.write_text(_json(figures), encoding="utf-8")
+        if importlib.util.find_spec("matplotlib") is not None:
+            from shellcut.view.fit_picture import FittedCurve, draw_fit
+
+            curves = [
+                FittedCurve(
+                    now.measured_curve,
+                    before.simulated_curve,
+                    now.simulated_curve,
+                    (now.x_name, now.x_unit),
+                    (now.y_name, now.y_unit),
+                )
+                for now, before in zip(self.comparisons, self.at_start, strict=True)
+            ]
+            draw_fit(folder / PICTURE, curves)
+
+
+def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
+    """Return the result at the best set of parameters.
+
+    Parameters
+    ----------
+    runs : FitRuns
+        All runs.
+    slopes : ndarray, shape (n_point, n_varied)
+        Derivatives of the residuals there.
+    ended : str
+        Why the fit ended.
+    """
+    best = runs.best()
+    missed, comparisons = runs.at(best)
+    start, at_start = runs.at(np.zeros(best.size))
+    n_curve = len(comparisons)
+    free = independent_points(comparisons) - best.size
+    covariance = _covariance(slopes, float(missed @ missed), free)
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(all="ignore"):
+        correlation = covariance / np.outer(spread, spread)
+    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(free, 1.0)))
+    values = runs.parameters.values(best.tolist())
+    fitted = []
+    for k, one in enumerate(runs.parameters.all):
+        factor = float(np.exp(t * spread[k])) if k < best.size else float("nan")
+        value = values[one.key]
+        fitted.append(
+            FittedValue(one.key, one.unit, one.start, value, value / factor, value * factor)
+        )
+    notes = [f"ended because {ended}", *_judged(runs, best, fitted, correlation)]
+    return FitResult(
+        values=tuple(fitted),
+        rms=float(np.sqrt(missed @ missed / n_curve)),
+        rms_at_start=float(np.sqrt(start @ start / n_curve)),
+        correlation=correlation,
+        n_run=runs.n_run,
+        notes=tuple(notes),
+        comparisons=comparisons,
+        at_start=at_start,
+    )
+
+
+def _covariance(slopes: Floats, square: float, free: float) -> Floats:
+    """Return C; infinite where the data say nothing."""
+    n = slopes.shape[1]
+    information = slopes.T @ slopes
+    largest = float(np.trace(information))
+    if not free > 0.0 or not largest > 0.0:
+        return np.diag(np.full(n, np.inf))
+    # Not the inverse: of a singular matrix it would be round-off. This is far beyond any use.
+    return np.asarray(square / free * np.linalg.inv(information + 1e-12 * largest * np.eye(n)))
+
+
+def _judged(
+    runs: FitRuns, best: Floats, fitted: list[FittedValue], correlation: Floats
+) -> list[str]:
+    """Return in words how far the data tell the parameters."""
+    notes = []
+    low, high = runs.parameters.bounds()
+    for k in range(best.size):
+        one = fitted[k]
+        for j in range(k):
+            if abs(correlation[j, k]) > _APART:
+                notes.append(
+                    f"the data cannot tell {fitted[j].key} and {one.key} apart (correlation "
+                    f"{correlation[j, k]:.3f}): a change of one is made up by the other, only a "
+                    "combination of both is determined; fix one of them, or add a curve on which "
+                    "they act differently"
+                )
+        if not one.high < _WIDE * one.value:
+            notes.append(
+                f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
+                f"{one.high:.3g} {one.unit}".rstrip()
+            )
+        if min(best[k] - low[k], high[k] - best[k]) < 1e-3:
+            notes.append(f"{one.key} lies at a bound, {one.value:.4g} {one.unit}: widen it")
+    if runs.failures:
+        notes.append(f"{len(runs.failures)} sets of values could not be run: {runs.failures[0]}")
+    return notes
+
+
+def _json(figures: dict[str, object]) -> str:
+    """Return JSON text, numbers that are not finite as null."""
+
+    def finite(value: object) -> object:
+        if isinstance(value, float) and not np.isfinite(value):
+            return None
+        if isinstance(value, dict):
+            return {key: finite(one) for key, one in value.items()}
+        if isinstance(value, list):
+            return [finite(one) for one in value]
+        return value
+
+    return json.dumps(finite(figures), indent=1)

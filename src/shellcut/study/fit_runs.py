@@ -1,0 +1,204 @@
+"""The runs of a fit: residuals at sets of parameters, each computed once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.model_file.reader import ModelVariants
+from shellcut.results.comparison import Comparison
+
+from .curve_misfit import FitCurve, compared, nothing_simulated, residuals, window_of
+from .design import Design
+from .engines import Engine
+from .free_parameters import FreeParameters
+from .one_run import Outcome
+from .plan import Plan, planned_runs
+from .progress import StudyProgress
+from .study import carry_out, done_before
+
+
+class OutOfRuns(Exception):
+    """The runs that a fit may take are used up."""
+
+
+class FitRuns:
+    """Residuals of the measured curves at sets of parameters.
+
+    Parameters
+    ----------
+    variants : ModelVariants
+        The model.
+    parameters : FreeParameters
+        What is fitted.
+    curves : tuple of FitCurve
+        What was measured.
+    folder : Path
+        Of the fit.
+    engine : Engine
+        Carries out the runs.
+    most : int
+        Runs to take at most.
+    say : callable, optional
+        Takes the lines about progress.
+    """
+
+    def __init__(
+        self,
+        variants: ModelVariants,
+        parameters: FreeParameters,
+        curves: tuple[FitCurve, ...],
+        folder: Path,
+        engine: Engine,
+        most: int,
+        say: Callable[[str], None] | None,
+    ) -> None:
+        self.parameters, self.curves = parameters, curves
+        self._variants, self._folder, self._engine = variants, folder, engine
+        self._most, self._say = most, say
+        # Curves of the same settings share a run.
+        self._settings = [dict(one) for one in dict.fromkeys(_frozen(c.settings) for c in curves)]
+        self._windows: list[float] = []
+        self._known: dict[tuple[float, ...], tuple[Floats, list[Comparison]]] = {}
+        self.n_run = 0
+        """Runs so far, those found done included."""
+        self.failures: list[str] = []
+        """Why runs failed."""
+
+    @property
+    def left(self) -> int:
+        """Sets of parameters that the runs left are good for."""
+        return (self._most - self.n_run) // len(self._settings)
+
+    def begin(self) -> None:
+        """Run at the start, which sets the windows of the curves.
+
+        Raises
+        ------
+        RuntimeError
+            If that run fails.
+        ValueError
+            If a measured curve does not fit its run.
+        """
+        start = np.zeros(len(self.parameters.varied))
+        outcomes, folders = self._run([self.parameters.values(start.tolist())])
+        problems = []
+        for which, outcome in enumerate(outcomes[0]):
+            if outcome.status != "done":
+                raise RuntimeError(f"the run at the start has {outcome.status}: {outcome.reason}")
+            for curve in self._of(which):
+                model = self._variants.read(curve.settings, try_out=False)
+                n_body = int(getattr(model.sections.get("tool"), "teeth", 1))
+                window = window_of(folders[0][which], outcome.figures, n_body, curve)
+                self._windows.append(window)
+                try:
+                    compared(folders[0][which], curve, window)
+                except (ValueError, OSError) as problem:
+                    problems.append(str(problem))
+        if problems:
+            raise ValueError("\n".join(problems))
+        self._take(start, outcomes[0], folders[0])
+
+    def residuals(self, logs: Floats) -> Floats:
+        """Return the residuals at one set of parameters."""
+        return self.several([logs])[0]
+
+    def several(self, points: Sequence[Floats], *, beyond: bool = False) -> list[Floats]:
+        """Return the residuals at several sets, whose runs go to the engine together.
+
+        Raises
+        ------
+        OutOfRuns
+            If there are not as many runs left, unless ``beyond`` says not to mind.
+        """
+        new = [p for p in {_key(p): p for p in points}.values() if _key(p) not in self._known]
+        if new and not beyond and self.left < len(new):
+            raise OutOfRuns
+        valued = []
+        for point in new:
+            try:
+                valued.append((point, self.parameters.values(point.tolist())))
+            except ValueError as problem:
+                self._fail(point, str(problem))
+        if valued:
+            outcomes, folders = self._run([values for _, values in valued])
+            for (point, _), those, there in zip(valued, outcomes, folders, strict=True):
+                self._take(point, those, there)
+        return [self._known[_key(point)][0] for point in points]
+
+    def slopes(self, logs: Floats, step: float, *, beyond: bool = False) -> Floats:
+        """Return the derivatives of the residuals by differences, shape (n_point, n_varied)."""
+        low, high = self.parameters.bounds()
+        points = []
+        for k in range(logs.size):
+            away = step if logs[k] + step <= high[k] or logs[k] - step < low[k] else -step
+            points.append(logs + away * np.eye(logs.size)[k])
+        here, *there = self.several([logs, *points], beyond=beyond)
+        columns = [
+            (far - here) / (point[k] - logs[k])
+            for k, (far, point) in enumerate(zip(there, points, strict=True))
+        ]
+        return np.column_stack(columns)
+
+    def tried(self) -> tuple[Floats, Floats]:
+        """Return all sets of parameters tried, and their residuals, a row each."""
+        return np.array(list(self._known)), np.array([r for r, _ in self._known.values()])
+
+    def best(self) -> Floats:
+        """Return the set with the least misfit."""
+        points, missed = self.tried()
+        return np.asarray(points[np.argmin((missed**2).sum(axis=1))])
+
+    def at(self, logs: Floats) -> tuple[Floats, list[Comparison]]:
+        """Return residuals and comparisons of a set that has been run."""
+        return self._known[_key(logs)]
+
+    def _of(self, which: int) -> list[FitCurve]:
+        """Return the curves of one of the settings."""
+        return [c for c in self.curves if dict(_frozen(c.settings)) == self._settings[which]]
+
+    def _run(
+        self, values: Sequence[dict[str, float]]
+    ) -> tuple[list[list[Outcome]], list[list[Path]]]:
+        """Run sets of values with all settings; return outcomes and folders by set and setting."""
+        combined = [{**settings, **one} for one in values for settings in self._settings]
+        runs = tuple(planned_runs(self._variants, combined))
+        plan = Plan("", {}, (), Design(), runs, self._variants)
+        found = done_before(plan, self._folder)
+        progress = StudyProgress(plan, len(found), self._engine.jobs, self._say)
+        carry_out(plan, self._folder, self._engine, found, progress)
+        self.n_run += len(runs)
+        n, folders = len(self._settings), [run.folder(self._folder) for run in runs]
+        stopped = Outcome("stopped")
+        outcomes = [found.get(run.number, stopped) for run in runs]
+        rows = range(0, len(runs), n)
+        return [outcomes[k : k + n] for k in rows], [folders[k : k + n] for k in rows]
+
+    def _take(self, point: Floats, outcomes: list[Outcome], folders: list[Path]) -> None:
+        """Keep the residuals of a set of runs."""
+        failed = [one.reason or one.status for one in outcomes if one.status != "done"]
+        if failed:
+            self._fail(point, failed[0])
+            return
+        comparisons, window = [], iter(self._windows)
+        for which, folder in enumerate(folders):
+            for curve in self._of(which):
+                comparisons.append(compared(folder, curve, next(window)))
+        self._known[_key(point)] = residuals(comparisons), comparisons
+
+    def _fail(self, point: Floats, reason: str) -> None:
+        """Give a set that cannot be run a misfit that the fit turns away from."""
+        self.failures.append(reason)
+        _, comparisons = next(iter(self._known.values()))
+        self._known[_key(point)] = nothing_simulated(comparisons), comparisons
+
+
+def _key(logs: Floats) -> tuple[float, ...]:
+    return tuple(float(f"{log:.9g}") for log in logs)
+
+
+def _frozen(settings: object) -> tuple[tuple[str, object], ...]:
+    return tuple(sorted(dict(settings).items()))  # type: ignore[call-overload]

@@ -1,0 +1,232 @@
+"""One run of a study, in its own folder: begun, continued or found done. Workers call it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import logging.handlers
+import multiprocessing
+import time
+import traceback
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from shellcut.checks import RefusedModel
+from shellcut.files.folder_lock import FolderInUse
+from shellcut.files.run_folder import CHECKPOINT, SUMMARY
+from shellcut.files.whole_file import atomic_write
+from shellcut.model_file import Model, ModelFileError
+from shellcut.model_file.reader import model_of_text
+from shellcut.models.case import Case, check_length
+from shellcut.recording.checkpoint import CheckpointError
+from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.simulation.hooks import StopWhen
+from shellcut.simulation.instability import UnstableStep
+
+USED, LOG, OUTCOME = "used.toml", "run.log", "outcome.json"
+"""Files of a run besides those of the recorder; the last one says that it is done."""
+
+STOP = "stop"
+"""A file of this name in the study's folder stops all runs after their step."""
+
+_LOOK_EVERY = 1.0  # s between two looks for that file
+_MOST_LINES = 1000  # of a log, kept before they are written
+_PATIENCE = 1.0  # s between two tries at a folder in use
+
+UNDER_WAY: set[str] = set()
+"""Hashes of the runs of this process that have not ended."""
+
+Status = Literal["done", "failed", "stopped"]
+
+_LIBRARY, _log = logging.getLogger("shellcut"), logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker needs: texts and paths only, so that it goes to any machine.
+
+    Attributes
+    ----------
+    number : int
+        Of the run in the study.
+    key : str
+        Hash of its inputs.
+    folder : str
+        Of the run; the worker must see the same file system.
+    model : str
+        Text of the model file with every default filled in.
+    """
+
+    number: int
+    key: str
+    folder: str
+    model: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended.
+
+    Attributes
+    ----------
+    status : {"done", "failed", "stopped"}
+    reason : str
+        Of a failure, in one line.
+    figures : mapping from str to number or text
+        Of ``summary.json``.
+    seconds : float
+        That this call took [s]; 0 for a run that was found done.
+    """
+
+    status: Status
+    reason: str = ""
+    figures: Mapping[str, Any] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+def run_one(task: Task) -> Outcome:
+    """Do a run, or continue it from its checkpoint; a failure is an outcome, not an error."""
+    UNDER_WAY.add(task.key)
+    try:
+        return _run_or_say(task)
+    finally:
+        UNDER_WAY.discard(task.key)
+
+
+def _run_or_say(task: Task) -> Outcome:
+    began = time.perf_counter()
+    folder = Path(task.folder)
+    stops = _Stops(folder.parent.parent)
+    try:
+        while True:
+            if found := outcome_in(folder, task.key):
+                return found
+            try:
+                figures = _run(task, folder, StopWhen(stops))
+                break
+            except FolderInUse:  # a worker that was given up may still be at it
+                if stops():
+                    return Outcome("stopped")
+                time.sleep(_PATIENCE)
+    except KeyboardInterrupt:
+        return Outcome("stopped")
+    except (ModelFileError, RefusedModel, UnstableStep, OSError, ValueError, MemoryError) as error:
+        return Outcome("failed", _one_line(error), seconds=time.perf_counter() - began)
+    except Exception as error:  # a fault of the library must not end the study either
+        # Not in the folder, where no run may have begun.
+        beside = folder.with_suffix(".error")
+        with contextlib.suppress(OSError):
+            beside.write_text(traceback.format_exc(), encoding="utf-8")
+        reason = f"{type(error).__name__}: {_one_line(error)} (traceback in {beside.name})"
+        return Outcome("failed", reason, seconds=time.perf_counter() - began)
+    seconds = time.perf_counter() - began
+    if figures is None:
+        return Outcome("stopped", seconds=seconds)
+    return Outcome("done", figures=figures, seconds=seconds)
+
+
+def outcome_in(folder: Path, key: str) -> Outcome | None:
+    """Return the outcome of a run that is done, None if it is not."""
+    try:
+        kept = json.loads((folder / OUTCOME).read_text(encoding="utf-8"))
+        if kept["key"] == key:
+            return Outcome("done", figures=kept["figures"])
+    except (OSError, ValueError, KeyError, TypeError):  # none, or cut short by a full disk
+        pass
+    return None
+
+
+class _Stops:
+    """Whether the study is to stop: somebody has said so, or its process is gone."""
+
+    def __init__(self, study: Path) -> None:
+        self._file, self._parent = study / STOP, multiprocessing.parent_process()
+        self._looked, self._found = 0.0, False
+
+    def __call__(self) -> bool:
+        if time.monotonic() - self._looked > _LOOK_EVERY:
+            self._looked = time.monotonic()
+            alone = self._parent is not None and not self._parent.is_alive()
+            self._found = alone or self._file.exists()
+        return self._found
+
+
+def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
+    """Run to the end and return the figures, or None if the run was stopped."""
+    folder.mkdir(parents=True, exist_ok=True)
+    used = folder / USED
+    resume = (folder / CHECKPOINT).exists() and _text(used) == task.model
+    model = model_of_text(task.model, USED)
+    with _library_said() as log, contextlib.suppress(RunEnded):
+        case, recorder = _begun(model, folder, resume=resume)
+        _write(used, task.model)
+        log.setTarget(logging.FileHandler(folder / LOG, encoding="utf-8"))
+        case.go(recorder, [stop])
+        if case.simulation.state.time < case.duration:
+            return None
+    figures: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    _write(folder / OUTCOME, json.dumps({"key": task.key, "figures": figures}, indent=1))
+    return figures
+
+
+def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]:
+    """Return the case and its recorder, from the checkpoint where that can be read."""
+    case = model.build()
+    options = {
+        **model.run_options(),
+        "progress": False,
+        "curves": False,
+        "also": (USED, LOG, OUTCOME),
+        "until": case.duration,
+        "name": case.name,
+    }
+    check_length(case.simulation, case.duration)
+    if resume:
+        try:
+            return case, Recorder(case.simulation, folder, resume=True, **options)
+        except (CheckpointError, FileNotFoundError) as problem:
+            _log.warning("begun afresh: %s", problem)
+            case = model.build()  # the checkpoint may have been read in part
+    return case, Recorder(case.simulation, folder, **options)
+
+
+@contextlib.contextmanager
+def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
+    """Keep what the library logs for the log of a run, and show it nowhere else.
+
+    Its file may be opened only when the recorder has taken the folder: it is the target to set.
+    """
+    handler = logging.handlers.MemoryHandler(_MOST_LINES, logging.CRITICAL)
+    logger, propagate, level = _LIBRARY, _LIBRARY.propagate, _LIBRARY.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False
+    try:
+        yield handler
+    finally:
+        logger.propagate = propagate
+        logger.setLevel(level)
+        logger.removeHandler(handler)
+        target = handler.target
+        handler.close()  # and writes what is left
+        if target is not None:
+            target.close()
+
+
+def _write(path: Path, text: str) -> None:
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+def _one_line(error: BaseException) -> str:
+    return "; ".join(str(error).splitlines()) or type(error).__name__

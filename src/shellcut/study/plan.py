@@ -1,0 +1,188 @@
+"""The plan of a study: its runs, each with its inputs and the hash that names its folder."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from shellcut.model_file import Model, ModelFileError
+from shellcut.model_file.errors import Problem
+from shellcut.model_file.model import digest_of
+from shellcut.model_file.reader import ModelVariants
+from shellcut.numerics.threads import available_cores
+
+from .design import Design
+from .factors import Factor
+
+RUNS = "runs"
+"""Folder of the runs in that of the study."""
+
+_DIGITS = 16
+"""Of a hash, in the name of a folder: no two of a billion studies share one."""
+
+_NO_INPUT = ("name", "threads")
+"""Keys before the first section that change no result."""
+
+_VERSION = version("shellcut")
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run of a study.
+
+    Attributes
+    ----------
+    number : int
+        In the design, from 0.
+    values : mapping from str to value
+        Of the factors.
+    key : str
+        Hash of all inputs, of the files too, and of shellcut's version; names the folder.
+    """
+
+    number: int
+    values: Mapping[str, object]
+    key: str
+
+    def folder(self, study: Path) -> Path:
+        """Return the folder of the run."""
+        return study / RUNS / self.key
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a study.
+
+    Attributes
+    ----------
+    model : str
+        Model file, or name of a shipped model.
+    settings : mapping from str to value
+        Keys that have the same value in all runs.
+    factors : tuple of Factor
+        Keys that have not.
+    design : Design
+        Which values go together.
+    runs : tuple of PlannedRun
+        In the order of the design.
+    """
+
+    model: str
+    settings: Mapping[str, object]
+    factors: tuple[Factor, ...]
+    design: Design
+    runs: tuple[PlannedRun, ...]
+    variants: ModelVariants
+
+    def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
+        """Return the model of a run, with its share of the cores if it gives no threads.
+
+        Raises
+        ------
+        ModelFileError
+            If the values do not fit together.
+        """
+        model = self.variants.read(run.values)
+        if model.head.threads is None:
+            threads = max(1, available_cores() // jobs)
+            model = model.with_threads(threads)
+        return model
+
+
+def plan(
+    model: str,
+    settings: Mapping[str, object],
+    factors: Sequence[Factor],
+    design: Design,
+) -> Plan:
+    """Return the runs of a study; nothing is built or written.
+
+    Every value of a list and both ends of a range are tried with the first values of the others.
+    What fails only in other combinations fails in its run.
+
+    Raises
+    ------
+    ModelFileError
+        With every problem of the file and of the values.
+    ValueError
+        If the design does not fit the factors.
+    """
+    variants = ModelVariants(model, settings)
+    combined = design.runs(factors)
+    _try_values(variants, factors, combined)
+    return Plan(
+        model, settings, tuple(factors), design, tuple(planned_runs(variants, combined)), variants
+    )
+
+
+def planned_runs(
+    variants: ModelVariants, combined: Sequence[Mapping[str, object]]
+) -> Iterator[PlannedRun]:
+    """Yield a run for each set of values.
+
+    Raises
+    ------
+    ModelFileError
+        If a value cannot be read.
+    """
+    digests = _Digests()
+    for number, values in enumerate(combined):
+        yield PlannedRun(number, values, _key(variants.read(values, try_out=False), digests))
+
+
+def _try_values(
+    variants: ModelVariants, factors: Sequence[Factor], combined: Sequence[Mapping[str, object]]
+) -> None:
+    """Read the model with every single value of the factors."""
+    first = dict(combined[0])
+    problems: dict[Problem, None] = {}
+    tried = [first]
+    tried += [{**first, f.key: v} for f in factors for v in f.probes() if v != first[f.key]]
+    for values in tried:
+        try:
+            variants.read(values)
+        except ModelFileError as error:
+            problems |= dict.fromkeys(error.problems)
+    if problems:
+        raise ModelFileError(list(problems))
+
+
+class _Digests(dict[str, str]):
+    """Digests of files, each computed once."""
+
+    def __missing__(self, path: str) -> str:
+        self[path] = digest_of(path)
+        return self[path]
+
+
+def _key(model: Model, digests: Mapping[str, str]) -> str:
+    """Return the hash of all that makes the results what they are."""
+    head = {name: value for name, value in vars(model.head).items() if name not in _NO_INPUT}
+    inputs = {
+        "version": _VERSION,
+        "head": head,
+        "sections": {t: _of(s) for t, s in model.sections.items() if t != "output"},
+        "lists": {t: [_of(s) for s in several] for t, several in model.lists.items()},
+        "files": {path: digests[path] for path in model.files()},
+    }
+    text = json.dumps(inputs, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+
+
+def _of(section: Any) -> list[object]:
+    return [section.kind, asdict(section)]
+
+
+def repeated(runs: Sequence[PlannedRun]) -> Iterator[tuple[PlannedRun, PlannedRun]]:
+    """Yield the runs whose inputs are those of an earlier one, with that."""
+    seen: dict[str, PlannedRun] = {}
+    for run in runs:
+        if run.key in seen:
+            yield run, seen[run.key]
+        else:
+            seen[run.key] = run

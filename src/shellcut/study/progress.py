@@ -1,0 +1,86 @@
+"""Lines about the progress of a study: which run ended how, and how long the rest will take."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+
+from shellcut.results.summary_figures import plain_figures
+
+from .one_run import Outcome
+from .plan import Plan
+
+_SHOWN = ("torque_plateau_Nmm", "force_plateau_N", "torque_peak_Nmm", "force_peak_N")
+"""Figures of which the first that a run has is shown."""
+
+
+class StudyProgress:
+    """Says when a run ends.
+
+    Parameters
+    ----------
+    plan : Plan
+        The study.
+    n_done : int
+        Runs that were found done.
+    jobs : int
+        Runs at a time.
+    say : callable, optional
+        Takes a line; standard error by default.
+    """
+
+    def __init__(
+        self, plan: Plan, n_done: int, jobs: int, say: Callable[[str], None] | None
+    ) -> None:
+        self._plan, self._n_run, self._jobs = plan, len(plan.runs), jobs
+        self._began, self._done_before = time.monotonic(), n_done
+        self.say = say or _to_standard_error
+        """Says a line."""
+        at_a_time = "one after the other" if jobs == 1 else f"{jobs} at a time"
+        self.say(f"{self._n_run} runs, {n_done} of them done before; {at_a_time}")
+
+    def ended(self, number: int, outcome: Outcome, n_ended: int) -> None:
+        """Say how a run ended."""
+        values = ", ".join(
+            f"{key}={value}" for key, value in self._plan.runs[number].values.items()
+        )
+        if outcome.status == "done":
+            shown = [name for name in _SHOWN if name in outcome.figures][:1]
+            said = "".join(f", {n} {v:.4g}" for n, v in plain_figures(outcome.figures, shown))
+            said = f"{outcome.seconds:.1f} s{said}"
+        else:
+            said = f"{outcome.status}: {outcome.reason}" if outcome.reason else outcome.status
+        left = self._n_run - n_ended
+        self.say(f"[{n_ended}/{self._n_run}] {values}: {said}{self._time_left(n_ended, left)}")
+
+    def _time_left(self, n_ended: int, left: int) -> str:
+        new = n_ended - self._done_before
+        if left <= 0 or new <= 0:
+            return ""
+        seconds = (time.monotonic() - self._began) / new * left
+        return f"; {_duration(seconds)} left"
+
+    def end(self, outcomes: Mapping[int, Outcome]) -> None:
+        """Say how the study ended."""
+        counts = {
+            status: sum(one.status == status for one in outcomes.values())
+            for status in ("done", "failed", "stopped")
+        }
+        said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
+        took = _duration(time.monotonic() - self._began)
+        self.say(f"{said}, in {took}")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    if seconds < 5400.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"
+
+
+def _to_standard_error(line: str) -> None:
+    with suppress(OSError):  # a closed pipe
+        print(line, file=sys.stderr, flush=True)

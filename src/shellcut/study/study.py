@@ -1,0 +1,252 @@
+"""A study: carry out the runs of a plan that are not done yet, and keep their table."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shellcut.files.folder_lock import FolderLock
+from shellcut.model_file import ModelFileError
+from shellcut.model_file.writer import model_text
+from shellcut.models.warmup import warmup
+from shellcut.numerics.threads import available_cores
+
+from .design import Design
+from .engines import Engine, engine_of
+from .factors import factors_of
+from .one_run import STOP, Outcome, Task, outcome_in
+from .plan import Plan, PlannedRun, plan, repeated
+from .progress import StudyProgress
+from .study_file import STUDY, write_study
+from .table import TABLE, columns_of, write_table
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+_TABLE_EVERY = 10.0
+"""Wall time between two tables during a study [s]."""
+
+FEW_FILES = {"output.snapshots": 0, "output.frames": 20}
+"""What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """What a study has found so far.
+
+    Attributes
+    ----------
+    folder : Path
+        Of the study.
+    plan : Plan
+        Its runs with their inputs.
+    outcomes : mapping from int to Outcome
+        By the number of the run.
+    """
+
+    folder: Path
+    plan: Plan
+    outcomes: Mapping[int, Outcome]
+
+    @property
+    def table(self) -> Path:
+        """The table as CSV."""
+        return self.folder / TABLE
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """Inputs and figures of the runs that are done, by name, in the order of the design."""
+        _, figures = columns_of(self.plan, self.outcomes)
+        return [
+            {**run.values, **{n: one.figures[n] for n in figures if n in one.figures}}
+            for run in self.plan.runs
+            if (one := self.outcomes.get(run.number)) is not None and one.status == "done"
+        ]
+
+    def count(self, status: str) -> int:
+        """Return the number of runs with a status: done, failed or stopped."""
+        return sum(one.status == status for one in self.outcomes.values())
+
+
+def sweep(
+    model: str | os.PathLike[str],
+    factors: Mapping[str, object],
+    out: str | os.PathLike[str],
+    *,
+    settings: Mapping[str, object] | None = None,
+    design: Design | None = None,
+    executor: int | Executor | Client | None = None,
+    say: Callable[[str], None] | None = None,
+) -> StudyResults:
+    """Run a model with many values, and write the table of inputs and figures.
+
+    Runs that are done are found by the hash of their inputs and not repeated; one that was
+    interrupted goes on from its checkpoint; one that failed is tried again at the next call.
+
+    Parameters
+    ----------
+    model : str or path
+        Model file, or name of a shipped model.
+    factors : mapping from str to values
+        By key, as of :func:`read_model`: a list, a text like ``"40,60,80"``, or a range like
+        ``"10:20"`` or ``"1 mm : 2 mm"``, for designs other than a grid.
+    out : str or path
+        Folder of the study; each run has a folder in it.
+    settings : mapping, optional
+        Keys with one value for all runs.
+    design : Design, optional
+        Every combination by default.
+    executor : int, Executor or distributed.Client, optional
+        Number of processes, by default one a core; or what carries out tasks. Its workers must see
+        the folder. Threads are shared out so that the cores are not oversubscribed.
+    say : callable, optional
+        Takes the lines about progress; by default they go to standard error.
+
+    Returns
+    -------
+    StudyResults
+
+    Raises
+    ------
+    ModelFileError
+        With all that is wrong with the model or a value, before anything runs.
+    ValueError
+        If factors and design do not fit together.
+    FolderInUse
+        If another study runs in the folder.
+    KeyboardInterrupt
+        After Ctrl-C, when all runs have stopped with a checkpoint.
+
+    Examples
+    --------
+    >>> found = sweep(
+    ...     "opening",
+    ...     {"motion.pitch": [12, 20]},
+    ...     "pitches",
+    ...     settings={"mesh": "quick"},
+    ... )  # doctest: +SKIP
+    >>> [row["torque_plateau_Nmm"] for row in found.rows]  # doctest: +SKIP
+    [139.8, 146.1]
+    """
+    several, single = factors_of(factors)
+    given = {**FEW_FILES, **(settings or {}), **single}
+    planned = plan(str(model), given, several, design or Design())
+    engine = engine_of(executor, default_jobs=available_cores())
+    return run_study(planned, Path(out), engine, say)
+
+
+def run_study(
+    planned: Plan, folder: Path, engine: Engine, say: Callable[[str], None] | None = None
+) -> StudyResults:
+    """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with closing(FolderLock(folder)):
+        (folder / STOP).unlink(missing_ok=True)
+        write_study(folder / STUDY, planned)
+        found = done_before(planned, folder)
+        progress = StudyProgress(planned, len(found), engine.jobs, say)
+        try:
+            carry_out(planned, folder, engine, found, progress)
+        finally:
+            write_table(folder, planned, found)
+        progress.end(found)
+    return StudyResults(folder, planned, found)
+
+
+def read_outcomes(planned: Plan, folder: Path) -> StudyResults:
+    """Return what is done of a study, without running anything."""
+    return StudyResults(folder, planned, done_before(planned, folder))
+
+
+def done_before(planned: Plan, folder: Path) -> dict[int, Outcome]:
+    """Return the outcomes of the runs that are done in a folder, by their numbers."""
+    found = {}
+    for run in planned.runs:
+        if outcome := outcome_in(run.folder(folder), run.key):
+            found[run.number] = outcome
+    return found
+
+
+def carry_out(
+    planned: Plan,
+    folder: Path,
+    engine: Engine,
+    found: dict[int, Outcome],
+    progress: StudyProgress,
+) -> None:
+    """Give the runs of a plan that are not found to the engine, and note their outcomes."""
+    twins: dict[int, list[PlannedRun]] = {}
+    for run, first in repeated(planned.runs):
+        twins.setdefault(first.number, []).append(run)
+    again = {run.number for several in twins.values() for run in several}
+    open_ = [run for run in planned.runs if run.number not in found and run.number not in again]
+    if not open_:
+        return
+    _compile(planned)
+    tasks = _tasks(planned, open_, folder, engine.jobs, found, progress)
+    outcomes = engine.outcomes(tasks)
+    written = time.monotonic()
+    try:
+        for task, outcome in outcomes:
+            for number in (task.number, *(run.number for run in twins.get(task.number, ()))):
+                found[number] = outcome
+            progress.ended(task.number, outcome, len(found))
+            if time.monotonic() - written > _TABLE_EVERY:
+                write_table(folder, planned, found)
+                written = time.monotonic()
+    except KeyboardInterrupt:
+        (folder / STOP).touch()
+        progress.say("stopping: the runs under way keep their checkpoints ...")
+        with suppress(KeyboardInterrupt):
+            for task, outcome in outcomes:
+                found[task.number] = outcome
+        (folder / STOP).unlink(missing_ok=True)
+        raise
+
+
+def _tasks(
+    planned: Plan,
+    runs: list[PlannedRun],
+    folder: Path,
+    jobs: int,
+    found: dict[int, Outcome],
+    progress: StudyProgress,
+) -> Iterator[Task]:
+    """Yield the tasks of runs; one whose values do not fit together has failed already."""
+    for run in runs:
+        if (folder / STOP).exists():
+            return
+        try:
+            text = model_text(planned.model_of(run, jobs))
+        except ModelFileError as error:
+            found[run.number] = Outcome("failed", "; ".join(str(one) for one in error.problems))
+            progress.ended(run.number, found[run.number], len(found))
+            continue
+        yield Task(run.number, run.key, str(run.folder(folder).resolve()), text)
+
+
+def _compile(planned: Plan) -> None:
+    """Compile the kernels once, before many processes would do it at the same time."""
+    fracture, head = set(), set()
+    for run in planned.runs[:: max(1, len(planned.runs) // 8)]:
+        model = planned.variants.read(run.values, try_out=False)
+        section = model.sections.get("fracture")
+        if section is not None:
+            # Left out, the path is decided when the model is built.
+            paths = ("edges", "free") if section.path is None else (section.path,)
+            fracture |= {(section.criterion, path) for path in paths}
+        head.add(model.head.precision)
+    warmup(
+        sorted({criterion for criterion, _ in fracture}) or ["force"],
+        sorted(head),
+        sorted({path for _, path in fracture}) or ["edges"],
+    )

@@ -1,0 +1,60 @@
+"""The table of a study: inputs and figures of every run, in the order of the design."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from shellcut.files.whole_file import atomic_write
+from shellcut.results.summary_figures import LABELS
+
+from .one_run import Outcome
+from .plan import Plan, PlannedRun
+
+TABLE = "table.csv"
+
+_OF_THE_MACHINE = ("wall_s", "ns_per_quad_step", "pictures_s")
+"""Figures that differ from run to run of the same inputs."""
+
+
+def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], list[str]]:
+    """Return the keys of the factors, and the names of the figures that some run has."""
+    there = {name for one in outcomes.values() for name in one.figures if _is_number(one, name)}
+    there -= set(_OF_THE_MACHINE)
+    known = [name for name in LABELS if name in there]
+    return [f.key for f in plan.factors], [*known, *sorted(there - set(known))]
+
+
+def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:
+    """Write the table as CSV: a row a run, a blank where a run has no such figure.
+
+    Numbers are written with all their digits, so that the same runs give the same bytes.
+    """
+    keys, figures = columns_of(plan, outcomes)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["run", *keys, "status", *figures, "folder", "reason"])
+    for run in plan.runs:
+        writer.writerow(_row(run, keys, figures, outcomes.get(run.number)))
+    path = folder / TABLE
+    with atomic_write(path) as temporary:
+        # Excel takes UTF-8 for what it is only with this mark.
+        temporary.write_text(text.getvalue(), encoding="utf-8-sig")
+    return path
+
+
+def _row(
+    run: PlannedRun, keys: Sequence[str], figures: Sequence[str], outcome: Outcome | None
+) -> list[object]:
+    inputs = [run.values[key] for key in keys]
+    if outcome is None:
+        return [run.number, *inputs, "waits", *[""] * len(figures), run.key, ""]
+    given = [outcome.figures.get(name, "") for name in figures]
+    return [run.number, *inputs, outcome.status, *given, run.key, outcome.reason]
+
+
+def _is_number(outcome: Outcome, name: str) -> bool:
+    value = outcome.figures[name]
+    return isinstance(value, int | float) and not isinstance(value, bool)

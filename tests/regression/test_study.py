@@ -1,0 +1,127 @@
+"""Studies on real processes: the same table however they run, and nothing lost when they die."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import psutil
+import pytest
+
+import shellcut as sc
+from shellcut.study.one_run import OUTCOME
+from tiny_study import ANGLES, SETTINGS
+
+
+def study(out, executor=1, lines=None, **more):
+    say = (lambda line: None) if lines is None else lines.append
+    settings = SETTINGS | more
+    return sc.sweep("guillotine", ANGLES, out, settings=settings, executor=executor, say=say)
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return a study that is done, one run after the other."""
+    return study(tmp_path_factory.mktemp("study") / "in_turn")
+
+
+def begun(out):
+    """Return the times at which the runs of a study were done."""
+    return {path: path.stat().st_mtime_ns for path in Path(out).rglob(OUTCOME)}
+
+
+def test_a_study_gives_a_row_a_run(done):
+    assert [row["wedge_half_angle_deg"] for row in done.rows] == [10, 14, 18, 22]
+    forces = [row["force_peak_N"] for row in done.rows]
+    assert all(force > 0.0 for force in forces)
+    assert len(set(forces)) == 4
+    table = done.table.read_text(encoding="utf-8-sig").splitlines()
+    assert table[0].startswith("run,wedge_half_angle_deg,status,force_peak_N")
+    assert "wall_s" not in table[0]
+    assert len(table) == 5
+
+
+def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, tmp_path):
+    out = tmp_path / "again"
+    shutil.copytree(done.folder, out)
+    before, lines = begun(out), []
+    again = study(out, lines=lines)
+    assert begun(out) == before
+    assert lines[0].startswith("4 runs, 4 of them done before")
+    assert again.table.read_bytes() == done.table.read_bytes()
+    more = {"wedge_half_angle_deg": [10, 12]}
+    sc.sweep("guillotine", more, out, settings=SETTINGS, executor=1, say=lines.append)
+    assert len(begun(out)) == 5
+    assert any(line.startswith("2 runs, 1 of them done before") for line in lines)
+
+
+def test_processes_give_the_same_table_though_one_is_killed(done, tmp_path):
+    lines, killed = [], []
+
+    def say(line):
+        lines.append(line)
+        if line.startswith("[1/"):
+            child = psutil.Process().children()[-1]
+            killed.append(child.pid)
+            child.kill()
+
+    found = sc.sweep("guillotine", ANGLES, tmp_path, settings=SETTINGS, executor=2, say=say)
+    assert killed
+    assert found.table.read_bytes() == done.table.read_bytes()
+
+
+def test_an_executor_of_the_caller_gives_the_same_table(done, tmp_path):
+    with ThreadPoolExecutor(1) as executor:
+        found = study(tmp_path, executor)
+    assert found.table.read_bytes() == done.table.read_bytes()
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
+    settings = [f"--set={key}={value}" for key, value in (SETTINGS | ANGLES).items()]
+    command = [sys.executable, "-m", "shellcut", "sweep", "guillotine", *settings]
+    command += ["--jobs=2", f"-o={tmp_path}"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if line.startswith("[1/"):
+                os.kill(process.pid, how)
+                break
+        rest = process.stderr.read()  # until the last process has ended
+    if how == signal.SIGINT:
+        assert "the runs under way keep their checkpoints" in rest
+        assert process.returncode == 130
+    before, lines = begun(tmp_path), []
+    assert before
+    found = study(tmp_path, lines=lines)
+    assert found.table.read_bytes() == done.table.read_bytes()
+    assert {path: begun(tmp_path)[path] for path in before} == before
+
+
+def test_a_failed_run_says_why_and_is_tried_again(done, tmp_path):
+    # A file where the folder of the second run should be, as a full disk would be in its way.
+    second = done.plan.runs[1].folder(tmp_path)
+    second.parent.mkdir(parents=True)
+    second.write_text("in the way")
+    found = study(tmp_path)
+    assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
+    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
+    assert row.startswith("1,14,failed")
+    assert second.name in row
+    second.unlink()
+    assert study(tmp_path).table.read_bytes() == done.table.read_bytes()
+
+
+def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):
+    def values():
+        one = {"wedge_half_angle_deg": [10]}
+        return sc.sweep("guillotine", one, tmp_path, settings=SETTINGS, executor=1, say=str)
+
+    run = values().plan.runs[0].folder(tmp_path)
+    figures = run.joinpath("summary.json").read_text()
+    # As a killed process leaves it: a checkpoint, but not the outcome.
+    run.joinpath(OUTCOME).unlink()
+    assert values().rows[0]["force_peak_N"] == done.rows[0]["force_peak_N"]
+    assert run.joinpath("summary.json").read_text() == figures  # it was not run again

@@ -1,0 +1,11 @@
+"""A study whose runs take a second each."""
+
+SETTINGS = {
+    "membrane.length": 6,
+    "membrane.width": 4,
+    "membrane.size": 0.5,
+    "notch": 1,
+    "travel": 2.0,
+    "output.frames": 2,
+}
+ANGLES = {"wedge_half_angle_deg": "10,14,18,22"}

@@ -1,0 +1,122 @@
+"""The parts of a fit: energy that is kept, misfit of curves, intervals; and a fit of real runs."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from shellcut.model_file.reader import ModelVariants
+from shellcut.results.comparison import compare
+from shellcut.results.run_results import read
+from shellcut.study.curve_misfit import independent_points, residuals
+from shellcut.study.fit_result import _covariance
+from shellcut.study.free_parameters import FreeParameters
+
+sys.path.append(str(Path(__file__).parents[1] / "regression"))
+from tiny_study import SETTINGS
+
+PLATEAU, OPENING = "cohesive.plateau", "cohesive.opening_u"
+
+
+def test_the_last_key_keeps_the_energy():
+    variants = ModelVariants("opening")
+    free = FreeParameters(variants, [PLATEAU, OPENING], {}, keep_energy=True)
+    energy = variants.read({}).sections["cohesive"].made().fracture_energy
+    assert [one.key for one in free.varied] == [PLATEAU]
+    for log in (-0.1, 0.0, 0.15):
+        values = free.values([log])
+        assert values[PLATEAU] == pytest.approx(12.0 * np.exp(log), rel=1e-6)  # seven digits
+        law = variants.read(values).sections["cohesive"].made()
+        assert law.fracture_energy == pytest.approx(energy, rel=1e-6)
+    with pytest.raises(ValueError, match="keeps the energy"):
+        free.values([-1.0])
+
+
+@pytest.mark.parametrize(
+    ("keys", "bounds", "keep", "said"),
+    [
+        (["cohesive.plateau", "motion.axis"], {}, False, "no such key"),
+        (["plateau"], {}, False, "written SECTION.KEY"),
+        (["cohesive.unloading"], {}, False, "must be a number above 0"),
+        ([PLATEAU], {PLATEAU: (13.0, 20.0)}, False, "around its start, 12"),
+        ([PLATEAU], {OPENING: (1.0, 5.0)}, False, "not among the free keys"),
+        ([PLATEAU], {}, True, "two or more keys"),
+        ([PLATEAU, "motion.pitch"], {}, True, "must be of"),
+        ([PLATEAU, PLATEAU], {}, False, "given once"),
+        ([], {}, False, "at least one"),
+    ],
+)
+def test_free_keys_that_cannot_be_are_refused(keys, bounds, keep, said):
+    with pytest.raises(ValueError, match=said):
+        FreeParameters(ModelVariants("opening"), keys, bounds, keep_energy=keep)
+
+
+def test_intervals_are_those_of_linear_regression():
+    # y = a + b x with noise: the textbook covariance.
+    rng = np.random.default_rng(1)
+    x = np.linspace(0.0, 1.0, 50)
+    slopes = np.column_stack([np.ones(50), x])
+    noise = rng.standard_normal(50)
+    noise -= slopes @ np.linalg.lstsq(slopes, noise)[0]
+    found = _covariance(slopes, float(noise @ noise), 48.0)
+    expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge
+    assert np.isinf(_covariance(slopes, 1.0, 0.0).diagonal()).all()
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory):
+    """Return the folder of a run whose parameters are known."""
+    out = tmp_path_factory.mktemp("known")
+    values = {PLATEAU: [12.0]}
+    study = sc.sweep("guillotine", values, out, settings=SETTINGS, executor=1, say=str)
+    return study.plan.runs[0].folder(study.folder)
+
+
+def test_the_misfit_is_the_mean_square_over_the_peak(known):
+    history = read(known).history
+    x = np.linspace(0.2, 1.8, 41)
+    y = np.interp(x, history["path"], history["force"])
+    off = compare(known, sc.MeasuredCurve(x, y + 0.1, "mm", "N"))
+    missed = residuals([off])
+    assert np.sqrt(missed @ missed) == pytest.approx(off.rms / (y + 0.1).max(), rel=1e-9)
+    # White noise counts in full; a constant difference has no noise at all.
+    rng = np.random.default_rng(0)
+    white = replace(off, simulated=off.measured + rng.standard_normal(off.x.size))
+    assert independent_points([white]) > 0.6 * off.x.size
+    slow = replace(off, simulated=off.measured + np.sin(3.0 * off.x))
+    assert independent_points([slow]) < 0.1 * off.x.size
+
+
+def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
+    history = read(known).history
+    curve = sc.FitCurve(sc.MeasuredCurve(history["path"], history["force"], "mm", "N"))
+    lines = []
+
+    def fitted():
+        return sc.fit(
+            "guillotine",
+            [curve],
+            [PLATEAU],
+            tmp_path,
+            settings={**SETTINGS, PLATEAU: 10.0},
+            max_runs=12,
+            executor=1,
+            say=lines.append,
+        )
+
+    found = fitted()
+    (plateau,) = found.values
+    assert plateau.value == pytest.approx(12.0, rel=0.01)  # of smoothed curves with a sawtooth
+    assert plateau.low <= plateau.value <= plateau.high < 1.2 * plateau.value
+    assert found.rms < 0.2 * found.rms_at_start
+    assert found.n_run <= 12
+    assert "the parameters no longer change" in found.notes[0]
+    assert (tmp_path / "fit.json").exists()
+    assert (tmp_path / "fit.png").exists()
+    lines.clear()
+    assert str(fitted()) == str(found)
+    assert not [line for line in lines if line.startswith("[")]
