@@ -41,6 +41,7 @@ from .study.curve_misfit import FitCurve
 from .study.design import Design
 from .study.fit import fit
 from .study.study import StudyResults, sweep
+from .study_report import report_study
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
 from .tool.tool import Tool
@@ -101,6 +102,7 @@ __all__ = [
     "read_model",
     "read_tool",
     "report",
+    "report_study",
     "save_checkpoint",
     "sweep",
     "trouser",
