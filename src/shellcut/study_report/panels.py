@@ -89,7 +89,7 @@ def panel(
     crosses : tuple of ndarray, optional
         Places of runs without a figure.
     """
-    box = _Box.around(x, y, lines, ground)
+    box = _Box.around(x, y, lines, ground, crosses)
     parts = [] if ground is None else [_image(box, ground)]
     parts += box.frame(x, y, lined=ground is None)
     for line in lines:
@@ -125,9 +125,17 @@ class _Box:
     y_ends: tuple[float, float]
 
     @classmethod
-    def around(cls, x: Axis, y: Axis, lines: Sequence[Line], ground: Ground | None) -> _Box:
-        x_ends = ground.x_ends if ground else _ends(x, [line.x for line in lines])
-        y_ends = ground.y_ends if ground else _ends(y, [line.y for line in lines])
+    def around(
+        cls,
+        x: Axis,
+        y: Axis,
+        lines: Sequence[Line],
+        ground: Ground | None,
+        crosses: tuple[Floats, Floats] | None,
+    ) -> _Box:
+        others = [(line.x, line.y) for line in lines] + ([crosses] if crosses else [])
+        x_ends = ground.x_ends if ground else _ends(x, [one[0] for one in others])
+        y_ends = ground.y_ends if ground else _ends(y, [one[1] for one in others])
         words = [text for _, text in _marks(y, y_ends, 5)]
         return cls(12.0 + _DIGIT * max(map(len, words), default=1), x_ends, y_ends)
 

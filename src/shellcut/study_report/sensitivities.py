@@ -33,8 +33,9 @@ def _meaning() -> str:
         "the factor were known. The total index adds its share of what it does together with "
         "others; where both are the same, it acts by itself. Factors vary independently and evenly "
         "over their ranges, each name of a list as often. The intervals hold 95 % of the surfaces "
-        "that the runs also allow, so they tell how little so few runs know, and the sampling of "
-        "the indices too. They hold only as far as the surface does: see its error."
+        "that the runs also allow, and the sampling of the indices. They hold only as far as the "
+        "surface does: see its error. They take how fast it bends along each factor as known, so "
+        "an interval from 0 to 0 only says that no influence was seen."
     )
     return f"<p>{escape(said)}</p>"
 

@@ -11,8 +11,8 @@ import scipy
 
 from shellcut.arrays import Floats
 from shellcut.report.markup import missing, table
-from shellcut.surrogate.gaussian_process import is_there
 from shellcut.surrogate.inputs import at_shares
+from shellcut.surrogate.polynomial import Polynomial
 
 from .analysis import Analysed
 from .effects import said_of
@@ -62,7 +62,7 @@ def _how(analyses: Sequence[Analysed]) -> str:
         "that it has not seen: they are left out, one by one or a tenth at a time, and predicted "
         "from the others."
     )
-    if not is_there():
+    if any(one.fitted and isinstance(one.fitted.surface, Polynomial) for one in analyses):
         said += (
             " The surfaces are polynomials by least squares, because scikit-learn is not "
             "installed: with pip install 'shellcut[study]' they are Gaussian processes, which "

@@ -44,6 +44,7 @@ def theory(study: Study) -> str:
             continue
         pictures.append(_picture(study, found, figure, label, chosen))
         rows.append((label, *_off(figure[chosen] / found[chosen])))
+    pictures += _over_factors(study, found)
     if not rows:
         return missing("No run has a steady window, which the theory is about.")
     head = ("figure over the theory", "runs", "mean", "least", "largest", "standard deviation")
@@ -56,9 +57,10 @@ def theory(study: Study) -> str:
 
 
 _SAID = (
-    "The line is the theory. It is about the work that goes into the cables. The tool also bends "
-    "and stretches the film and pays for damping, and the torque is what it does in turning only: "
-    "the axial force does F p/2π per radian of the rest. So torque and theory need not agree."
+    "The lines and the crosses are the theory. It is about the work that goes into the cables. "
+    "The tool also bends and stretches the film and pays for damping, and the torque is what it "
+    "does in turning only: the axial force does F p/2π per radian of the rest. So torque and "
+    "theory need not agree."
 )
 
 
@@ -70,6 +72,25 @@ def _picture(study: Study, found: Floats, figure: Floats, label: str, chosen: Bo
         [said_of_row(study, row) for row in np.flatnonzero(chosen).tolist()],
         lines=[Line(ends, ends, "same")],
     )
+
+
+def _over_factors(study: Study, found: Floats) -> list[str]:
+    """Return the torque over each factor, with a cross for the theory of each run."""
+    torque = study.all_figures.get("torque_plateau_Nmm")
+    if torque is None:
+        return []
+    chosen = np.isfinite(found) & np.isfinite(torque) & study.done
+    said = [said_of_row(study, row) for row in np.flatnonzero(chosen).tolist()]
+    factors = [one for one in study.factors if chosen.any() and np.ptp(one.values[chosen]) > 0.0]
+    return [
+        panel(
+            Axis(factor.name, factor.unit, factor.values[chosen], factor.names),
+            Axis("torque, mean; crosses: theory", "N·mm", torque[chosen]),
+            said,
+            crosses=(factor.values[chosen], found[chosen]),
+        )
+        for factor in factors
+    ]
 
 
 def _off(ratio: Floats) -> Sequence[str]:

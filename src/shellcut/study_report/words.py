@@ -100,7 +100,7 @@ def _row(study: Study, row: int, page: Path) -> str:
         cells.append(_cell(factor.texts[row] if factor.names else factor.values[row]))
     cells += [_cell(figure.values[row]) for figure in study.figures]
     kind = {"failed": "bad", "done": ""}.get(status, "waits")
-    reason = f"<br><small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
+    reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
     cells.append(f'<td class="status {kind}">{escape(status)}{reason}</td>')
     folder = study.run_folder(row)
     text = f"<code>{escape(study.keys[row][:_SHOWN])}</code>"

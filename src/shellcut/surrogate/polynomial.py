@@ -65,7 +65,7 @@ class Polynomial:
         Their coefficients are Student's t about those of the fit, by its covariance.
         """
         matrix = _matrix(columns_of(self.inputs, values), self._terms)
-        normal = rng.standard_normal((n_draw, len(self._fit.coefficients)))
+        normal = rng.standard_normal((n_draw, self._fit.root.shape[1]))
         scale = np.sqrt(self._fit.freedom / rng.chisquare(self._fit.freedom, n_draw))
         off = (normal * scale[:, None]) @ self._fit.root.T
         return np.asarray((self._fit.coefficients + off) @ matrix.T)
