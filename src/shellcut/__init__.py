@@ -42,6 +42,7 @@ from .study.curve_misfit import FitCurve
 from .study.design import Design
 from .study.fit import fit
 from .study.study import StudyResults, sweep
+from .study_report import report_study
 from .tensile import TensileTest, tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion
@@ -107,6 +108,7 @@ __all__ = [
     "read_model",
     "read_tool",
     "report",
+    "report_study",
     "save_checkpoint",
     "sweep",
     "tensile",

@@ -6,9 +6,9 @@ import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import active_children
 from pathlib import Path
 
-import psutil
 import pytest
 
 import shellcut as sc
@@ -64,7 +64,7 @@ def test_processes_give_the_same_table_though_one_is_killed(done, tmp_path):
     def say(line):
         lines.append(line)
         if line.startswith("[1/"):
-            child = psutil.Process().children()[-1]
+            child = active_children()[-1]
             killed.append(child.pid)
             child.kill()
 

@@ -17,7 +17,8 @@ from shellcut import MeasuredCurve
 from shellcut.command_line import main
 from shellcut.files import run_folder
 from shellcut.report import pictures, report
-from shellcut.report.chart import Curve, _columns, _ticks, chart
+from shellcut.report.chart import Curve, _columns, chart
+from shellcut.report.ticks import ticks_of
 from shellcut.results.summary_figures import key_figures, with_unit
 from shellcut.view import Panels, draw_snapshot, snapshot_limits
 
@@ -354,9 +355,9 @@ class TestChart:
         assert {0, 1234, 4321, 5000} <= set(rows.tolist())
 
     def test_ticks_are_round_and_hold_the_curve(self):
-        assert _ticks(-58.7, 208.2, 6) == [-100.0, -50.0, 0.0, 50.0, 100.0, 150.0, 200.0, 250.0]
-        assert _ticks(0.0, 0.0, 6)[0] == 0.0
-        assert len(_ticks(0.0, 0.0461, 6)) <= 7
+        assert ticks_of(-58.7, 208.2, 6) == [-100.0, -50.0, 0.0, 50.0, 100.0, 150.0, 200.0, 250.0]
+        assert ticks_of(0.0, 0.0, 6)[0] == 0.0
+        assert len(ticks_of(0.0, 0.0461, 6)) <= 7
 
     def test_areas_are_stacked(self):
         one, two = (

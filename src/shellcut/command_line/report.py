@@ -1,4 +1,4 @@
-"""``shellcut report``: one HTML file about a run."""
+"""``shellcut report``: one HTML file about a run, or about a study."""
 
 from __future__ import annotations
 
@@ -16,30 +16,48 @@ def add_to(commands: Any) -> None:
     """Add the subcommand to the parser."""
     parser = commands.add_parser(
         "report",
-        help="write an HTML report of a run",
+        help="write an HTML report of a run or a study",
         description="Write one self-contained HTML file about a run: verdict, figures, curves, "
-        "pictures. An interrupted run is reported up to its last record.",
+        "pictures. An interrupted run is reported up to its last record. Of a study (the folder of "
+        "shellcut sweep): table, curves, effects of the factors, response surfaces, sensitivities.",
     )
-    parser.add_argument("folder", metavar="OUT", type=Path, help="result folder of the run")
+    parser.add_argument(
+        "folder", metavar="OUT", type=Path, help="result folder of the run or the study"
+    )
     parser.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="file to write [OUT/report.html]"
     )
     parser.add_argument(
         "--measured",
         metavar="FILE",
-        help="text table with a measured curve, to show and compare; the following options are "
-        "those of shellcut compare",
+        help="text table with a measured curve, to show and compare with a run; the following "
+        "options are those of shellcut compare",
     )
     add_columns_to(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the report and print its path; 2 if the folder holds no run."""
+    """Write the report and print its path; 2 if the folder holds no run and no study."""
     try:
-        found = compared(arguments, arguments.folder) if arguments.measured else None
-        path = report(arguments.folder, arguments.output, measured=found)
+        path = _written(arguments)
     except (ValueError, OSError) as error:
         return refuse(error)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
     return DONE
+
+
+def _written(arguments: argparse.Namespace) -> Path:
+    from shellcut.study.study_file import STUDY
+
+    if (arguments.folder / STUDY).is_file():
+        from shellcut.study_report import report_study
+
+        if arguments.measured:
+            raise ValueError(
+                "a measured curve is compared with one run: give the folder of a run, "
+                f"{arguments.folder / 'runs'}/..."
+            )
+        return report_study(arguments.folder, arguments.output)
+    found = compared(arguments, arguments.folder) if arguments.measured else None
+    return report(arguments.folder, arguments.output, measured=found)

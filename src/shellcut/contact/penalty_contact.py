@@ -400,16 +400,13 @@ def _add_contact_forces(
     surface, g_m = tool.grid.surface, law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
-    work = 0.0
-    stored = 0.0
-    absorbed = 0.0
+    work = stored = absorbed = deepest = 0.0
     n_inside = 0
-    deepest = 0.0
     for i in range(ids.shape[0]):
         n = ids[i]
         p = to_body(load(x, n), pose)
         walked = sub(p, load(place, i))
-        known = dot(walked, walked) < lasts[i] * abs(lasts[i])  # without the square root
+        known = dot(walked, walked) < lasts[i] * abs(lasts[i])
         if known and not within[i]:  # has not come to the surface since
             continue
         triangle, q = _look_up(i, p, known, side[n], tool, near)

@@ -9,13 +9,14 @@ the SVG itself contains only the tick numbers.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 import numpy.typing as npt
+
+from .ticks import tick_text, ticks_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -100,10 +101,10 @@ class _Axes:
         bottom, top = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)
         if bottom > -_ROUND_OFF * top:
             bottom = 0.0
-        ticks = _ticks(bottom, top, 6)
+        ticks = ticks_of(bottom, top, 6)
         places = [x, *(curve.x for curve in curves if curve.x is not None)]
         ends = min(float(p[0]) for p in places), max(float(p[-1]) for p in places)
-        left = 10.0 + _DIGIT * max(len(_number(tick)) for tick in ticks)
+        left = 10.0 + _DIGIT * max(len(tick_text(tick)) for tick in ticks)
         return cls(left, height, ends, ticks)
 
     def at_x(self, value: Floats) -> Floats:
@@ -117,12 +118,12 @@ class _Axes:
     def grid(self) -> Iterator[str]:
         for tick, y in zip(self.y_ticks, self.at_y(np.array(self.y_ticks)), strict=True):
             yield self._level("grid", float(y))
-            yield f'<text class="tick y" x="{self.left - 6:g}" y="{y:.1f}">{_number(tick)}</text>'
+            yield f'<text class="tick y" x="{self.left - 6:g}" y="{y:.1f}">{tick_text(tick)}</text>'
         low, high = self.x_range
-        ticks = [tick for tick in _ticks(low, high, 8) if low <= tick <= high]
+        ticks = [tick for tick in ticks_of(low, high, 8) if low <= tick <= high]
         for tick, x in zip(ticks, self.at_x(np.array(ticks)), strict=True):
             place = f'x="{x:.1f}" y="{self.height - 8:g}"'
-            yield f'<text class="tick x" {place}>{_number(tick)}</text>'
+            yield f'<text class="tick x" {place}>{tick_text(tick)}</text>'
         yield self._level("axis", float(self.at_y(np.zeros(1))[0]))
 
     def _level(self, style: str, y: float) -> str:
@@ -199,20 +200,6 @@ def _columns(x: Floats, y: Floats, n: int) -> npt.NDArray[np.int64]:
     first = np.concatenate(([0], bounds + 1))
     last = np.concatenate((bounds, [len(x) - 1]))
     return np.unique(np.concatenate((order[first], order[last], [0, len(x) - 1])))
-
-
-def _ticks(low: float, high: float, n: int) -> list[float]:
-    if not high > low:
-        high = low + 1.0
-    raw = (high - low) / n
-    unit = 10.0 ** math.floor(math.log10(raw))
-    step = next(m * unit for m in (1.0, 2.0, 2.5, 5.0, 10.0) if m * unit >= raw)
-    first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
-    return [k * step for k in range(first, last + 1)]
-
-
-def _number(value: float) -> str:
-    return f"{value + 0.0:.6g}".replace("-", "−")
 
 
 def _points(x: Floats, y: Floats) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import urllib.parse
 from collections.abc import Sequence
 from html import escape
+from pathlib import Path
 
 # Of lengths and areas over those of the whole, of angles in degrees.
 _AS_GOOD_AS_ZERO = 5e-4
@@ -57,3 +60,12 @@ def figure_of(value: float, unit: str, whole: float = 1.0) -> str:
 def in_unit(name: str, unit: str) -> str:
     """Return the head of a row of numbers with a unit."""
     return f"{name} [{pretty(unit)}]" if unit not in ("", "-") else name
+
+
+def link_to(path: Path, report: Path) -> str:
+    """Return the address of a file or folder, relative to that of the report where it can be."""
+    try:
+        relative = os.path.relpath(path.resolve(), report.resolve().parent)
+    except ValueError:  # on another drive
+        return path.resolve().as_uri()
+    return urllib.parse.quote(Path(relative).as_posix())

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import importlib.resources
 import os
-import string
-import time
 from collections.abc import Callable
-from html import escape
 from pathlib import Path
 
 from shellcut.results.comparison import Comparison, compare
@@ -17,6 +12,7 @@ from shellcut.results.measured_curve import MeasuredCurve
 from . import curves, pictures, words
 from .gathered import Gathered, gather, run_or_say
 from .markup import section
+from .page import page_of
 
 
 def report(
@@ -63,26 +59,14 @@ def report(
     out = run.folder / "report.html" if path is None else Path(path)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
-    style, page = _part("page.css"), _part("page.html")
-    script = "\n".join(_part(name) for name in ("page.js", "chart.js"))
-    html = string.Template(page).substitute(
-        title=escape(f"{run.name} - report of a run"),
-        heading=escape(run.name),
-        lead=escape(_lead(run)),
+    html = page_of(
+        title=f"{run.name} - report of a run",
+        heading=run.name,
+        lead=_lead(run),
         body=_body(run, out),
-        footer=escape(
-            f"Written by shellcut {importlib.metadata.version('shellcut')} on "
-            f"{time.strftime('%Y-%m-%d %H:%M')}. Units: mm, N, s, tonne, MPa."
-        ),
-        style=style,
-        script=script,
     )
     out.write_text(html, encoding="utf-8")
     return out
-
-
-def _part(name: str) -> str:
-    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")
 
 
 def _lead(run: Gathered) -> str:

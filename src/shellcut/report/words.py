@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
-import os
 import platform
-import urllib.parse
 from html import escape
 from pathlib import Path
 
@@ -20,7 +18,7 @@ from shellcut.results.verdict import Line, verdict
 from shellcut.view import edge_length
 
 from .gathered import Gathered
-from .markup import figure_of, in_unit, missing, table
+from .markup import figure_of, in_unit, link_to, missing, table
 
 _N_QUALITY = 5  # frames for which the quality of the cut is listed
 _DIGEST_LIMIT = 200_000_000  # bytes; larger files get no digest, which would take too long
@@ -146,10 +144,10 @@ def tool(run: Gathered, last: Frame | None) -> str:
     return table(rows)
 
 
-def versions() -> str:
+def versions(*others: str) -> str:
     """Return the versions of the packages that wrote the report."""
     rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
-    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
+    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib", *others):
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:
@@ -168,7 +166,7 @@ def files(run: Gathered, report: Path) -> str:
         if size <= _DIGEST_LIMIT:
             digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
         rows.append(
-            f'<tr><th scope="row"><a href="{escape(_link(path, report))}">{escape(path.name)}</a>'
+            f'<tr><th scope="row"><a href="{escape(link_to(path, report))}">{escape(path.name)}</a>'
             f'</th><td class="n">{_bytes(size)}</td><td class="n"><code>{digest}</code></td></tr>'
         )
     head = "".join(
@@ -178,14 +176,6 @@ def files(run: Gathered, report: Path) -> str:
         f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table></div>"
     )
-
-
-def _link(path: Path, report: Path) -> str:
-    try:
-        relative = os.path.relpath(path.resolve(), report.resolve().parent)
-    except ValueError:  # on another drive
-        return path.resolve().as_uri()
-    return urllib.parse.quote(Path(relative).as_posix())
 
 
 def _bytes(size: int) -> str:

@@ -77,10 +77,7 @@ def key_figures(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     known = [key for key in LABELS if key in summary and key not in _ELSEWHERE]
     others = [key for key in summary if key not in LABELS and key not in _ELSEWHERE]
     window = window_of(summary)
-    return [
-        (_label(key).format(window=window), with_unit(key, summary[key]))
-        for key in [*known, *others]
-    ]
+    return [(label_of(key, window), with_unit(key, summary[key])) for key in [*known, *others]]
 
 
 def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[tuple[str, float]]:
@@ -94,7 +91,7 @@ def plain_figures(summary: Mapping[str, Any], names: Iterable[str]) -> Iterator[
     window = window_of(summary).replace("°", " deg").replace("-", " to ")
     for name in names:
         if name in summary:
-            unit = "-" if name.endswith("_rel") else _unit(name).replace("·", "*")
+            unit = "-" if name.endswith("_rel") else unit_of(name).replace("·", "*")
             label = LABELS[name].format(window=window)
             yield f"{label} [{unit}]" if unit else label, summary[name]
 
@@ -118,17 +115,25 @@ def with_unit(key: str, value: Any) -> str:
     """Return a figure of ``summary.json`` with the unit at the end of its name."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
-    unit = _unit(key)
+    unit = unit_of(key)
     number = f"{value:,}" if isinstance(value, int) else f"{value:.4g}"
     return f"{number}{'' if unit in ('', '°') else ' '}{unit}"
 
 
-def _unit(key: str) -> str:
+def unit_of(key: str) -> str:
+    """Return the unit at the end of a figure's name; "" for a pure number."""
     return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
 
 
-def _label(key: str) -> str:
+def label_of(key: str, window: str) -> str:
+    """Return the label of a figure; ``window`` says over what a mean is taken.
+
+    Examples
+    --------
+    >>> label_of("torque_plateau_Nmm", "the steady window"), label_of("n_bolt", "")
+    ('torque, mean over the steady window', 'bolt')
+    """
     if key in LABELS:
-        return LABELS[key]
+        return LABELS[key].format(window=window)
     ending = next((ending for ending in _UNITS if key.endswith(ending)), "")
     return key.removesuffix(ending).removeprefix("n_").replace("_", " ")

@@ -444,8 +444,6 @@ class Simulation:
                     going = False
         return going
 
-    # ---------------------------------------------------------------- parts of a step
-
     def _place_tool(self) -> None:
         if self._pose_at is not None:
             self.pose = self._pose_at(self.state.time)

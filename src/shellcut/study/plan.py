@@ -70,6 +70,8 @@ class Plan:
         Which values go together.
     runs : tuple of PlannedRun
         In the order of the design.
+    figures : tuple of str
+        That the report shows; its own choice if empty.
     """
 
     model: str
@@ -78,6 +80,7 @@ class Plan:
     design: Design
     runs: tuple[PlannedRun, ...]
     variants: ModelVariants
+    figures: tuple[str, ...] = ()
 
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
         """Return the model of a run, with its share of the cores if it gives no threads.

@@ -236,17 +236,15 @@ def _tasks(
 
 def _compile(planned: Plan) -> None:
     """Compile the kernels once, before many processes would do it at the same time."""
-    fracture, head = set(), set()
+    criteria: set[Any] = set()
+    paths: set[Any] = set()
+    precisions = set()
     for run in planned.runs[:: max(1, len(planned.runs) // 8)]:
         model = planned.variants.read(run.values, try_out=False)
         section = model.sections.get("fracture")
         if section is not None:
+            criteria.add(section.criterion)
             # Left out, the path is decided when the model is built.
-            paths = ("edges", "free") if section.path is None else (section.path,)
-            fracture |= {(section.criterion, path) for path in paths}
-        head.add(model.head.precision)
-    warmup(
-        sorted({criterion for criterion, _ in fracture}) or ["force"],
-        sorted(head),
-        sorted({path for _, path in fracture}) or ["edges"],
-    )
+            paths |= {section.path} if section.path else {"edges", "free"}
+        precisions.add(model.head.precision)
+    warmup(sorted(criteria) or ["force"], sorted(precisions), sorted(paths) or ["edges"])

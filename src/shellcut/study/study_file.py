@@ -1,7 +1,7 @@
 """``study.toml``: a study as a file. Model, settings, factors, design and the figures of interest.
 
 model = "opening"
-figures = ["torque_plateau_Nmm"]     # for the report; all, if left out
+figures = ["torque_plateau_Nmm"]     # for the report; its own choice, if left out
 
 [set]
 "membrane.mesh" = "quick"
@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,7 @@ class StudyFile:
         As of :func:`shellcut.sweep`.
     design : Design
     figures : tuple of str
-        Figures that the report shows; all if empty.
+        Figures that the report shows; its own choice if empty.
     """
 
     model: str
@@ -71,7 +71,7 @@ class StudyFile:
         """
         several, single = factors_of(self.factors)
         together = {**self.settings, **(settings or {}), **single}
-        return plan(self.model, together, several, self.design)
+        return replace(plan(self.model, together, several, self.design), figures=self.figures)
 
 
 def is_study(path: str | os.PathLike[str]) -> bool:
@@ -137,7 +137,7 @@ def write_study(path: Path, planned: Plan) -> None:
     lines = [
         "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
         f"model = {written(str(model.resolve()) if model.is_file() else planned.model)}",
-        *_figures_kept(path),
+        *_figures_line(path, planned),
         "",
         "[set]",
         *(f"{written(key)} = {written(value)}" for key, value in planned.settings.items()),
@@ -154,10 +154,11 @@ def write_study(path: Path, planned: Plan) -> None:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _figures_kept(path: Path) -> list[str]:
-    """Return the line of the figures of an earlier file at this place."""
+def _figures_line(path: Path, planned: Plan) -> list[str]:
+    """Return the line of the figures, those of an earlier file at this place if none are given."""
+    figures = planned.figures
     try:
-        figures = read_study(path).figures
+        figures = figures or read_study(path).figures
     except (OSError, ValueError):
         return []
     return [f"figures = {written(list(figures))}"] if figures else []

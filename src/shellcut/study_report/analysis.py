@@ -1,0 +1,113 @@
+"""What follows from the runs for each figure: a surface, its error, sensitivities, or why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats
+from shellcut.surrogate.inputs import Input
+from shellcut.surrogate.sensitivity import Indices, sobol_indices
+from shellcut.surrogate.surface import Fitted, fewest_runs, fit, is_constant
+
+from .studied import FigureOfRuns, Studied, Study
+
+_UNSEEN = 0.15
+"""Part of a factor's range at its end that is too large to be left without runs."""
+
+_NOTHING = 0.0
+"""Explained share up to which a surface is no better than the mean."""
+
+
+@dataclass(frozen=True)
+class Analysed:
+    """A figure of interest with what the runs say about it.
+
+    Attributes
+    ----------
+    figure : FigureOfRuns
+    rows : ndarray, shape (n_run,)
+        Runs that have the figure.
+    factors : tuple of Studied
+        Those that vary over these runs, in the order of the surface's inputs.
+    fitted : Fitted or None
+        The surface, with its error.
+    indices : Indices or None
+        Its sensitivities.
+    why : str
+        Why there is no surface; "" if there is one.
+    """
+
+    figure: FigureOfRuns
+    rows: Bools
+    factors: tuple[Studied, ...]
+    fitted: Fitted | None
+    indices: Indices | None
+    why: str
+
+    @property
+    def inputs(self) -> tuple[Input, ...]:
+        """Inputs of the surface."""
+        return tuple(one.input for one in self.factors)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the figure and a factor differ from run to run."""
+        figure = self.figure.values[self.rows]
+        return len(figure) > 1 and bool(self.factors) and not is_constant(figure)
+
+    @property
+    def unseen(self) -> tuple[tuple[Studied, float, float], ...]:
+        """Factors with a part of their range in which no run has the figure, and its ends."""
+        found = []
+        for one in self.factors:
+            if one.names or not one.varies:
+                continue
+            low, high = one.ends
+            seen = one.values[self.rows]
+            for end, near in ((low, seen.min()), (high, seen.max())):
+                if abs(end - near) > _UNSEEN * (high - low):
+                    found.append((one, min(end, float(near)), max(end, float(near))))
+        return tuple(found)
+
+    @property
+    def predicts(self) -> bool:
+        """Whether there is a surface that is better than the mean."""
+        return self.fitted is not None and self.fitted.explained > _NOTHING
+
+    @property
+    def values(self) -> Floats:
+        """The factors in the runs that have the figure, shape (n, n_factor)."""
+        return np.column_stack([one.values[self.rows] for one in self.factors])
+
+
+def analysed(study: Study, figure: FigureOfRuns) -> Analysed:
+    """Return what the runs say about a figure."""
+    rows = study.done & np.isfinite(figure.values)
+    factors = tuple(one for one in study.factors if rows.any() and np.ptp(one.values[rows]) > 0.0)
+    bare = Analysed(figure, rows, factors, None, None, "")
+    if why := _why_no_surface(study, bare):
+        return Analysed(figure, rows, factors, None, None, why)
+    fitted = fit(bare.inputs, bare.values, figure.values[rows])
+    indices = None
+    if fitted.explained > _NOTHING and len(factors) > 1:
+        indices = sobol_indices(fitted.surface)
+    return Analysed(figure, rows, factors, fitted, indices, "")
+
+
+def _why_no_surface(study: Study, one: Analysed) -> str:
+    n = int(one.rows.sum())
+    if n == 0:
+        return "no run has this figure"
+    if n == 1:
+        return "one run has this figure, and a surface needs several"
+    if not one.factors:
+        return f"no factor varies over the {n} runs that have this figure"
+    if is_constant(one.figure.values[one.rows]):
+        value = one.figure.values[one.rows][0]
+        return f"it is {value:.6g} in all {n} runs, so nothing influences it here"
+    if n < (least := fewest_runs(one.inputs)):
+        over = f"{len(one.factors)} factor" + "s" * (len(one.factors) > 1)
+        return f"a surface over {over} needs {least} runs or more, and {n} have this figure"
+    return ""

@@ -1,0 +1,58 @@
+"""Groups of runs by a factor, each with a colour and a name in the legend."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Bools, Ints
+
+from .panels import N_COLOUR
+from .studied import Studied
+
+
+@dataclass(frozen=True)
+class Colouring:
+    """Groups of runs by one factor.
+
+    Attributes
+    ----------
+    factor : str
+        Its name.
+    names : tuple of str
+        Of the groups, in order.
+    group : ndarray, shape (n,)
+        Of each run.
+    """
+
+    factor: str
+    names: tuple[str, ...]
+    group: Ints
+
+    def style(self, group: int) -> str:
+        """Return the class of a group's colour, from the first to the last of the palette."""
+        if len(self.names) > N_COLOUR:
+            return f"c{group % N_COLOUR}"
+        return f"c{round(group * (N_COLOUR - 1) / max(1, len(self.names) - 1))}"
+
+
+def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
+    """Return groups by the values of a factor, or by even parts of its range."""
+    values, unit = factor.values[rows], factor.unit
+    gap = "" if unit in ("", "°") else " "
+    if factor.names:
+        return Colouring(factor.name, factor.names, values.astype(int))
+    levels = np.unique(values)
+    if len(levels) <= N_COLOUR:
+        names = tuple(f"{factor.name} {level:.5g}{gap}{unit}" for level in levels)
+        return Colouring(factor.name, names, np.searchsorted(levels, values))
+    low, high = factor.ends
+    bounds = np.linspace(low, high, N_COLOUR)  # one colour less: bounds that are easier to read
+    group = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, N_COLOUR - 2)
+    names = tuple(
+        f"{factor.name} {a:.4g} to {b:.4g}{gap}{unit}"
+        for a, b in itertools.pairwise(bounds.tolist())
+    )
+    return Colouring(factor.name, names, group)

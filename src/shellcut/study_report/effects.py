@@ -1,0 +1,108 @@
+"""Main effects: each figure over each factor. And pairs: each figure over each other one."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.report.markup import missing
+from shellcut.surrogate.inputs import at_shares
+
+from .analysis import Analysed
+from .colouring import coloured_by
+from .panels import Axis, Line, panel
+from .studied import Studied, Study
+
+_N_PLACE = 25  # along a factor
+_N_OTHER = 128  # points of the other factors over which a surface is averaged
+
+
+def main_effects(study: Study, analyses: Sequence[Analysed]) -> str:
+    """Return a row of pictures for each figure: the runs, and what the factor does by itself."""
+    parts = []
+    for one in analyses:
+        if not one.varies:
+            parts.append(missing(f"{one.figure.name}: {one.why}."))
+            continue
+        pictures = "".join(_effect(study, one, k) for k in range(len(one.factors)))
+        parts.append(f'<div class="panels">{pictures}</div>')
+    if not parts:
+        return ""
+    drawn = [one for one in analyses if one.predicts]
+    said = "Each point is a run; point at it to read its number and inputs."
+    if drawn:
+        said += " The line is the mean of the response surface over all other factors."
+    if weak := [one.figure.name for one in analyses if one.varies and not one.predicts]:
+        said += f" No line where no surface predicts the figure: {'; '.join(weak)}."
+    return "".join(parts) + f'<p class="caption">{escape(said)}</p>'
+
+
+def _effect(study: Study, one: Analysed, k: int) -> str:
+    factor = one.factors[k]
+    x = Axis(factor.name, factor.unit, factor.values[one.rows], factor.names)
+    y = Axis(one.figure.name, one.figure.unit, one.figure.values[one.rows])
+    lines = [Line(*_alone(one, k), "effect")] if one.predicts else []
+    return panel(x, y, said_of(study, one), lines=lines)
+
+
+def _alone(one: Analysed, k: int) -> tuple[Floats, Floats]:
+    """Return places along a factor, and the mean of the surface over the others there."""
+    assert one.fitted is not None
+    inputs = one.inputs
+    others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(_N_OTHER))
+    n_name = len(inputs[k].names)
+    places = np.arange(n_name) if n_name else np.linspace(*inputs[k].ends, _N_PLACE)
+    points = np.repeat(others[None], len(places), axis=0)
+    points[:, :, k] = places[:, None]
+    means = one.fitted.surface.predict(points.reshape(-1, len(inputs))).reshape(len(places), -1)
+    return places.astype(float), means.mean(axis=1)
+
+
+def said_of(study: Study, one: Analysed) -> list[str]:
+    """Return what pointing at each run of a figure says."""
+    return [said_of_row(study, row) for row in np.flatnonzero(one.rows).tolist()]
+
+
+def said_of_row(study: Study, row: int) -> str:
+    """Return number and inputs of a run."""
+    inputs = ", ".join(f"{f.name} {_text(f, row)}" for f in study.factors)
+    return f"run {study.numbers[row]}: {inputs}"
+
+
+def _text(factor: Studied, row: int) -> str:
+    if factor.names:
+        return factor.texts[row]
+    gap = "" if factor.unit in ("", "°") else " "
+    return f"{factor.values[row]:.5g}{gap}{factor.unit}"
+
+
+def pairs(study: Study, analyses: Sequence[Analysed]) -> str:
+    """Return each figure over each other one: what is gained in one and lost in another."""
+    varying = [one for one in analyses if one.varies]
+    pictures = []
+    for a, b in itertools.combinations(varying, 2):
+        both = a.rows & b.rows
+        if both.sum() < 2:
+            continue
+        by = coloured_by(a.factors[0], both)
+        pictures.append(
+            panel(
+                Axis(a.figure.name, a.figure.unit, a.figure.values[both]),
+                Axis(b.figure.name, b.figure.unit, b.figure.values[both]),
+                [said_of_row(study, row) for row in np.flatnonzero(both).tolist()],
+                fills=[by.style(int(group)) for group in by.group],
+            )
+        )
+    if not pictures:
+        return missing("No pairs: two figures of two runs are needed.") if analyses else ""
+    by = coloured_by(varying[0].factors[0], varying[0].rows)
+    keys = "".join(
+        f'<li><span class="spot {by.style(k)}"></span>{escape(name)}</li>'
+        for k, name in enumerate(by.names)
+    )
+    return f'<ul class="legend">{keys}</ul><div class="panels">{"".join(pictures)}</div>'

@@ -1,0 +1,86 @@
+"""Assemble the sections of the report of a study into a page."""
+
+from __future__ import annotations
+
+import importlib.resources
+import os
+from pathlib import Path
+
+from shellcut.report.markup import section
+from shellcut.report.page import page_of
+from shellcut.report.words import versions
+
+from . import curves, effects, sensitivities, surfaces, theory, words
+from .analysis import analysed
+from .studied import Study, read_folder
+
+
+def report_study(
+    folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None
+) -> Path:
+    """Write one self-contained HTML file about a study: table, curves, effects, sensitivities.
+
+    It can be written while the study runs; it then shows the runs that are done. Surfaces are
+    Gaussian processes if scikit-learn is installed (extra ``study``), polynomials otherwise.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder of the study.
+    path : str or Path, optional
+        The file to write, replaced if it exists; by default ``report.html`` in the folder.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the folder holds no study, or no run of it has ended.
+    ValueError
+        If its files are not those of a study.
+
+    Examples
+    --------
+    >>> report_study("no/such/folder")
+    Traceback (most recent call last):
+        ...
+    FileNotFoundError: no/such/folder must be the folder of a study, with study.toml
+    """
+    study = read_folder(Path(folder))
+    out = study.folder / "report.html" if path is None else Path(path)
+    n, n_done = len(study.status), study.count("done")
+    html = page_of(
+        title=f"{study.name} - report of a study",
+        heading=study.name,
+        lead=f"Report of the study in {study.folder.resolve()}: {n} runs of "
+        f"{Path(study.file.model).name}, {n_done} done.",
+        body=_body(study, out),
+        style=_part("study.css"),
+        script=_part("study.js"),
+    )
+    out.write_text(html, encoding="utf-8")
+    return out
+
+
+def _part(name: str) -> str:
+    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")
+
+
+def _body(study: Study, out: Path) -> str:
+    found = [analysed(study, figure) for figure in study.figures] if study.done.any() else []
+    made = {
+        "Study": words.state(study),
+        "Runs": words.runs(study, out),
+        "Curves": curves.curves(study),
+        "Main effects": effects.main_effects(study, found),
+        "Pairs of figures": effects.pairs(study, found),
+        "Response surfaces": surfaces.surfaces(study, found),
+        "Sensitivities": sensitivities.sensitivities(found),
+        "Beside the theory": theory.theory(study),
+        "What was run": words.what_was_run(study),
+        "Versions": versions("scikit-learn"),
+    }
+    return "".join(section(title, body) for title, body in made.items())

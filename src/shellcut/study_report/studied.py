@@ -1,0 +1,246 @@
+"""A study as its folder holds it: the factors, and the table of inputs and figures."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats
+from shellcut.model_file.key_index import tables
+from shellcut.model_file.quantity import quantity
+from shellcut.results.summary_figures import label_of, unit_of
+from shellcut.study.factors import factors_of
+from shellcut.study.plan import RUNS
+from shellcut.study.study_file import STUDY, StudyFile, read_study
+from shellcut.study.table import TABLE
+from shellcut.surrogate.inputs import Input
+
+_MAIN = (
+    ("torque_plateau_Nmm", "force_plateau_N"),
+    ("torque_peak_Nmm", "force_peak_N"),
+    ("axial_force_plateau_N",),
+    ("crack_length_mm",),
+    ("tool_work_Nmm", "support_work_Nmm"),
+)
+"""Figures shown of a study that names none: of each row the first that it has."""
+
+_STEADY = "the steady window"
+_SPELT = {"°": "deg", "·": "*", "²": "^2"}
+
+
+@dataclass(frozen=True)
+class Studied:
+    """A factor with its value in each run.
+
+    Attributes
+    ----------
+    key : str
+        As in the study file.
+    name, unit : str
+        As printed.
+    values : ndarray, shape (n_run,)
+        Numbers; of a list of names the place in ``names``.
+    texts : tuple of str
+        The values as they are in the table.
+    names : tuple of str
+        The names, empty for numbers.
+    ends : tuple of float
+        Least and largest value of the study, run or not.
+    """
+
+    key: str
+    name: str
+    unit: str
+    values: Floats
+    texts: tuple[str, ...]
+    names: tuple[str, ...]
+    ends: tuple[float, float]
+
+    @property
+    def varies(self) -> bool:
+        """Whether it has two values or more."""
+        return self.ends[0] < self.ends[1]
+
+    @property
+    def input(self) -> Input:
+        """What a surface takes it for."""
+        return Input(self.name, self.ends, self.names)
+
+
+@dataclass(frozen=True)
+class FigureOfRuns:
+    """A figure of interest: NaN in runs that have none."""
+
+    key: str
+    name: str
+    unit: str
+    values: Floats
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the folder of a study holds.
+
+    Attributes
+    ----------
+    folder : Path
+    file : StudyFile
+    numbers, status, keys, reasons : tuple of str
+        Of each run: its number, ``done``, ``failed``, ``stopped`` or ``waits``, the name of its
+        folder, and why it failed.
+    factors : tuple of Studied
+    figures : tuple of FigureOfRuns
+        Those of interest.
+    all_figures : mapping from str to ndarray, shape (n_run,)
+        All of the table.
+    lacking : tuple of str
+        Figures that the study asks for and no run has.
+    """
+
+    folder: Path
+    file: StudyFile
+    numbers: tuple[str, ...]
+    status: tuple[str, ...]
+    keys: tuple[str, ...]
+    reasons: tuple[str, ...]
+    factors: tuple[Studied, ...]
+    figures: tuple[FigureOfRuns, ...]
+    all_figures: Mapping[str, Floats]
+    lacking: tuple[str, ...]
+
+    @property
+    def done(self) -> Bools:
+        """Which runs are done, shape (n_run,)."""
+        return np.array([status == "done" for status in self.status], bool)
+
+    @property
+    def failed(self) -> Bools:
+        """Which runs have failed, shape (n_run,)."""
+        return np.array([status == "failed" for status in self.status], bool)
+
+    @property
+    def name(self) -> str:
+        """Of the folder."""
+        return self.folder.resolve().name
+
+    def run_folder(self, row: int) -> Path:
+        """Return the folder of the run in a row of the table."""
+        return self.folder / RUNS / self.keys[row]
+
+    def count(self, status: str) -> int:
+        """Return the number of runs with a status."""
+        return self.status.count(status)
+
+
+def read_folder(folder: Path) -> Study:
+    """Read a study.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no study, or no table yet.
+    ValueError
+        If the table is not one of a study, or the study file is wrong.
+    """
+    if not (folder / STUDY).is_file():
+        raise FileNotFoundError(f"{folder} must be the folder of a study, with {STUDY}")
+    if not (folder / TABLE).is_file():
+        raise FileNotFoundError(
+            f"{folder} must have {TABLE}, and has none yet: shellcut sweep writes it a few seconds "
+            "after the first run has ended"
+        )
+    file = read_study(folder / STUDY)
+    with (folder / TABLE).open(encoding="utf-8-sig", newline="") as text:
+        head, *rows = list(csv.reader(text)) or [[]]
+    if head[:1] != ["run"] or "status" not in head or head[-2:] != ["folder", "reason"]:
+        raise ValueError(
+            f"{folder / TABLE} must have the columns run ... status ... folder, reason"
+        )
+    if any(len(row) != len(head) for row in rows):
+        raise ValueError(f"{folder / TABLE} must have {len(head)} cells in every row")
+    columns = {name: tuple(row[k] for row in rows) for k, name in enumerate(head)}
+    first = head.index("status")
+    figures = {name: _numbers(columns[name]) for name in head[first + 1 : -2]}
+    chosen, lacking = _of_interest(file, figures)
+    return Study(
+        folder,
+        file,
+        columns["run"],
+        columns["status"],
+        columns["folder"],
+        columns["reason"],
+        _factors(file, {key: columns[key] for key in head[1:first]}),
+        tuple(FigureOfRuns(n, label_of(n, _STEADY), unit_of(n), figures[n]) for n in chosen),
+        figures,
+        lacking,
+    )
+
+
+def _of_interest(file: StudyFile, there: Mapping[str, Floats]) -> tuple[list[str], tuple[str, ...]]:
+    if file.figures:
+        lacking = tuple(name for name in file.figures if name not in there)
+        return [name for name in file.figures if name in there], lacking
+    found = (next((name for name in names if name in there), None) for names in _MAIN)
+    return [name for name in found if name is not None], ()
+
+
+def _factors(file: StudyFile, columns: Mapping[str, Sequence[str]]) -> tuple[Studied, ...]:
+    several, _ = factors_of(file.factors)
+    given = {one.key: one for one in several}
+    units = {key: _unit_of_key(key) for key in columns}
+    short = [key.rpartition(".")[2] for key in columns]
+    found = []
+    for key, texts in columns.items():
+        plain = key.rpartition(".")[2]
+        name = plain if short.count(plain) == 1 else key
+        name = name.removesuffix("_deg").replace("_", " ")
+        planned = given.get(key)
+        probes = [str(one) for one in planned.probes()] if planned else []
+        numbers = [_number(text, units[key]) for text in (*texts, *probes)]
+        if all(number is not None for number in numbers):
+            values = np.array(numbers, float)
+            ends = float(values.min()), float(values.max())
+            names: tuple[str, ...] = ()
+            values = values[: len(texts)]
+        else:
+            names = tuple(dict.fromkeys((*probes, *texts)))
+            values = np.array([names.index(text) for text in texts], float)
+            ends = 0.0, len(names) - 1.0
+        unit = units[key].replace("deg", "°").replace("*", "·")
+        found.append(Studied(key, name, unit, values, tuple(texts), names, ends))
+    return tuple(found)
+
+
+def _number(text: str, unit: str) -> float | None:
+    """Return the number of a cell in the unit of its key, None if it is a name."""
+    try:
+        return quantity(text, unit)
+    except ValueError:
+        return None
+
+
+def _numbers(cells: Sequence[str]) -> Floats:
+    """Return the figures of a column, NaN where a run has none."""
+    found = np.full(len(cells), np.nan)
+    for k, cell in enumerate(cells):
+        try:
+            found[k] = float(cell)
+        except ValueError:
+            continue
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def _unit_of_key(key: str) -> str:
+    """Return the unit of a key of model files; "" for a pure number or an unknown key."""
+    section, _, name = key.rpartition(".")
+    for table in tables():
+        if section and table.title != f"[{section}]":
+            continue
+        for entry in table.entries:
+            if name in (entry.name, entry.also):
+                return entry.unit
+    return ""

@@ -1,0 +1,214 @@
+"""The response surface of each figure: its error at unseen runs, and maps of two factors."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.report.markup import missing, table
+from shellcut.surrogate.inputs import at_shares
+from shellcut.surrogate.polynomial import Polynomial
+
+from .analysis import Analysed
+from .effects import said_of
+from .panels import Axis, Ground, Line, bands, colours, hex_of, panel, scale
+from .studied import Study
+
+_N_SIDE = 50  # places of a map along each factor
+_FINER = 4  # pixels between two places
+_N_OTHER = 32  # points of the other factors over which a map is averaged
+_MOST_MAPS = 6  # of one figure
+
+_GOOD, _POOR = 0.9, 0.5
+"""Shares of the variance of unseen runs, for the words of the table."""
+
+
+def surfaces(study: Study, analyses: Sequence[Analysed]) -> str:
+    """Return error, prediction of runs left out, and maps, for each figure."""
+    if not analyses:
+        return ""
+    parts = [_how(analyses), _errors(analyses)]
+    parts += [missing(f"{one.figure.name}: no surface, {one.why}.") for one in analyses if one.why]
+    for one in analyses:
+        if one.fitted is None:
+            continue
+        pictures = [_left_out(study, one)]
+        steps = _bands(one)
+        if one.predicts:
+            pictures += _maps(study, one, steps)
+        parts.append(
+            f'<h3>{escape(one.figure.name)}</h3><div class="panels">{"".join(pictures)}</div>'
+        )
+        if len(pictures) > 1:
+            parts.append(scale(steps, _in_unit(one)))
+    if any(one.predicts and len(one.factors) > 1 for one in analyses):
+        parts.append(
+            '<p class="caption">Maps: the mean of the surface over all other factors; the points '
+            "are the runs, each in the colour of its own figure; a cross is a run without it.</p>"
+        )
+    return "".join(parts)
+
+
+def _how(analyses: Sequence[Analysed]) -> str:
+    if all(one.fitted is None for one in analyses):
+        return ""
+    said = (
+        "A surface gives the figure as a function of the factors. Its error is measured on runs "
+        "that it has not seen: they are left out, one by one or a tenth at a time, and predicted "
+        "from the others."
+    )
+    if any(one.fitted and isinstance(one.fitted.surface, Polynomial) for one in analyses):
+        said += (
+            " The surfaces are polynomials by least squares, because scikit-learn is not "
+            "installed: with pip install 'shellcut[study]' they are Gaussian processes, which "
+            "follow bends that a polynomial does not."
+        )
+    return f"<p>{escape(said)}</p>"
+
+
+def _errors(analyses: Sequence[Analysed]) -> str:
+    rows = []
+    for one in analyses:
+        fitted = one.fitted
+        if fitted is None:
+            continue
+        how = "one by one" if fitted.n_fold == fitted.n_run else f"{fitted.n_fold} parts"
+        rows.append(
+            (
+                one.figure.name,
+                str(fitted.n_run),
+                fitted.surface.kind.removeprefix("a "),
+                how,
+                with_unit(fitted.error, one.figure.unit),
+                with_unit(fitted.mean_error, one.figure.unit),
+                f"{100.0 * max(fitted.explained, 0.0):.0f} %",
+            )
+        )
+    if not rows:
+        return ""
+    head = ("figure", "runs", "surface", "left out", "error, rms", "error of the mean", "explained")
+    said = "".join(
+        f'<li class="{kind}"><b>{word}</b>{escape(text)}</li>'
+        for kind, word, text in _judged(analyses)
+    )
+    return table(rows, head) + (f'<ul class="verdict">{said}</ul>' if said else "")
+
+
+def _judged(analyses: Sequence[Analysed]) -> list[tuple[str, str, str]]:
+    """Return kind, word and sentence about each surface."""
+    said, guessed = [], dict[str, None]()
+    for one in analyses:
+        fitted = one.fitted
+        if fitted is None:
+            continue
+        name, unit = one.figure.name, one.figure.unit
+        error, of_mean = with_unit(fitted.error, unit), with_unit(fitted.mean_error, unit)
+        share = 100.0 * fitted.explained
+        if not one.predicts:
+            text = (
+                f"the surface predicts unseen runs no better than their mean (error {error}, of "
+                f"the mean {of_mean}). No map, no main effect and no sensitivity of it would mean "
+                "anything; more runs may help, or the figure is noise here."
+            )
+            said.append(("doubt", "nothing", f"{name}: {text}"))
+            continue
+        if fitted.explained < _POOR:
+            text = f"explains {share:.0f} % of the variance of unseen runs: take it as a tendency."
+            said.append(("doubt", "poor", f"{name}: the surface {text}"))
+        elif fitted.explained > _GOOD:
+            text = f"predicts unseen runs to {error} (rms), their mean to {of_mean}."
+            said.append(("good", "holds", f"{name}: the surface {text}"))
+        for factor, low, high in one.unseen:
+            gap = "" if factor.unit in ("", "°") else " "
+            guessed[f"{factor.name} from {low:.4g} to {high:.4g}{gap}{factor.unit}"] = None
+    if guessed:
+        text = (
+            f"No run with figures has {', or '.join(guessed)}. There the surfaces are a guess, and "
+            "so is that part of the main effects and the sensitivities."
+        )
+        said.append(("doubt", "unseen", text))
+    return said
+
+
+def _left_out(study: Study, one: Analysed) -> str:
+    """Return what each run gave over what the others predict for it."""
+    assert one.fitted is not None
+    fitted = one.fitted
+    figure = one.figure.values[one.rows][fitted.rows]
+    said = [said_of(study, one)[k] for k in fitted.rows.tolist()]
+    ends = np.array(
+        [min(figure.min(), fitted.left_out.min()), max(figure.max(), fitted.left_out.max())]
+    )
+    return panel(
+        Axis("predicted from the other runs", one.figure.unit, fitted.left_out),
+        Axis("the run", one.figure.unit, figure),
+        said,
+        lines=[Line(ends, ends, "same")],
+    )
+
+
+def _maps(study: Study, one: Analysed, steps: tuple[float, ...]) -> list[str]:
+    numbers = [k for k, factor in enumerate(one.factors) if not factor.names]
+    chosen = list(itertools.combinations(_by_weight(one, numbers), 2))[:_MOST_MAPS]
+    figure = one.figure.values[one.rows]
+    fills = [hex_of(colour) for colour in colours(figure, steps)]
+    lost = ~one.rows & (study.done | study.failed)
+    pictures = []
+    for i, j in chosen:
+        a, b = one.factors[i], one.factors[j]
+        ground = Ground(_mean_over(one, i, j), a.ends, b.ends, steps)
+        pictures.append(
+            panel(
+                Axis(a.name, a.unit, a.values[one.rows]),
+                Axis(b.name, b.unit, b.values[one.rows]),
+                said_of(study, one),
+                fills=fills,
+                ground=ground,
+                crosses=(a.values[lost], b.values[lost]),
+            )
+        )
+    return pictures
+
+
+def _by_weight(one: Analysed, numbers: list[int]) -> list[int]:
+    """Return factors, those of the largest total index first."""
+    if one.indices is None:
+        return numbers
+    total = one.indices.total
+    return sorted(numbers, key=lambda k: -total[k])
+
+
+def _mean_over(one: Analysed, i: int, j: int) -> Floats:
+    """Return the mean of the surface over all factors but two, shape (n, n), largest j first."""
+    assert one.fitted is not None
+    inputs = one.inputs
+    n_other = _N_OTHER if len(inputs) > 2 else 1
+    others = at_shares(inputs, scipy.stats.qmc.Sobol(len(inputs), seed=0).random(n_other))
+    across = np.linspace(*inputs[i].ends, _N_SIDE)
+    down = np.linspace(*inputs[j].ends, _N_SIDE)[::-1]
+    mean = np.zeros((_N_SIDE, _N_SIDE))
+    for other in others:
+        points = np.tile(other, (_N_SIDE * _N_SIDE, 1))
+        points[:, i], points[:, j] = np.tile(across, _N_SIDE), np.repeat(down, _N_SIDE)
+        mean += one.fitted.surface.predict(points).reshape(_N_SIDE, _N_SIDE) / n_other
+    return np.asarray(scipy.ndimage.zoom(mean, _FINER, order=1))
+
+
+def _bands(one: Analysed) -> tuple[float, ...]:
+    figure = one.figure.values[one.rows]
+    return bands(float(figure.min()), float(figure.max()))
+
+
+def _in_unit(one: Analysed) -> str:
+    return f"{one.figure.name} [{one.figure.unit}]" if one.figure.unit else one.figure.name
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number of three figures with its unit."""
+    gap = "" if unit in ("", "°") else " "
+    return f"{value:.3g}{gap}{unit}"

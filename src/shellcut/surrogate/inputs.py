@@ -1,0 +1,85 @@
+"""Inputs of a surface, and the columns of numbers that they become.
+
+A number becomes a column from -1 to 1. A name out of a list becomes a column for each name of the
+list, 1 where it is that name; two names share one column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from shellcut.arrays import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number between two ends, or a name out of a list.
+
+    Attributes
+    ----------
+    name : str
+    ends : tuple of float
+        Least and largest value, the first below the second; of a list (0, number of names - 1).
+    names : tuple of str
+        The names, two or more; empty for a number. A value then is a place in this list.
+    """
+
+    name: str
+    ends: tuple[float, float]
+    names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.ends[0] < self.ends[1]:
+            raise ValueError(
+                f"the input {self.name} must take two values or more, got only {self.ends[0]:g}"
+            )
+
+    @property
+    def n_column(self) -> int:
+        """Columns that it becomes."""
+        return 1 if len(self.names) <= 2 else len(self.names)
+
+    def columns(self, values: npt.ArrayLike) -> Floats:
+        """Return the columns of values, shape (n, n_column)."""
+        given = np.asarray(values, float)
+        if self.n_column > 1:
+            return np.asarray(given[:, None] == np.arange(len(self.names)), float)
+        low, high = self.ends
+        return np.asarray(2.0 * (given - low) / (high - low) - 1.0)[:, None]
+
+    def at(self, shares: Floats) -> Floats:
+        """Return the values at shares in [0, 1): evenly over the range, each name as often."""
+        if self.names:
+            last = len(self.names) - 1.0
+            return np.asarray(np.minimum(np.floor(shares * len(self.names)), last))
+        low, high = self.ends
+        return low + shares * (high - low)
+
+
+def columns_of(inputs: Sequence[Input], values: Floats) -> Floats:
+    """Return the columns of all inputs.
+
+    Parameters
+    ----------
+    inputs : sequence of Input
+    values : ndarray, shape (n, n_input)
+
+    Returns
+    -------
+    ndarray, shape (n, number of columns)
+    """
+    return np.hstack([one.columns(values[:, k]) for k, one in enumerate(inputs)])
+
+
+def owners_of(inputs: Sequence[Input]) -> Ints:
+    """Return the number of the input that each column belongs to."""
+    return np.repeat(np.arange(len(inputs)), [one.n_column for one in inputs])
+
+
+def at_shares(inputs: Sequence[Input], shares: Floats) -> Floats:
+    """Return the values at shares of the inputs, shape (n, n_input)."""
+    return np.column_stack([one.at(shares[:, k]) for k, one in enumerate(inputs)])

@@ -1,0 +1,291 @@
+"""The report of a study: what it says of good, poor and lost runs, and that a browser shows it."""
+
+import csv
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import scipy
+
+import shellcut as sc
+from shellcut.command_line import main
+from shellcut.study_report import report_study
+from shellcut.study_report.studied import read_folder
+from shellcut.surrogate import surface
+from test_report import CHROMIUM, LISTEN, Outline, sentences
+
+SECTIONS = [
+    *("Study", "Runs", "Curves", "Main effects", "Pairs of figures", "Response surfaces"),
+    *("Sensitivities", "What was run", "Versions"),
+]
+STUDY = """model = "opening"
+{figures}
+[factors]
+"tool.edge_inclination_deg" = "40 : 80"
+"motion.pitch" = "8 mm : 24 mm"
+"tool.file" = ["caps/a.stl", "caps/<b>.stl"]
+[design]
+kind = "sobol"
+n = 24
+"""
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch):
+    """Polynomials, which take no time, but where a test asks for a process."""
+    monkeypatch.setattr(surface, "is_there", lambda: False)
+
+
+def made(folder, figures, *, n=24, failed=(), chosen="", waiting=0):
+    """Write the files of a study whose figures are functions of its factors."""
+    folder.mkdir()
+    (folder / "study.toml").write_text(STUDY.format(figures=chosen), encoding="utf-8")
+    shares = scipy.stats.qmc.LatinHypercube(3, seed=0).random(n)
+    eta, pitch = 40.0 + 40.0 * shares[:, 0], 8.0 + 16.0 * shares[:, 1]
+    cap = ["caps/a.stl" if u < 0.5 else "caps/<b>.stl" for u in shares[:, 2]]
+    values = {name: of(eta, pitch, np.array(cap) != "caps/a.stl") for name, of in figures.items()}
+    with (folder / "table.csv").open("w", encoding="utf-8-sig", newline="") as file:
+        rows = csv.writer(file)
+        keys = ["tool.edge_inclination_deg", "motion.pitch", "tool.file"]
+        rows.writerow(["run", *keys, "status", *figures, "folder", "reason"])
+        for k in range(n):
+            inputs = [k, eta[k], f"{float(pitch[k])!r} mm", cap[k]]
+            key = f"{k:016x}"
+            if k in failed:
+                rest = ["failed", *[""] * len(figures), key, f"runs/{key}: <script>no row</script>"]
+            elif k >= n - waiting:
+                rest = ["waits", *[""] * len(figures), key, ""]
+            else:
+                rest = ["done", *(float(v[k]) for v in values.values()), key, ""]
+            rows.writerow([*inputs, *rest])
+    return folder
+
+
+def plateau(eta, pitch, other):
+    return 128.0 + pitch / np.tan(np.radians(eta)) + 20.0 * other
+
+
+def noise(eta, pitch, other):
+    return np.random.default_rng(1).standard_normal(len(eta))
+
+
+def crack(eta, pitch, other):
+    return np.full(len(eta), 59.04)
+
+
+THREE = {"torque_plateau_Nmm": plateau, "torque_peak_Nmm": noise, "crack_length_mm": crack}
+
+
+def page_of(folder):
+    return report_study(folder).read_text(encoding="utf-8")
+
+
+def texts(page):
+    return re.sub(r"<[^>]+>", " ", page)
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """Of a study with two figures that vary, one of them noise, and two runs that failed."""
+    folder = made(tmp_path_factory.mktemp("s") / "a & b", THREE, failed=(3, 7), waiting=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(surface, "is_there", lambda: False)
+        return page_of(folder)
+
+
+class TestPage:
+    def test_every_section_is_there_and_nothing_is_loaded(self, page):
+        assert Outline(page).titles == SECTIONS
+        assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", page) == []
+        assert "default-src 'none'" in page
+
+    def test_runs_that_failed_have_their_reason_once_for_all(self, page):
+        said = [text for kind, text in sentences(page) if kind == "doubt"]
+        assert said[0].startswith("2 of 24 runs failed: runs/...: &lt;script&gt;no row")
+        assert "other reasons" not in said[0]
+        assert "<script>no row" not in page
+        assert page.count('<td class="status bad">') == 2
+
+    def test_inputs_and_figures_have_units(self, page):
+        for head in ("edge inclination [°]", "pitch [mm]", "torque, peak [N·mm]"):
+            assert f">{head}</th>" in page
+
+    def test_a_surface_that_predicts_is_told_from_one_that_does_not(self, page):
+        said = {text.partition(":")[0]: kind for kind, text in sentences(page)}
+        assert said["torque, mean over the steady window"] == "good"
+        assert said["torque, peak"] == "doubt"
+        assert "No sensitivities: the surface predicts unseen runs no better" in page
+        assert "polynomials by least squares, because scikit-learn is not installed" in page
+
+    def test_a_constant_figure_is_told(self, page):
+        assert "crack length: no surface, it is 59.04 in all 21 runs" in page
+
+    def test_sensitivities_say_on_what_they_rest(self, page):
+        said = re.search(r"From (a polynomial of degree \d) through 21 runs, .*? points\.", page)
+        assert "(rms; their mean does to" in said[0]
+        row = re.search(r"<th scope=\"row\">file</th>.*?</tr>", page)[0]
+        first = float(re.search(r">([\d.]+) \(", row)[1])
+        # 20² / 4 of the names; of p cot eta over the box, by quadrature
+        eta, pitch = np.meshgrid(np.linspace(40, 80, 400), np.linspace(8, 24, 400))
+        rest = np.var(pitch / np.tan(np.radians(eta)))
+        assert first == pytest.approx(100.0 / (100.0 + rest), abs=0.06)
+
+
+class TestWhatIsMissing:
+    def test_all_failed(self, tmp_path):
+        page = page_of(made(tmp_path / "s", {}, n=4, failed=range(4)))
+        assert "No run is done, so there are no figures" in page
+        assert {"Study", "Runs", "What was run"} <= set(Outline(page).titles)
+
+    def test_one_run(self, tmp_path):
+        page = texts(page_of(made(tmp_path / "s", THREE, n=1)))
+        assert "one run has this figure, and a surface needs several" in page
+
+    def test_too_few_runs(self, tmp_path):
+        page = texts(page_of(made(tmp_path / "s", THREE, n=4)))
+        assert "a surface over 3 factors needs 6 runs or more, and 4 have this figure" in page
+
+    def test_a_figure_that_no_run_has(self, tmp_path):
+        chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
+        folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
+        assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
+        assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
+
+    def test_a_part_of_the_range_without_runs(self, tmp_path):
+        folder = made(tmp_path / "s", THREE)
+        pitch = {f.name: f for f in read_folder(folder).factors}["pitch"].values
+        shutil.rmtree(folder)
+        high = np.flatnonzero(pitch > 18.0).tolist()
+        page = page_of(made(folder, THREE, failed=high))
+        assert re.search(r"No run with figures has pitch from 1[78]\.?\d* to 24 mm", page)
+
+    def test_no_table_yet(self, tmp_path, capsys):
+        folder = made(tmp_path / "s", THREE, n=1)
+        (folder / "table.csv").unlink()
+        assert main(["report", str(folder)]) == 2
+        assert "must have table.csv, and has none yet" in capsys.readouterr().err
+
+    def test_a_table_of_something_else(self, tmp_path):
+        folder = made(tmp_path / "s", THREE, n=1)
+        (folder / "table.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+        with pytest.raises(ValueError, match="must have the columns run"):
+            report_study(folder)
+
+    def test_a_measured_curve_is_for_runs(self, tmp_path, capsys):
+        folder = made(tmp_path / "s", THREE, n=1)
+        assert main(["report", str(folder), "--measured", "cap.csv"]) == 2
+        assert "give the folder of a run" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory):
+    """Three cuts of a tiny strip."""
+    out = tmp_path_factory.mktemp("study") / "wedges"
+    strip = {"membrane.length": 6, "membrane.width": 4, "membrane.size": 0.5, "notch": 1}
+    factors = {"wedge_half_angle_deg": [10, 20, 30], "half_thickness": [0.3]}
+    settings = {**strip, "travel": 2.0, "output.frames": 2}
+    found = sc.sweep("guillotine", factors, out, settings=settings, executor=1, say=lambda _: None)
+    assert found.count("done") == 3
+    return out
+
+
+class TestOfARealStudy:
+    def test_its_curves_and_folders_are_there(self, real, capsys):
+        assert main(["report", str(real)]) == 0
+        assert "report.html (" in capsys.readouterr().out
+        page = (real / "report.html").read_text(encoding="utf-8")
+        links = [link for link in Outline(page).links if link.startswith("runs/")]
+        assert len(links) == 3
+        assert all((real / link).is_dir() for link in links)
+        data = json.loads(re.search(r'<script type="application/json">(.+?)</script>', page)[1])
+        assert [curve["name"] for curve in data["curves"]] == [
+            f"wedge half angle {angle}°" for angle in (10, 20, 30)
+        ]
+        history = sc.read(real / links[0]).history
+        top = max(max(curve["y"]) for curve in data["curves"])
+        assert history["force"].max() <= top * (1.0 + 1e-4)
+
+    def test_one_factor_and_three_runs_are_told(self, real):
+        page = texts(page_of(real))
+        assert "a surface over 1 factor needs 4 runs or more, and 3 have this figure" in page
+        assert "Beside the theory" not in page
+
+
+TRY = """<script>addEventListener("load", () => {
+  const found = { wrong: window.wrong };
+  const table = document.querySelector("table.sortable");
+  const column = () => [...table.tBodies[0].rows].map((row) => row.cells[4].textContent);
+  const head = table.tHead.rows[0].cells[4].querySelector("button");
+  head.click(); found.up = column();
+  head.click(); found.down = column();
+  const box = document.querySelector(".coloured");
+  const select = box.querySelector("select");
+  const legend = () => [...box.querySelectorAll(".legend button")].map((b) => b.textContent);
+  found.before = legend();
+  select.selectedIndex = 2;
+  select.dispatchEvent(new Event("change"));
+  found.after = legend();
+  found.styles = [...new Set(box.querySelector(".chart").chart.data.curves.map((c) => c.style))];
+  found.paths = box.querySelectorAll(".chart > svg path.line").length;
+  found.wide = document.documentElement.scrollWidth <= innerWidth;
+  const pre = document.createElement("pre");
+  pre.id = "found";
+  pre.textContent = JSON.stringify(found);
+  document.body.append(pre);
+});</script>"""
+
+
+def test_a_reader_sorts_the_table_and_colours_the_curves(tmp_path):
+    if CHROMIUM is None:
+        pytest.skip("no Chromium here (apt-get install chromium)")
+    folder = made(tmp_path / "s", THREE, failed=(3,))
+    for k in range(24):
+        run = folder / "runs" / f"{k:016x}"
+        run.mkdir(parents=True)
+        rows = "".join(f"{t},{t * 90},{t * k}\n" for t in np.linspace(0.0, 1.0, 5))
+        (run / "history.csv").write_text(f"time [s],angle [deg],torque [N*mm]\n{rows}9.0,1")
+    page = (
+        page_of(folder)
+        .replace("<style>", LISTEN + "<style>", 1)
+        .replace("</body>", TRY + "</body>")
+    )
+    (tmp_path / "trial.html").write_text(page, encoding="utf-8")
+    done = subprocess.run(
+        [
+            *(CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"),
+            *(f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=3000"),
+            *("--dump-dom", (tmp_path / "trial.html").as_uri()),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    assert "CONSOLE" not in done.stderr, done.stderr
+    text = re.search(r'<pre id="found">(.+?)</pre>', done.stdout)[1]
+    for sign, plain in (("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")):
+        text = text.replace(sign, plain)
+    found = json.loads(text)
+    assert found["wrong"] == []
+    up = [float(cell) for cell in found["up"][:-1]]
+    assert up == sorted(up)
+    assert found["down"][:-1] == found["up"][-2::-1]
+    assert found["up"][-1] == found["down"][-1] == "–"  # the run without figures comes last
+    assert found["before"][0] == "edge inclination 40 to 46.67°"
+    assert found["after"] == ["caps/a.stl", "caps/<b>.stl"]
+    assert found["styles"] == ["run c0", "run c6"] or found["styles"] == ["run c6", "run c0"]
+    assert found["paths"] == 23
+    assert found["wide"]
+
+
+def test_a_process_is_taken_where_scikit_learn_is(tmp_path, monkeypatch):
+    pytest.importorskip("sklearn", reason="needs shellcut[study]")
+    monkeypatch.setattr(surface, "is_there", lambda: True)
+    folder = made(tmp_path / "s", {"torque_plateau_Nmm": plateau})
+    page = page_of(folder)
+    assert "From a Gaussian process through 24 runs" in page
+    assert "scikit-learn is not installed" not in page
+    assert page.count("data:image/png;base64") == 1  # a map of the two numbers
