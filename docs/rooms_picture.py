@@ -15,7 +15,7 @@ NOTES = {
     "command_line": "the shellcut command",
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, tears, free cut",
-    "recording": "files a run writes while it goes",
+    "recording": "files a run writes while it goes; a run as a page to turn",
     "simulation": "the step, equilibrium, checks before a run, runs read back",
     "fracture": "when and where the film parts; a path put into the mesh",
     "mitc4": "the forces, and the integrator that follows them",

@@ -5,7 +5,7 @@ PyVista (``shellcut[view]``) draws scenes and movies where it is installed and c
 May import ``frame``, ``formats`` and rows below.
 """
 
-from ._panel import Shown, caption_of, edge_length, legend_of, title_parts
+from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
 from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
@@ -41,5 +41,6 @@ __all__ = [
     "limits_for",
     "snapshot_limits",
     "title_parts",
+    "tool_creases",
     "why_not_pyvista",
 ]
