@@ -24,8 +24,10 @@ from shellcut.view import Panels, draw_snapshot, snapshot_limits
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
-SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, Snapshots, Crack map, Quality of
-the cut, Energy ledger, Splits, Tool, Time step, What was run, Versions, Files""".replace("\n", " ")
+SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions, Snapshots, Crack map,
+Quality of the cut, Energy ledger, Splits, Tool, Time step, What was run, Versions, Files""".replace(
+    "\n", " "
+)
 SECTIONS = SECTIONS.split(", ")
 
 

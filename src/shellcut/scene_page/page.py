@@ -24,6 +24,7 @@ _SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
 _MB = 1_000_000
 # Frames in memory may hold this many bytes for every byte of a page; packing saves less.
 _MOST_PACKED = 16
+_MARGIN = 20_000  # bytes of style and texts
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,13 @@ def view_html(
     """
     results = run if isinstance(run, Results) else read(run)
     scripts = scene_scripts()
-    room = round(max_mb * _MB) - len(scripts)
-    scene = packed_scene(results, frames, fields, room)
+    around = len(scripts) + _MARGIN
+    if not max_mb * _MB > around:
+        raise ValueError(
+            f"max_mb must be more than {around / _MB:.2f}, which a page takes without the run, "
+            f"got {max_mb}"
+        )
+    scene = packed_scene(results, frames, fields, round(max_mb * _MB) - around)
     html = string.Template(_part("page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
@@ -147,24 +153,25 @@ def packed_scene(
     last = results.frame(-1)
     chosen = chosen_fields(last, fields)
     wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
-    held = max(2, _MOST_PACKED * max(room, 0) // max(raw_bytes(last, len(chosen)), 1))
+    held = max(2, _MOST_PACKED * room // max(raw_bytes(last, len(chosen)), 1))
     taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
-    while len(html := _figure(taken)) > room and len(taken.numbers) > 2:
+    html = _figure(taken)
+    whole = len(html) * len(wanted) / len(taken.numbers)
+    while len(html) > room and len(taken.numbers) > 2:
         n = len(taken.numbers)
-        fewer = max(2, min(n - 1, int(0.97 * n * max(room, 0) / len(html))))
-        taken = taken.some(spread(n, fewer))
-    size = len(html) / _MB
+        taken = taken.some(spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html))))))
+        html = _figure(taken)
+    n = len(taken.numbers)
     if len(html) > room:
         raise ValueError(
-            f"{len(taken.numbers)} frames with {len(chosen)} fields must fit into "
-            f"{room / _MB:.1f} MB beside the scripts, they need {size:.1f} MB: allow more, or "
-            "choose fewer fields"
+            f"{n} frames with {len(chosen)} fields must fit into {room / _MB:.1f} MB, they take "
+            f"{len(html) / _MB:.1f} MB: allow a larger page, or choose fewer fields"
         )
     dropped = ""
-    if len(taken.numbers) < len(wanted):
+    if n < len(wanted):
         dropped = (
-            f"{len(taken.numbers)} frames instead of {len(wanted)}, because more than "
-            f"{room / _MB:.0f} MB would be needed for all: choose fewer fields, or allow more"
+            f"all {len(wanted)} frames would take {whole / _MB:.1f} MB, there is room for "
+            f"{room / _MB:.1f} MB: allow a larger page, or choose fewer fields"
         )
     return Scene(html, taken, dropped)
 

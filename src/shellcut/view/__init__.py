@@ -14,7 +14,7 @@ from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
 from .path_picture import draw_path
-from .renderer import why_not_pyvista
+from .renderer import why_no_window, why_not_pyvista
 from .scene import STRESSES, draw_scene, limits_for
 from .snapshot import draw_snapshot, snapshot_limits
 
@@ -42,5 +42,6 @@ __all__ = [
     "snapshot_limits",
     "title_parts",
     "tool_creases",
+    "why_no_window",
     "why_not_pyvista",
 ]
