@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from html import escape
 
 from shellcut.scene_page import packed_scene
@@ -19,7 +20,7 @@ def scene(run: Gathered) -> str:
     """Return the scene, of fewer frames if all need too much room, or why there is none."""
     if run.results is None or not run.results.n_frame:
         return missing("No scene: there are no frames.")
-    command = f"<code>shellcut view {escape(str(run.folder))} --html FILE</code>"
+    command = f"<code>shellcut view {escape(shlex.quote(str(run.folder)))} --html FILE</code>"
     try:
         packed = packed_scene(run.results, None, None, _LARGEST)
     except ValueError as error:

@@ -44,8 +44,9 @@ class ScenePage:
     """Why there are fewer frames than asked for; "" if there are not."""
 
     def __str__(self) -> str:
-        said = f"{self.path} ({self.n_byte / _MB:.1f} MB), {len(self.frames)} of {self.n_frame} "
-        said += f"frames, {len(self.fields)} fields"
+        n = len(self.fields)
+        said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames, "
+        said += f"{n} field" if n == 1 else f"{n} fields"
         return f"{said}; {self.dropped}" if self.dropped else said
 
 
@@ -164,14 +165,14 @@ def packed_scene(
     n = len(taken.numbers)
     if len(html) > room:
         raise ValueError(
-            f"{n} frames with {len(chosen)} fields must fit into {room / _MB:.1f} MB, they take "
-            f"{len(html) / _MB:.1f} MB: allow a larger page, or choose fewer fields"
+            f"{n} frames with {len(chosen)} fields must fit into {_size(room)}, they take "
+            f"{_size(len(html))}: allow a larger page, or choose fewer fields"
         )
     dropped = ""
     if n < len(wanted):
         dropped = (
-            f"all {len(wanted)} frames would take {whole / _MB:.1f} MB, there is room for "
-            f"{room / _MB:.1f} MB: allow a larger page, or choose fewer fields"
+            f"all {len(wanted)} frames would take {_size(whole)}, there is room for "
+            f"{_size(room)}: allow a larger page, or choose fewer fields"
         )
     return Scene(html, taken, dropped)
 
@@ -215,6 +216,11 @@ def _figure(taken: Taken) -> str:
     return string.Template(_part("scene.html")).substitute(
         content=as_json(described), tables=tables
     )
+
+
+def _size(n_byte: float) -> str:
+    digits = 1 if n_byte >= 0.1 * _MB else 3
+    return f"{n_byte / _MB:.{digits}f} MB"
 
 
 def _footer(scene: Scene, results: Results) -> str:

@@ -14,6 +14,7 @@ class Panel {
     } catch (error) {
       panel.say(`The scene cannot be shown: ${error.message}`);
     }
+    figure.panel = panel; // for a look from the browser's console
     figure.dataset.ready = "yes";
   }
 

@@ -119,7 +119,9 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
     if low * high <= 0.0 or min(abs(low), abs(high)) <= high - low:
         low, high = min(low, 0.0), max(high, 0.0)
     if high - low <= 1e-9 * max(abs(low), abs(high)):
-        return low, low + (abs(low) or 1.0)
+        low, high = min(low, 0.0), max(high, 0.0)
+    if low == high:
+        return 0.0, 1.0
     step = 10.0 ** np.floor(np.log10(high - low)) / 2.0
     # The quotients are rounded first, so that 0.3 / 0.1 stays 3.
     first, last = np.floor(round(low / step, 6)), np.ceil(round(high / step, 6))

@@ -16,7 +16,6 @@ from .fields import Field, chosen_fields, field_limits
 from .renderer import quiet_vtk
 
 _N_LOOKED_AT = 12  # frames from which colour scale and camera follow
-_SIZE = (1280, 860)  # width and height at the start [pixel]
 _VIEW = (42.0, -60.0)  # elevation and azimuth of the camera at the start [deg]
 _MARK = (0.75, 0.0, 0.75)
 _KEYS = "f: next field    left, right: frame    click: value    r: reset    q: quit"
@@ -68,6 +67,8 @@ class Window:
         Name of the field shown first, one of :func:`shellcut.view.fields.fields_of`.
     limits : (float, float), optional
         Limits of its colour scale, in its unit; by default round numbers around nearly all.
+    size : (int, int)
+        Width and height at the start [pixel].
     off_screen : bool
         Whether to draw without a window, as tests do.
 
@@ -83,6 +84,7 @@ class Window:
         field: str = "largest principal",
         *,
         limits: tuple[float, float] | None = None,
+        size: tuple[int, int] = (1280, 860),
         off_screen: bool = False,
     ) -> None:
         import pyvista
@@ -97,7 +99,7 @@ class Window:
         self.number = source.n_frame - 1
         self._reading: Reading | None = None
         with quiet_vtk():
-            plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=list(_SIZE))
+            plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=list(size))
             plotter.background_color = "white"
             plotter.enable_anti_aliasing("ssaa")
             plotter.enable_depth_peeling(8)
@@ -105,7 +107,7 @@ class Window:
             self._rescale()
             self._slider: Any = None
             self._add_controls()
-            self._look()
+            self._look(size)
             self.show_frame(self.number)
 
     # ------------------------------------------------------------------ what is shown
@@ -218,8 +220,8 @@ class Window:
         names = [field.name for field in self._fields]
         self.show_field(names[(names.index(self.field.name) + 1) % len(names)])
 
-    def _look(self) -> None:
-        camera = whole_camera(self._looked_at, _VIEW, (_SIZE[1], _SIZE[0]))
+    def _look(self, size: tuple[int, int]) -> None:
+        camera = whole_camera(self._looked_at, _VIEW, (size[1], size[0]))
         reach = 4.0 * max(np.ptp(frame.points, axis=0).max() for frame in self._looked_at)
         of = self._plotter.camera
         of.focal_point = camera.centre
