@@ -150,14 +150,16 @@ class Panel {
     if (this.frame === last) this.showFrame(0);
     this.part("play").textContent = "❚❚";
     this.part("play").setAttribute("aria-label", "pause");
-    this.playing = setInterval(() => {
+    const next = () => {
       this.showFrame(this.frame + 1);
       if (this.frame === last) this.stop();
-    }, 1000 / PER_SECOND);
+      else this.playing = setTimeout(next, 1000 / PER_SECOND); // a large film gets the time it takes
+    };
+    this.playing = setTimeout(next, 1000 / PER_SECOND);
   }
 
   stop() {
-    clearInterval(this.playing);
+    clearTimeout(this.playing);
     this.playing = null;
     this.part("play").textContent = "▶";
     this.part("play").setAttribute("aria-label", "play");

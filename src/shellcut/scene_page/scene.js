@@ -134,7 +134,7 @@ class SceneView {
     const slope = Math.tan((this.camera.fov * Math.PI) / 360) * SEEN;
     const [wide, high, deep] = across.map(([from, to]) => 0.5 * (to - from));
     const away = Math.max(wide / this.camera.aspect, high) / slope + 0.5 * deep;
-    this.camera.near = 0.01 * away;
+    this.camera.near = 0.002 * away;
     this.camera.far = 30 * away;
     this.camera.updateProjectionMatrix();
     this.camera.position.copy(centre).addScaledVector(toward, away);
