@@ -16,7 +16,7 @@ NOTES = {
     "study": "many runs: sweeps, fits, what follows from them",
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, tears, free cut",
-    "recording": "files a run writes while it goes; tensile tests",
+    "recording": "files a run writes; a run as a page to turn; tensile tests",
     "simulation": "the step, equilibrium, checks before a run, runs read back",
     "fracture": "when and where the film parts; a path put into the mesh",
     "mitc4": "the forces, and the integrator that follows them",

@@ -34,6 +34,7 @@ from .report import report
 from .results.comparison import Comparison, compare
 from .results.measured_curve import MeasuredCurve, read_measured_curve
 from .results.run_results import Results, read
+from .scene_page import view_html
 from .simulation.hooks import Hook, StopRun
 from .simulation.simulation import Simulation
 from .simulation.stable_step import Stepping
@@ -113,5 +114,6 @@ __all__ = [
     "sweep",
     "tensile",
     "trouser",
+    "view_html",
     "warmup",
 ]

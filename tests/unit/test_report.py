@@ -13,20 +13,23 @@ import pytest
 from PIL import Image
 
 import shellcut
+from browser import opened
 from shellcut import MeasuredCurve
 from shellcut.command_line import main
 from shellcut.files import run_folder
-from shellcut.report import pictures, report
+from shellcut.report import pictures, report, scene
 from shellcut.report.chart import Curve, _columns, chart
+from shellcut.report.gathered import gather
 from shellcut.report.ticks import ticks_of
 from shellcut.results.summary_figures import key_figures, with_unit
-from shellcut.view import Panels, draw_snapshot, snapshot_limits
+from shellcut.view import Panels, draw_snapshot, snapshot_limits, title_parts
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
-SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, Snapshots, Crack map, Quality of
-the cut, Energy ledger, Splits, Tool, Time step, What was run, Versions, Files""".replace("\n", " ")
+SECTIONS = """Verdict, Key figures, Force, Measured curve, The cut, In three dimensions, Snapshots,
+Crack map, Quality of the cut, Energy ledger, Splits, Tool, Time step, What was run, Versions,
+Files""".replace("\n", " ")
 SECTIONS = SECTIONS.split(", ")
 
 
@@ -533,3 +536,32 @@ class TestInABrowser:
         assert tried["moved"] == pytest.approx(0.25, rel=0.02)
         assert tried["atTheEnd"] == [True, False]  # to the right no further, to the left again
         assert tried["disabled"] == [True, True, True]
+
+
+def test_the_scene_of_the_report_is_turned_when_it_comes_into_sight(out, page, tmp_path):
+    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+    with opened(tmp_path / "report.html") as report:
+        figure = report.page.locator(".scene3d")
+        assert report.page.locator(".scene3d[data-ready]").count() == 0
+        figure.scroll_into_view_if_needed()
+        report.page.wait_for_selector(".scene3d[data-ready]")
+        assert figure.locator(".hint").inner_text() == ""
+        figure.locator(".slider").fill("4")
+        frame = shellcut.read(out).frame(4)
+        assert figure.locator(".caption").inner_text().split("   ") == title_parts(frame)
+        assert report.wrong == []
+        assert len(report.loaded) == 1  # the report itself
+
+
+def test_a_large_run_has_fewer_frames_in_the_scene(out, monkeypatch):
+    whole = scene.scene(gather(out))
+    assert whole.endswith("</figure>\n")
+    monkeypatch.setattr(scene, "_LARGEST", round(0.6 * len(whole)))
+    said = scene.scene(gather(out))
+    assert scene.MARK in said
+    assert said.endswith("a &amp; b&#x27; --html FILE</code> writes.</p>")
+    monkeypatch.setattr(scene, "_LARGEST", 3_000)
+    said = scene.scene(gather(out))
+    assert scene.MARK not in said
+    assert "No scene: 2 frames with 9 fields must fit" in said
+    assert "<code>shellcut view" in said

@@ -12,7 +12,14 @@ _SCRIPTS = ("page.js", "chart.js")
 
 
 def page_of(
-    *, title: str, heading: str, lead: str, body: str, style: str = "", script: str = ""
+    *,
+    title: str,
+    heading: str,
+    lead: str,
+    body: str,
+    style: str = "",
+    script: str = "",
+    last: str = "",
 ) -> str:
     """Return a self-contained HTML page.
 
@@ -24,6 +31,8 @@ def page_of(
         HTML.
     style, script : str
         Further CSS and JavaScript, after those of all reports.
+    last : str
+        HTML at the end of the page: scripts in elements of their own.
     """
     return string.Template(_part("page.html")).substitute(
         title=escape(title),
@@ -36,6 +45,7 @@ def page_of(
         ),
         style=_part("page.css") + style,
         script="\n".join([*map(_part, _SCRIPTS), script]),
+        last=last,
     )
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.measured_curve import MeasuredCurve
+from shellcut.scene_page import scene_scripts, scene_style
 
-from . import curves, pictures, words
+from . import curves, pictures, scene, words
 from .gathered import Gathered, gather, run_or_say
 from .markup import section
 from .page import page_of
@@ -24,7 +25,8 @@ def report(
     """Write one self-contained HTML file about a run: model, verdict, results.
 
     Pictures are embedded; nothing is loaded from the network. The report of an interrupted or
-    incomplete run says so. Curves need no extra; crack map and film strip need Matplotlib.
+    incomplete run says so. Curves and the scene in three dimensions need no extra; crack map and
+    film strip need Matplotlib.
 
     Parameters
     ----------
@@ -59,11 +61,14 @@ def report(
     out = run.folder / "report.html" if path is None else Path(path)
     if measured is not None:
         run.measured = measured if isinstance(measured, Comparison) else compare(folder, measured)
+    body = _body(run, out)
     html = page_of(
         title=f"{run.name} - report of a run",
         heading=run.name,
         lead=_lead(run),
-        body=_body(run, out),
+        body=body,
+        style=scene_style(),
+        last=scene_scripts() if scene.MARK in body else "",
     )
     out.write_text(html, encoding="utf-8")
     return out
@@ -89,6 +94,7 @@ def _body(run: Gathered, out: Path) -> str:
         resistance: lambda: curves.resistance(run),
         "Measured curve": lambda: curves.measured(run),
         "The cut": lambda: pictures.film_strip(run),
+        "In three dimensions": lambda: scene.scene(run),
         "Snapshots": lambda: pictures.snapshots(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: words.quality(run),

@@ -5,7 +5,7 @@ PyVista (``shellcut[view]``) draws scenes and movies where it is installed and c
 May import ``frame``, ``formats`` and rows below.
 """
 
-from ._panel import Shown, caption_of, edge_length, legend_of, title_parts
+from ._panel import Shown, caption_of, edge_length, legend_of, title_parts, tool_creases
 from .comparison_picture import draw_comparison
 from .crack_map import draw_crack_map
 from .curves import draw_energy, draw_torque
@@ -14,7 +14,7 @@ from .model_picture import ModelView, draw_model
 from .movie import draw_movie
 from .panels import Panel, Panels, height_over_width
 from .path_picture import draw_path
-from .renderer import why_not_pyvista
+from .renderer import why_no_window, why_not_pyvista
 from .scene import STRESSES, draw_scene, limits_for
 from .snapshot import draw_snapshot, snapshot_limits
 
@@ -41,5 +41,7 @@ __all__ = [
     "limits_for",
     "snapshot_limits",
     "title_parts",
+    "tool_creases",
+    "why_no_window",
     "why_not_pyvista",
 ]

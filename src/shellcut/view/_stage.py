@@ -52,8 +52,6 @@ class Stage:
     def __init__(self, camera: Camera, reach: float, scale: Any, shape: tuple[int, int]) -> None:
         import pyvista
 
-        self._scale = scale
-        self._actors: dict[str, Any] = {}
         with quiet_vtk():
             p: Any = pyvista.Plotter(off_screen=True, window_size=[shape[1], shape[0]])
             p.background_color = "white"
@@ -65,17 +63,12 @@ class Stage:
             p.camera.parallel_projection = True
             p.camera.parallel_scale = 0.5 * camera.shape[0] / camera.scale
         self._plotter = p
+        self._actors = Actors(p, scale)
 
     def picture(self, frame: Frame, stress: Floats) -> npt.NDArray[np.uint8]:
         """Return the picture of the frame, its film coloured by stresses of the quads [MPa]."""
-        parts = list(_parts(frame, stress))
         with quiet_vtk():
-            if [name for name, _, _ in parts] == list(self._actors):
-                for name, mesh, _ in parts:
-                    self._actors[name].mapper.SetInputData(mesh)
-            else:  # parts appeared or vanished: add all again, so that the order stays the same
-                self._plotter.clear_actors()
-                self._actors = {name: self._added(mesh, look) for name, mesh, look in parts}
+            self._actors.show(frame, stress)
             self._plotter.reset_camera_clipping_range()
             self._plotter.render()  # has no effect the first time; the next line then renders
             return np.asarray(self._plotter.screenshot(return_img=True))[..., :3]
@@ -84,8 +77,50 @@ class Stage:
         """Release the window."""
         self._plotter.close()
 
+
+class Actors:
+    """The parts of a frame in a plotter.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        Where they appear; what else it shows stays.
+    scale : ScalarMappable
+        From the values of the film to colour.
+    """
+
+    def __init__(self, plotter: Any, scale: Any) -> None:
+        self._plotter, self._scale = plotter, scale
+        self._shown: dict[str, Any] = {}
+
+    @property
+    def film(self) -> Any:
+        """The actor of the film, whose cells are the quads."""
+        return self._shown["film"]
+
+    def show(self, frame: Frame, values: Floats, of: str = "quad") -> None:
+        """Show a frame, its film coloured by values of the quads, or of the nodes (``"node"``)."""
+        parts = list(_parts(frame, values, of))
+        if [name for name, _, _ in parts] == list(self._shown):
+            for name, mesh, _ in parts:
+                self._shown[name].mapper.SetInputData(mesh)
+        else:  # parts appeared or vanished: add all again, so that the order stays the same
+            self.clear()
+            self._shown = {name: self._added(mesh, look) for name, mesh, look in parts}
+
+    def clear(self) -> None:
+        """Remove all parts; the next frame is shown by new actors."""
+        for actor in self._shown.values():
+            self._plotter.remove_actor(actor, reset_camera=False, render=False)
+        self._shown = {}
+
+    def rescale(self, scale: Any) -> None:
+        """Colour the frames shown from now on by another scale."""
+        self.clear()
+        self._scale = scale
+
     def _added(self, mesh: Any, look: dict[str, Any]) -> Any:
-        if mesh.cell_data:
+        if "scalars" in look:
             look = look | {"cmap": self._scale.cmap, "clim": self._scale.get_clim()}
         actor = self._plotter.add_mesh(mesh, render=False, reset_camera=False, **look)
         if "Normals" in mesh.point_data:
@@ -93,12 +128,12 @@ class Stage:
         return actor
 
 
-def _parts(frame: Frame, stress: Floats) -> Iterator[Part]:
+def _parts(frame: Frame, values: Floats, of: str) -> Iterator[Part]:
     yield (
         "film",
-        _film(frame, stress),
+        _film(frame, values, of),
         {
-            "scalars": "stress",
+            "scalars": "values",
             "show_scalar_bar": False,
             "ambient": 0.35,
             "diffuse": 0.65,
@@ -131,12 +166,12 @@ def _parts(frame: Frame, stress: Floats) -> Iterator[Part]:
 _BRIGHT = {"lighting": False}
 
 
-def _film(frame: Frame, stress: Floats) -> Any:
+def _film(frame: Frame, values: Floats, of: str) -> Any:
     # With point normals: otherwise the two triangles of a warped quad are shaded differently.
     film = _surface(frame.points, frame.quads).compute_normals(
         cell_normals=False, split_vertices=False
     )
-    film.cell_data["stress"] = stress
+    (film.cell_data if of == "quad" else film.point_data)["values"] = values
     return film
 
 

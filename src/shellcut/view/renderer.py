@@ -37,6 +37,15 @@ middle, corner = image[24, 24].tolist(), image[0, 0].tolist()
 sys.exit(0 if middle == [255, 0, 0] and corner == [255, 255, 255] else 1)
 """
 
+# Without a screen VTK draws to memory, by EGL or OSMesa: a window would never appear.
+_ON_SCREEN = """
+import sys
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+name = vtkRenderWindow().GetClassName()
+sys.exit(0 if name.startswith(("vtkX", "vtkWin32", "vtkCocoa")) else 1)
+"""
+
 
 def why_not_pyvista() -> str | None:
     """Return in one line why PyVista cannot draw in this process; None if it can.
@@ -59,6 +68,14 @@ def why_not_pyvista() -> str | None:
     return _tried()
 
 
+def why_no_window() -> str | None:
+    """Return in one line why no window can be opened here; None if it can.
+
+    The first call tries it in a separate process, which takes a second or two.
+    """
+    return why_not_pyvista() or _window_tried()
+
+
 def pyvista_or_say(fallback: str) -> bool:
     """Return whether PyVista can draw; if not, log one line with the reason and the fallback."""
     reason = why_not_pyvista()
@@ -71,9 +88,28 @@ def pyvista_or_say(fallback: str) -> bool:
 def _tried() -> str | None:
     if importlib.util.find_spec("pyvista") is None:
         return _INSTALL
+    code, problem = _ended(_ATTEMPT)
+    if code == 0:
+        return None
+    if code is not None and code < 0:
+        return (
+            f"VTK crashed (signal {-code}): no screen, EGL or OSMesa "
+            "(on Debian: apt-get install libegl1)"
+        )
+    return problem
+
+
+@functools.cache
+def _window_tried() -> str | None:
+    code, problem = _ended(_ON_SCREEN)
+    return None if code == 0 else problem if code is None else "no screen that VTK can open"
+
+
+def _ended(program: str) -> tuple[int | None, str]:
+    """Run Python in a process of its own; return its exit code, or None, and the problem."""
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _ATTEMPT],
+            [sys.executable, "-c", program],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             stdin=subprocess.DEVNULL,
@@ -81,17 +117,10 @@ def _tried() -> str | None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return f"PyVista drew nothing within {TIME_LIMIT:g} s"
+        return None, f"PyVista drew nothing within {TIME_LIMIT:g} s"
     except OSError as error:
-        return f"no process to try PyVista in: {error}"
-    if done.returncode == 0:
-        return None
-    if done.returncode < 0:
-        return (
-            f"VTK crashed (signal {-done.returncode}): no screen, EGL or OSMesa "
-            "(on Debian: apt-get install libegl1)"
-        )
-    return f"PyVista failed (exit code {done.returncode})"
+        return None, f"no process to try PyVista in: {error}"
+    return done.returncode, f"PyVista failed (exit code {done.returncode})"
 
 
 @functools.cache

@@ -1,0 +1,15 @@
+"""A run as one HTML page with a scene to turn, play and read values from, drawn by three.js.
+
+May import ``results``, ``view`` and rows below.
+"""
+
+from .page import Scene, ScenePage, packed_scene, scene_scripts, scene_style, view_html
+
+__all__ = [
+    "Scene",
+    "ScenePage",
+    "packed_scene",
+    "scene_scripts",
+    "scene_style",
+    "view_html",
+]

@@ -1,0 +1,110 @@
+// The film of one frame: its quads as polygons with their outlines, coloured quad by quad or from
+// node to node.
+class Film {
+  constructor(material, lines) {
+    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
+    this.outlines = new THREE.LineSegments(new THREE.BufferGeometry(), lines);
+    for (const part of [this.mesh, this.outlines]) part.frustumCulled = false;
+  }
+
+  // points: three numbers a node; quads: `width` nodes each, the last one repeated.
+  show(points, quads, width) {
+    this.points = points;
+    this.quads = quads;
+    this.width = width;
+    this.split();
+    const normals = this.normals();
+    const position = filled(this.mesh.geometry, "position", this.corners.length);
+    const normal = filled(this.mesh.geometry, "normal", this.corners.length);
+    this.corners.forEach((node, i) => {
+      for (let axis = 0; axis < 3; axis++) {
+        position[3 * i + axis] = points[3 * node + axis];
+        normal[3 * i + axis] = normals[3 * node + axis];
+      }
+    });
+    const ends = filled(this.outlines.geometry, "position", this.sides.length);
+    this.sides.forEach((node, i) => ends.set(points.subarray(3 * node, 3 * node + 3), 3 * i));
+    this.mesh.geometry.setDrawRange(0, this.corners.length);
+    this.outlines.geometry.setDrawRange(0, this.sides.length);
+    this.mesh.geometry.computeBoundingSphere(); // a pick looks there first
+  }
+
+  // Nodes of triangles and of sides; every side once, as a quad and its neighbour share it.
+  split() {
+    this.corners = [];
+    this.sides = [];
+    this.quadOf = []; // by triangle
+    const seen = new Set();
+    const most = this.points.length;
+    for (let quad = 0; quad < this.quads.length / this.width; quad++) {
+      const polygon = this.polygon(quad);
+      for (let k = 2; k < polygon.length; k++) {
+        this.corners.push(polygon[0], polygon[k - 1], polygon[k]);
+        this.quadOf.push(quad);
+      }
+      polygon.forEach((a, k) => {
+        const b = polygon[(k + 1) % polygon.length];
+        const side = Math.min(a, b) * most + Math.max(a, b);
+        if (!seen.has(side)) this.sides.push(a, b);
+        seen.add(side);
+      });
+    }
+  }
+
+  // The nodes of a quad, without repetition.
+  polygon(quad) {
+    const row = this.quads.subarray(quad * this.width, (quad + 1) * this.width);
+    return Array.from(row).filter((node, k) => k === 0 || node !== row[k - 1]);
+  }
+
+  // Of the nodes: the mean of their triangles, so that a warped quad has no crease.
+  normals() {
+    const { points, corners } = this;
+    const sum = new Float32Array(points.length);
+    const [p, q, r] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
+    for (let i = 0; i < corners.length; i += 3) {
+      p.fromArray(points, 3 * corners[i]);
+      q.fromArray(points, 3 * corners[i + 1]).sub(p);
+      r.fromArray(points, 3 * corners[i + 2]).sub(p);
+      q.cross(r);
+      for (let k = 0; k < 3; k++) {
+        const at = 3 * corners[i + k];
+        sum[at] += q.x;
+        sum[at + 1] += q.y;
+        sum[at + 2] += q.z;
+      }
+    }
+    return sum; // the shader divides by the length
+  }
+
+  // colorOf: from a value to red, green and blue; values of quads or of nodes.
+  color(values, of, colorOf) {
+    const color = filled(this.mesh.geometry, "color", this.corners.length);
+    this.corners.forEach((node, i) => {
+      const row = of === "quad" ? this.quadOf[Math.floor(i / 3)] : node;
+      color.set(colorOf(values[row]), 3 * i);
+    });
+  }
+
+  // The node of a quad that is nearest to a place.
+  nearest(quad, place) {
+    const away = (node) => place.distanceToSquared(this.at(node));
+    return this.polygon(quad).reduce((best, node) => (away(node) < away(best) ? node : best));
+  }
+
+  at(node) {
+    return new THREE.Vector3().fromArray(this.points, 3 * node);
+  }
+}
+
+// The array of an attribute with room for so many points; a larger one replaces it if need be.
+function filled(geometry, name, count) {
+  let attribute = geometry.getAttribute(name);
+  if (!attribute || attribute.count < count) {
+    geometry.dispose();
+    attribute = new THREE.BufferAttribute(new Float32Array(3 * Math.ceil(1.2 * count)), 3);
+    geometry.setAttribute(name, attribute);
+  }
+  attribute.needsUpdate = true;
+  return attribute.array;
+}

@@ -1,0 +1,164 @@
+"""Frames of a run as the content of a page: tables that change, and what stays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
+from shellcut.results.run_results import Results
+from shellcut.view import legend_of, title_parts, tool_creases
+from shellcut.view.fields import Field, field_limits
+
+from .tables import PackedTable, pack_ids, pack_numbers
+
+Rows = list[Any]
+"""One array for each frame."""
+
+_CHANGING: dict[str, Callable[[Frame], Any]] = {
+    "points": lambda frame: frame.points,
+    "cables": lambda frame: frame.cable_segments.reshape(-1, 6),
+}
+_IDS: dict[str, Callable[[Frame], Any]] = {
+    "quads": lambda frame: frame.quads,
+    "flanks": lambda frame: frame.crack_edges.reshape(-1, 4),
+    "states": lambda frame: frame.cable_state[:, None],
+}
+_PARTS = {
+    "crack flank": "flanks",
+    "cable, straight": "straight",
+    "cable, bent around the edge": "jointed",
+    "cutting edge": "edges",
+    "tool": "tool",
+}
+"""Names of the legend, and of what they switch in ``scene.js``."""
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a page shows of some frames, in single precision; one entry a frame in every list."""
+
+    name: str
+    numbers: list[int]
+    """Numbers of the frames in the run."""
+    captions: list[list[str]]
+    poses: list[list[float]]
+    """Rotation, row by row, and translation [mm] of the tool."""
+    tables: dict[str, Rows]
+    values: dict[str, Rows]
+    """Of the fields by name, shape (n_quad, 1) or (n_node, 1)."""
+    fields: list[Field]
+    tool: dict[str, Any]
+    legend: list[dict[str, Any]]
+
+    def some(self, chosen: Sequence[int]) -> Taken:
+        """Return the part of the chosen frames, places in ``numbers``."""
+
+        def of(rows: Any) -> Any:
+            return [rows[k] for k in chosen]
+
+        return Taken(
+            self.name,
+            of(self.numbers),
+            of(self.captions),
+            of(self.poses),
+            {name: of(rows) for name, rows in self.tables.items()},
+            {name: of(rows) for name, rows in self.values.items()},
+            self.fields,
+            self.tool,
+            self.legend,
+        )
+
+
+def take(results: Results, numbers: Sequence[int], fields: list[Field]) -> Taken:
+    """Read frames, one after the other, and keep what a page shows of them."""
+    tables: dict[str, Rows] = {name: [] for name in (*_CHANGING, *_IDS)}
+    values: dict[str, Rows] = {field.name: [] for field in fields}
+    captions, poses = [], []
+    tool: dict[str, Any] = {}
+    legend: dict[str, dict[str, Any]] = {}
+    for number in numbers:
+        frame = results.frame(number)
+        captions.append(title_parts(frame))
+        poses.append([*frame.tool_rotation.ravel().tolist(), *frame.tool_translation.tolist()])
+        for name, table in _CHANGING.items():
+            tables[name].append(table(frame).astype(np.float32))
+        for name, table in _IDS.items():
+            tables[name].append(table(frame).astype(np.int32))
+        for field in fields:
+            values[field.name].append(field.values(frame).astype(np.float32)[:, None])
+        for shown in legend_of([frame]):
+            part = {"part": _PARTS[shown.name], "color": shown.color, "area": shown.is_area}
+            legend[shown.name] = {"name": shown.name} | part
+        if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
+            tool = _tool(frame)
+    entries = list(legend.values())
+    return Taken(
+        results.name, list(numbers), captions, poses, tables, values, fields, tool, entries
+    )
+
+
+def raw_bytes(frame: Frame, n_field: int) -> int:
+    """Return about how many bytes :func:`take` keeps of a frame."""
+    return 4 * (3 * len(frame.points) + frame.quads.size + n_field * len(frame.quads))
+
+
+def packed(taken: Taken) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the description of a page's content, ready for JSON, and the packed tables by name."""
+    tables: dict[str, PackedTable] = {}
+    for name, rows in taken.tables.items():
+        tables[name] = pack_ids(rows) if name in _IDS else pack_numbers(rows)
+    fields = []
+    for number, field in enumerate(taken.fields):
+        rows = taken.values[field.name]
+        key = f"field-{number}"
+        tables[key] = pack_numbers(rows)
+        fields.append(
+            {
+                "table": key,
+                "name": field.name,
+                "label": field.label,
+                "unit": field.unit,
+                "of": field.of,
+                "limits": field_limits([values[:, 0] for values in rows], field.sign),
+            }
+        )
+    described = {
+        "name": taken.name,
+        "frames": [
+            {"number": number, "caption": caption, "pose": pose}
+            for number, caption, pose in zip(
+                taken.numbers, taken.captions, taken.poses, strict=True
+            )
+        ],
+        "fields": fields,
+        "tool": taken.tool,
+        "legend": taken.legend,
+        "tables": {name: table.described() for name, table in tables.items()},
+    }
+    return described, {name: table.data for name, table in tables.items()}
+
+
+def as_json(described: dict[str, Any]) -> str:
+    """Return JSON that cannot end the script element it stands in."""
+    return json.dumps(described, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _tool(frame: Frame) -> dict[str, Any]:
+    """Return the tool in its body frame: vertices and ends of edges [mm], triangles, creases."""
+
+    def body(points: Floats) -> list[float]:
+        own = (points.reshape(-1, 3) - frame.tool_translation) @ frame.tool_rotation
+        return [float(f"{number:.7g}") for number in own.ravel().tolist()]
+
+    return {
+        "points": body(frame.tool_points),
+        "triangles": frame.tool_triangles.ravel().tolist(),
+        "creases": tool_creases(frame).ravel().tolist(),
+        "edges": body(frame.edge_points),
+    }

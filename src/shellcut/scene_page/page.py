@@ -1,0 +1,234 @@
+"""Write a run as one HTML page to turn, play and read values from."""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata
+import importlib.resources
+import os
+import string
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from shellcut.files.whole_file import atomic_write
+from shellcut.results.run_results import Results, read
+from shellcut.view.fields import chosen_fields
+
+from .packed_run import Taken, as_json, packed, raw_bytes, take
+
+_SCRIPTS = ("tables.js", "film.js", "scene.js", "panel.js")
+_MB = 1_000_000
+# Frames in memory may hold this many bytes for every byte of a page; packing saves less.
+_MOST_PACKED = 16
+_MARGIN = 20_000  # bytes of style and texts
+
+
+@dataclass(frozen=True)
+class ScenePage:
+    """A page that was written."""
+
+    path: Path
+    n_byte: int
+    """Its size."""
+    frames: list[int]
+    """Numbers of the frames in it."""
+    n_frame: int
+    """Frames of the run."""
+    fields: list[str]
+    """Names of the fields in it."""
+    dropped: str
+    """Why there are fewer frames than asked for; "" if there are not."""
+
+    def __str__(self) -> str:
+        n = len(self.fields)
+        said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames, "
+        said += f"{n} field" if n == 1 else f"{n} fields"
+        return f"{said}; {self.dropped}" if self.dropped else said
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene as a part of a page."""
+
+    html: str
+    taken: Taken
+    dropped: str
+    """As in :class:`ScenePage`."""
+
+
+def view_html(
+    run: Results | str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    *,
+    frames: int | None = None,
+    fields: Sequence[str] | None = None,
+    max_mb: float = 60.0,
+) -> ScenePage:
+    """Write one self-contained HTML page with a run in three dimensions.
+
+    A browser turns it, plays its frames, colours the film by a field and reads values where one
+    clicks. Nothing is loaded from the network; no package but shellcut is needed.
+
+    Parameters
+    ----------
+    run : Results, str or Path
+        The results, or the run's folder.
+    path : str or Path
+        The page, replaced if it exists.
+    frames : int, optional
+        Most frames in the page, spread evenly over the run with its first and last; by default
+        all.
+    fields : sequence of str, optional
+        Names of the fields to choose from, the first one shown at the start: stresses as in
+        :data:`shellcut.view.STRESSES`, ``thickness``, ``displacement``, ``displacement z``,
+        ``speed``, history numbers of the material such as ``damage``. By default all.
+    max_mb : float
+        Largest size of the page [MB]. If all frames need more, fewer are taken, and
+        :attr:`ScenePage.dropped` says so.
+
+    Returns
+    -------
+    ScenePage
+        Path, size, frames and fields; printed, it is one line about them.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no run in the folder.
+    ValueError
+        If the run has no frame, a field is unknown, or two frames need more than ``max_mb``.
+    OSError
+        If the page cannot be written.
+
+    Examples
+    --------
+    >>> import shellcut
+    >>> page = shellcut.view_html("out", "cut.html", frames=50)  # doctest: +SKIP
+    >>> print(page)  # doctest: +SKIP
+    cut.html (3.1 MB), 50 of 101 frames, 9 fields
+    """
+    results = run if isinstance(run, Results) else read(run)
+    scripts = scene_scripts()
+    around = len(scripts) + _MARGIN
+    if not max_mb * _MB > around:
+        raise ValueError(
+            f"max_mb must be more than {around / _MB:.2f}, which a page takes without the run, "
+            f"got {max_mb}"
+        )
+    scene = packed_scene(results, frames, fields, round(max_mb * _MB) - around)
+    html = string.Template(_part("page.html")).substitute(
+        title=escape(f"{results.name} - the run in three dimensions"),
+        heading=escape(results.name),
+        style=_part("page.css") + scene_style(),
+        scene=scene.html,
+        scripts=scripts,
+        footer=escape(_footer(scene, results)),
+    )
+    with atomic_write(Path(path)) as temporary:
+        temporary.write_text(html, encoding="utf-8")
+    names = [field.name for field in scene.taken.fields]
+    size = Path(path).stat().st_size
+    return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, names, scene.dropped)
+
+
+def packed_scene(
+    results: Results, frames: int | None, fields: Sequence[str] | None, room: int
+) -> Scene:
+    """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be.
+
+    Raises
+    ------
+    ValueError
+        As in :func:`view_html`.
+    """
+    if frames is not None and frames < 1:
+        raise ValueError(f"a page must have at least one frame, got frames={frames}")
+    if not results.n_frame:
+        raise ValueError(
+            f"a page needs at least one frame, the run in {results.folder} has written none"
+        )
+    last = results.frame(-1)
+    chosen = chosen_fields(last, fields)
+    wanted = spread(results.n_frame, results.n_frame if frames is None else frames)
+    held = max(2, _MOST_PACKED * room // max(raw_bytes(last, len(chosen)), 1))
+    taken = take(results, [wanted[k] for k in spread(len(wanted), held)], chosen)
+    html = _figure(taken)
+    whole = len(html) * len(wanted) / len(taken.numbers)
+    while len(html) > room and len(taken.numbers) > 2:
+        n = len(taken.numbers)
+        taken = taken.some(spread(n, max(2, min(n - 1, int(0.97 * n * room / len(html))))))
+        html = _figure(taken)
+    n = len(taken.numbers)
+    if len(html) > room:
+        raise ValueError(
+            f"{n} frames with {len(chosen)} fields must fit into {_size(room)}, they take "
+            f"{_size(len(html))}: allow a larger page, or choose fewer fields"
+        )
+    dropped = ""
+    if n < len(wanted):
+        dropped = (
+            f"all {len(wanted)} frames would take {_size(whole)}, there is room for "
+            f"{_size(room)}: allow a larger page, or choose fewer fields"
+        )
+    return Scene(html, taken, dropped)
+
+
+def scene_style() -> str:
+    """Return the style sheet of a scene."""
+    return _part("scene.css")
+
+
+@functools.cache
+def scene_scripts() -> str:
+    """Return the script elements of a scene: three.js with its licence, and ours."""
+    licence, library = _part("three/LICENSE"), _part("three/three.min.js")
+    own = "\n".join(map(_part, _SCRIPTS))
+    return (
+        f"<script>\n/*\n{licence}*/\n{library}\n</script>\n"
+        f'<script>\n(() => {{\n"use strict";\n{own}}})();\n</script>'
+    )
+
+
+def spread(n: int, most: int) -> list[int]:
+    """Return up to ``most`` numbers from 0 to n - 1, evenly spread, with the last one.
+
+    Examples
+    --------
+    >>> spread(101, 5), spread(3, 5), spread(9, 1)
+    ([0, 25, 50, 75, 100], [0, 1, 2], [8])
+    """
+    if most == 1:
+        return [n - 1]
+    wanted = np.linspace(0, n - 1, min(n, most)).round().astype(int)
+    return [int(k) for k in np.unique(wanted)]
+
+
+def _figure(taken: Taken) -> str:
+    described, data = packed(taken)
+    tables = "\n".join(
+        f'<script type="text/plain" data-table="{name}">{text}</script>'
+        for name, text in data.items()
+    )
+    return string.Template(_part("scene.html")).substitute(
+        content=as_json(described), tables=tables
+    )
+
+
+def _size(n_byte: float) -> str:
+    digits = 1 if n_byte >= 0.1 * _MB else 3
+    return f"{n_byte / _MB:.{digits}f} MB"
+
+
+def _footer(scene: Scene, results: Results) -> str:
+    version = importlib.metadata.version("shellcut")
+    said = f"{len(scene.taken.numbers)} of {results.n_frame} frames of {results.folder.resolve()}"
+    why = f" ({scene.dropped})" if scene.dropped else ""
+    return f"{said}{why}. Written by shellcut {version} with three.js. Units: mm, N, s, tonne, MPa."
+
+
+def _part(name: str) -> str:
+    return (importlib.resources.files(__package__) / name).read_text(encoding="utf-8")

@@ -1,0 +1,132 @@
+"""Numbers on the film that can colour it, by name: stresses, thickness, displacement, history."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.frame import Frame
+
+from ._panel import round_limits
+from .scene import STRESSES
+
+_SHARE = 0.998  # of the quads or nodes that a colour scale encloses
+
+
+@dataclass(frozen=True)
+class Field:
+    """One number for every quad or every node of the film."""
+
+    name: str
+    label: str
+    """The name as a reader wants it, without its unit."""
+    unit: str
+    of: str
+    """``"quad"`` or ``"node"``."""
+    values: Callable[[Frame], Floats]
+    """From a frame to the numbers, shape (n_quad,) or (n_node,), in ``unit``."""
+    sign: int = 0
+    """1 if a colour scale begins at zero, -1 if it ends there, 0 if it goes where the numbers
+    are."""
+
+
+def _norm(vectors: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(vectors, axis=1))
+
+
+def _stress(name: str) -> Field:
+    which, _, face = name.partition(", ")
+    label = f"{which} stress" + (f", {face}" if face else "")
+    sign = -1 if which == "smallest principal" else 1
+    return Field(name, label, "MPa", "quad", STRESSES[name], sign)
+
+
+_OF_ALL = (
+    *map(_stress, STRESSES),
+    Field("thickness", "thickness", "mm", "quad", lambda frame: frame.quad_thickness),
+    Field("displacement", "displacement", "mm", "node", lambda f: _norm(f.displacement), 1),
+    Field("displacement z", "displacement in z", "mm", "node", lambda f: f.displacement[:, 2]),
+    Field("speed", "speed", "mm/s", "node", lambda frame: _norm(frame.velocity), 1),
+)
+
+
+def fields_of(frame: Frame) -> dict[str, Field]:
+    """Return the fields that a frame has, by name: those of every film, and of its material.
+
+    Examples
+    --------
+    >>> from shellcut.view.fields import _OF_ALL
+    >>> [f"{field.label} [{field.unit}]" for field in _OF_ALL][:2]
+    ['largest principal stress [MPa]', 'smallest principal stress [MPa]']
+    """
+    found = {field.name: field for field in _OF_ALL}
+    for key in frame.quad_history:
+        name, _, unit = key.removesuffix("]").partition(" [")
+        found[name] = Field(name, name, unit, "quad", _history(key))
+    return found
+
+
+def chosen_fields(frame: Frame, names: Sequence[str] | None) -> list[Field]:
+    """Return the named fields of a frame in this order; all if ``names`` is None.
+
+    Raises
+    ------
+    ValueError
+        If a name is none of the frame's fields, or there is no name.
+    """
+    known = fields_of(frame)
+    if names is None:
+        return list(known.values())
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        got = ", ".join(map(repr, unknown)) or "none"
+        raise ValueError(f"a field must be one of {'; '.join(known)}; got {got}")
+    return [known[name] for name in dict.fromkeys(names)]
+
+
+def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]:
+    """Return round limits of a colour scale that enclose nearly all numbers of all arrays.
+
+    Few quads at a crack tip would otherwise darken the rest.
+
+    Parameters
+    ----------
+    arrays : sequence of ndarray
+        One for each frame.
+    sign : int
+        As in :class:`Field`. With 0 the scale includes zero unless the numbers lie far from it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> field_limits([np.linspace(-20.0, 38.2, 100)], 1), field_limits([np.linspace(-2.0, 0.3)])
+    ((0.0, 40.0), (-2.0, 0.5))
+    >>> field_limits([np.linspace(0.0712, 0.0740, 100)])
+    (0.071, 0.074)
+    >>> field_limits([np.zeros(3)])
+    (0.0, 1.0)
+    """
+    values = np.concatenate(arrays)
+    if not len(values):
+        return 0.0, 1.0
+    if sign:
+        zero, end = round_limits(sign * values)
+        return (zero, end) if sign > 0 else (-end, zero)
+    low, high = np.quantile(values, (1.0 - _SHARE, _SHARE)).tolist()
+    if low * high <= 0.0 or min(abs(low), abs(high)) <= high - low:
+        low, high = min(low, 0.0), max(high, 0.0)
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        low, high = min(low, 0.0), max(high, 0.0)
+    if low == high:
+        return 0.0, 1.0
+    step = 10.0 ** np.floor(np.log10(high - low)) / 2.0
+    # The quotients are rounded first, so that 0.3 / 0.1 stays 3.
+    first, last = np.floor(round(low / step, 6)), np.ceil(round(high / step, 6))
+    return float(f"{first * step:.6g}") + 0.0, float(f"{last * step:.6g}") + 0.0
+
+
+def _history(key: str) -> Callable[[Frame], Floats]:
+    return lambda frame: frame.quad_history[key]
