@@ -42,8 +42,8 @@ from .statics.statics import Statics
 from .study.curve_misfit import FitCurve
 from .study.design import Design
 from .study.fit import fit
+from .study.report import report_study
 from .study.study import StudyResults, sweep
-from .study_report import report_study
 from .tensile import TensileTest, tensile
 from .tool.motion import ScrewMotion, StraightMotion
 from .tool.table_motion import TableMotion

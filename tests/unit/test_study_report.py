@@ -12,9 +12,9 @@ import scipy
 
 import shellcut as sc
 from shellcut.command_line import main
-from shellcut.study_report import report_study
-from shellcut.study_report.studied import read_folder
-from shellcut.surrogate import surface
+from shellcut.study.report import report_study
+from shellcut.study.report.studied import read_folder
+from shellcut.study.surrogate import surface
 from test_report import CHROMIUM, LISTEN, Outline, sentences
 
 SECTIONS = [

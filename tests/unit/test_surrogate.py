@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import scipy
 
-from shellcut.surrogate import surface
-from shellcut.surrogate.gaussian_process import GaussianProcess, is_there
-from shellcut.surrogate.inputs import Input, at_shares, columns_of
-from shellcut.surrogate.polynomial import Polynomial
-from shellcut.surrogate.sensitivity import sobol_indices
-from shellcut.surrogate.surface import fit
+from shellcut.study.surrogate import surface
+from shellcut.study.surrogate.gaussian_process import GaussianProcess, is_there
+from shellcut.study.surrogate.inputs import Input, at_shares, columns_of
+from shellcut.study.surrogate.polynomial import Polynomial
+from shellcut.study.surrogate.sensitivity import sobol_indices
+from shellcut.study.surrogate.surface import fit
 
 THREE = [Input(name, (0.0, 2.0)) for name in "abc"]
 

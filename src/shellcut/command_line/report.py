@@ -51,7 +51,7 @@ def _written(arguments: argparse.Namespace) -> Path:
     from shellcut.study.study_file import STUDY
 
     if (arguments.folder / STUDY).is_file():
-        from shellcut.study_report import report_study
+        from shellcut.study.report import report_study
 
         if arguments.measured:
             raise ValueError(

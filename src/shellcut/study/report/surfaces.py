@@ -11,8 +11,8 @@ import scipy
 
 from shellcut.arrays import Floats
 from shellcut.report.markup import missing, table
-from shellcut.surrogate.inputs import at_shares
-from shellcut.surrogate.polynomial import Polynomial
+from shellcut.study.surrogate.inputs import at_shares
+from shellcut.study.surrogate.polynomial import Polynomial
 
 from .analysis import Analysed
 from .effects import said_of

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from shellcut.report.markup import missing, table
-from shellcut.surrogate.sensitivity import Indices
+from shellcut.study.surrogate.sensitivity import Indices
 
 from .analysis import Analysed
 from .surfaces import with_unit

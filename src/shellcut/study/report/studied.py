@@ -16,8 +16,8 @@ from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import factors_of
 from shellcut.study.plan import RUNS
 from shellcut.study.study_file import STUDY, StudyFile, read_study
+from shellcut.study.surrogate.inputs import Input
 from shellcut.study.table import TABLE
-from shellcut.surrogate.inputs import Input
 
 _MAIN = (
     ("torque_plateau_Nmm", "force_plateau_N"),

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats
-from shellcut.surrogate.inputs import Input
-from shellcut.surrogate.sensitivity import Indices, sobol_indices
-from shellcut.surrogate.surface import Fitted, fewest_runs, fit, is_constant
+from shellcut.study.surrogate.inputs import Input
+from shellcut.study.surrogate.sensitivity import Indices, sobol_indices
+from shellcut.study.surrogate.surface import Fitted, fewest_runs, fit, is_constant
 
 from .studied import FigureOfRuns, Studied, Study
 

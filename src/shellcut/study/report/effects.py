@@ -11,7 +11,7 @@ import scipy
 
 from shellcut.arrays import Floats
 from shellcut.report.markup import missing
-from shellcut.surrogate.inputs import at_shares
+from shellcut.study.surrogate.inputs import at_shares
 
 from .analysis import Analysed
 from .colouring import coloured_by

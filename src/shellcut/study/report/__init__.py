@@ -1,0 +1,8 @@
+"""The report of a study: one HTML file about all its runs.
+
+It reads the table and the histories, so it shows a study that is still running, too.
+"""
+
+from .report import report_study
+
+__all__ = ["report_study"]

@@ -1,9 +1,0 @@
-"""The report of a study: one HTML file about all its runs.
-
-It reads the table and the histories, so it shows a study that is still running, too. May import
-``study``, ``report``, ``surrogate`` and rows below.
-"""
-
-from .report import report_study
-
-__all__ = ["report_study"]
