@@ -1,0 +1,67 @@
+"""Fit a law to a measured curve
+=============================
+
+A short cut by the guillotine plays the experiment: its force, with noise of 3 % of the peak, is
+"measured". The fit then starts from another plateau of the cohesive law, and finds the one that the
+experiment had. ::
+
+    python examples/fit_a_curve.py --out DIR
+
+writes cap.csv, the runs, fit.json and fit.png into DIR. With a curve of your own:
+``shellcut fit MODEL cap.csv --free cohesive.plateau -o DIR``.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from shellcut import FitCurve, fit, read, sweep
+
+KEY, TRUE, START = "cohesive.plateau", 12.0, 9.5  # MPa
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="fit a law to a measured curve")
+    parser.add_argument("--size", type=float, default=0.5, help="edge length of the quads [mm]")
+    parser.add_argument("--travel", type=float, default=3.0, help="of the blade [mm]")
+    parser.add_argument("--max-runs", type=int, default=12)
+    parser.add_argument("--jobs", type=int, help="processes; one a core by default")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    options = parser.parse_args()
+
+    settings = {
+        "membrane.length": options.travel + 4.0,
+        "membrane.width": 4.0,
+        "membrane.size": options.size,
+        "notch": 1.0,
+        "travel": options.travel,
+        "output.frames": 2,
+    }
+    experiment = sweep("guillotine", {KEY: [TRUE]}, options.out, settings=settings, executor=1)
+    history = read(experiment.plan.runs[0].folder(experiment.folder)).history
+    noise = np.random.default_rng(0).standard_normal(history["path"].size)
+    force = history["force"] + 0.03 * history["force"].max() * noise
+    measured = options.out / "cap.csv"
+    np.savetxt(
+        measured,
+        np.column_stack([history["path"], force]),
+        delimiter=",",
+        header="path [mm],force [N]",
+        comments="",
+    )
+
+    found = fit(
+        "guillotine",
+        [FitCurve(measured)],
+        [KEY],
+        options.out,
+        settings={**settings, KEY: START},
+        max_runs=options.max_runs,
+        executor=options.jobs,
+    )
+    print(found)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""The shape of the cohesive law at one fracture energy
+====================================================
+
+The paper expects that the lengths l_A, l_P and l_U of the law matter little as long as its area, the
+fracture energy, stays 43.5 N/mm. Here the opening test is run with laws of very different shape and
+this one area. ::
+
+    python examples/shape_of_the_law.py --out DIR
+
+prints how much the torque differs, and draws laws and torques in shape_of_the_law.png.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from shellcut import CohesiveLaw, opening_test, read
+
+STRENGTH, PLATEAU, ENERGY = 18.0, 12.0, 43.5  # MPa, MPa, N/mm
+
+
+def law_of(opening_a: float, opening_p: float) -> CohesiveLaw:
+    """Return the law with these lengths [mm], whose last one keeps the energy."""
+    # G = (sigma_F - sigma_C) l_A / 2 + sigma_C (l_P + l_U) / 2
+    both = 2.0 * (ENERGY - 0.5 * (STRENGTH - PLATEAU) * opening_a) / PLATEAU
+    return CohesiveLaw(
+        strength=STRENGTH,
+        plateau=PLATEAU,
+        opening_a=opening_a,
+        opening_p=opening_p,
+        opening_u=both - opening_p,
+    )
+
+
+LAWS = {
+    "the paper's": law_of(0.5, 3.0),
+    "slow drop": law_of(1.5, 2.5),
+    "long tail": law_of(0.5, 1.0),
+    "sharp end": law_of(0.1, 3.5),
+}
+
+
+def draw(torques: dict[str, tuple[np.ndarray, np.ndarray]], path: Path) -> None:
+    """Draw the laws, and the torque over the angle with each."""
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.0))
+    for name, curve in torques.items():
+        law = LAWS[name]
+        left.plot(
+            [0.0, law.opening_a, law.opening_p, law.opening_u],
+            [law.strength, law.plateau, law.plateau, 0.0],
+            label=name,
+        )
+        right.plot(*curve, lw=1.0, label=name)
+    left.set(xlabel="opening [mm]", ylabel="stress of the cable [MPa]")
+    right.set(xlabel="angle [deg]", ylabel="torque [N·mm]")
+    left.legend(frameon=False)
+    figure.savefig(path, dpi=120, bbox_inches="tight")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="laws of one energy and other shapes")
+    parser.add_argument("--mesh", default="quick", choices=("quick", "M1", "M2"))
+    parser.add_argument("--angle", type=float, default=95.0, help="of the whole turn [deg]")
+    parser.add_argument("--laws", type=int, default=len(LAWS), help="how many of them")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the results")
+    options = parser.parse_args()
+
+    torques, means = {}, {}
+    for name in list(LAWS)[: options.laws]:
+        out = options.out / name.replace("'", "").replace(" ", "_")
+        case = opening_test(
+            options.mesh,
+            angle_deg=options.angle,
+            duration=6e-3 * options.angle / 95.0,  # the speed of the whole test
+            law=LAWS[name],
+        )
+        case.run(out, n_snapshot=0, progress=False)
+        history = read(out).history
+        torques[name] = history["angle"], history["torque"]
+        means[name] = json.loads((out / "summary.json").read_text())["torque_plateau_Nmm"]
+        print(f"{name:<12} mean torque {means[name]:6.1f} N*mm")
+    first = next(iter(means.values()))
+    most = max(abs(mean / first - 1.0) for mean in means.values())
+    print(f"the means differ from the first by {100.0 * most:.1f} % at most")
+    draw(torques, options.out / "shape_of_the_law.png")
+
+
+if __name__ == "__main__":
+    main()
