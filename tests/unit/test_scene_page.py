@@ -208,7 +208,7 @@ def scene(folder, tmp_path_factory):
     """The page in a browser, unpacked."""
     path = tmp_path_factory.mktemp("page") / "cut.html"
     shellcut.view_html(folder, path)
-    with opened(path) as scene:
+    with opened(path, 640, 560) as scene:
         scene.page.wait_for_selector(".scene3d[data-ready]")
         yield scene
 
@@ -244,11 +244,11 @@ def shows(scene, part, text):
 
 
 def canvas(scene):
-    """Return the drawn picture in 0..1."""
+    """Return the drawn picture in 0..1, without the text at its top."""
     pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
     scene.page.wait_for_timeout(100)  # it is drawn with the next picture of the screen
     drawn = pillow.open(io.BytesIO(scene.page.locator("canvas").screenshot()))
-    return np.asarray(drawn.convert("RGB")) / 255.0
+    return np.asarray(drawn.convert("RGB"))[50:] / 255.0
 
 
 class TestInABrowser:
@@ -266,17 +266,21 @@ class TestInABrowser:
         quad, node, place, (label, value, unit) = click(scene, 0.55, 0.6)
         assert (label, unit) == ("largest principal stress", "MPa")
         assert node in frame.quads[quad]
-        # Half a step of 65,535 over the range, and five figures.
-        np.testing.assert_allclose(place, frame.points[node], rtol=6e-5, atol=2e-4)
-        assert value == pytest.approx(frame.quad_principal[quad, 0], rel=6e-5, abs=4e-4)
+        # Half a step of 65,535 over the range, and the rounding of the text.
+        np.testing.assert_allclose(place, frame.points[node], rtol=0.0, atol=20.4 / 65_535)
+        assert value == pytest.approx(frame.quad_principal[quad, 0], rel=0.0, abs=18.0 / 65_535)
 
         choose(scene, field="displacement")
         assert read(scene)[:2] == (quad, node)
         moved = np.linalg.norm(frame.displacement[node])
-        assert read(scene)[3] == ("displacement", pytest.approx(moved, rel=6e-5, abs=4e-5), "mm")
+        assert read(scene)[3] == (
+            "displacement",
+            pytest.approx(moved, rel=0.0, abs=2.0 / 65_535),
+            "mm",
+        )
         choose(scene, field="damage")
         damage = frame.quad_history["damage [-]"][quad]
-        assert read(scene)[3] == ("damage", pytest.approx(damage, rel=6e-5, abs=4e-6), "")
+        assert read(scene)[3] == ("damage", pytest.approx(damage, rel=0.0, abs=0.4 / 65_535), "")
 
     def test_the_place_lies_under_the_pointer(self, scene, results):
         scene.page.click(".reset")
@@ -319,8 +323,8 @@ class TestInABrowser:
         assert ((whole[..., 1] - whole[..., 2]) > 0.1).mean() > 0.1  # the film is green
         dark = (whole.max(axis=2) < 0.15).sum()
         red = ((whole[..., 0] > 0.7) & (whole[..., 1] < 0.3)).sum()
-        assert dark > 300
-        assert red > 100
+        assert dark > 150
+        assert red > 40
         for name in ("crack flank", "cutting edge", "tool"):
             scene.page.get_by_role("button", name=name).click()
         bare = canvas(scene)

@@ -53,7 +53,7 @@ def click(window, x, y):
 
 def test_the_slider_changes_the_frame(window):
     assert window.number == 2
-    (slider,) = window._plotter.widgets.slider_widgets
+    slider = window._slider
     last = image(window)
     slider.GetRepresentation().SetValue(0.2)
     slider.InvokeEvent("InteractionEvent")

@@ -153,7 +153,7 @@ class Panel {
     const next = () => {
       this.showFrame(this.frame + 1);
       if (this.frame === last) this.stop();
-      else this.playing = setTimeout(next, 1000 / PER_SECOND); // a large film gets the time it takes
+      else this.playing = setTimeout(next, 1000 / PER_SECOND); // a large film takes its time
     };
     this.playing = setTimeout(next, 1000 / PER_SECOND);
   }
@@ -177,7 +177,8 @@ class Panel {
     this.view.draw();
   }
 
-  // Quads keep their number, and a corner its place, when a node is split: the mark follows them.
+  // Quads keep their number, and a corner its place, when a node is split: the mark follows them. A
+  // quad that is cut has other corners, so the mark may move within it.
   readPicked() {
     const { picked, frame, field } = this;
     const quads = this.of.quads;
@@ -190,11 +191,12 @@ class Panel {
     const polygon = this.view.film.polygon(picked.quad);
     const node = polygon[Math.min(picked.corner, polygon.length - 1)];
     this.view.markQuad(picked.quad, node);
-    const place = this.view.film.at(node).toArray().map(figure).join(", ");
+    const steps = this.of.points.step;
+    const place = this.view.film.at(node).toArray().map((at, axis) => digits(at, steps[axis]));
     const value = this.values.number(frame, field.of === "quad" ? picked.quad : node);
     this.part("read").textContent =
-      `quad ${picked.quad}, node ${node} at (${place}) mm: ` +
-      `${field.label} ${figure(value)} ${pretty(field.unit)}`;
+      `quad ${picked.quad}, node ${node} at (${place.join(", ")}) mm: ` +
+      `${field.label} ${digits(value, this.values.step[0])} ${pretty(field.unit)}`;
     this.drawCourse(field.of === "quad" ? picked.quad : node);
   }
 
@@ -233,9 +235,10 @@ function between(colors, share) {
   return colors[k].map((color, i) => color + (at - k) * (colors[k + 1][i] - color));
 }
 
-function figure(value) {
-  const text = Number(value.toPrecision(5));
-  return String(Math.abs(text) < 1e-9 ? 0 : text).replace("-", "−");
+// A stored number as text: with no more decimals than its steps have.
+function digits(value, step) {
+  const decimals = Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 20);
+  return String(Number(value.toFixed(decimals)) + 0).replace("-", "−");
 }
 
 function pretty(unit) {

@@ -7,7 +7,9 @@ const LONG = 1.3; // heights of the window: a longer page scrolls until the scen
 class SceneView {
   constructor(canvas, content) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    // The picture is kept, so that it can be printed and saved.
+    const look = { antialias: true, alpha: true, preserveDrawingBuffer: true };
+    this.renderer = new THREE.WebGLRenderer({ canvas, ...look });
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.1, 10);
     this.camera.up.set(0, 0, 1);

@@ -23,9 +23,10 @@ class Table {
   constructor(described, bytes) {
     Object.assign(this, described);
     this.first = [0];
-    for (const n of this.rows) this.first.push(this.first[this.first.length - 1] + n * this.columns);
+    let total = 0;
+    for (const rows of this.rows) this.first.push((total += rows * this.columns));
     const Kind = described.bytes === 2 ? Uint16Array : Uint32Array;
-    this.integers = new Kind(this.first[this.first.length - 1]);
+    this.integers = new Kind(total);
     for (let k = 0; k < this.rows.length; k++) this.unpackFrame(k, bytes);
   }
 

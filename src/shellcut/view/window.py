@@ -18,7 +18,7 @@ from .renderer import quiet_vtk
 _N_LOOKED_AT = 12  # frames from which colour scale and camera follow
 _VIEW = (42.0, -60.0)  # elevation and azimuth of the camera at the start [deg]
 _MARK = (0.75, 0.0, 0.75)
-_KEYS = "f: next field    left, right: frame    click: value    r: reset    q: quit"
+_KEYS = "n: next field    left, right: frame    click: value    r: reset    q: quit"
 
 
 class FrameSource(Protocol):
@@ -56,7 +56,7 @@ class Reading:
 class Window:
     """The frames of a run in a window; :meth:`show` opens it and waits until it is closed.
 
-    The slider, or the keys left and right, choose the frame; ``f`` takes the next field; a click
+    The slider, or the keys left and right, choose the frame; ``n`` takes the next field; a click
     reads the value at a place of the film.
 
     Parameters
@@ -211,7 +211,7 @@ class Window:
             )
         plotter.add_key_event("Right", lambda: self.show_frame(self.number + 1))
         plotter.add_key_event("Left", lambda: self.show_frame(self.number - 1))
-        plotter.add_key_event("f", self._next_field)
+        plotter.add_key_event("n", self._next_field)
         plotter.iren.add_observer(
             "LeftButtonPressEvent", lambda *_: self.pick(*plotter.iren.get_event_position())
         )
