@@ -57,6 +57,7 @@ PAGES = {
         "howto/read-results",
         "howto/pictures",
         "howto/compare",
+        "howto/studies",
         "howto/trust",
     ],
     "Theory": [

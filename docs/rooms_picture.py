@@ -13,6 +13,7 @@ CARD = ("mitc4", "cables", "contact", "loads", "central_difference")
 
 NOTES = {
     "command_line": "the shellcut command",
+    "study_report": "what follows from many runs, as a page",
     "study": "many runs: sweeps, fits, what follows from them",
     "model_file": "models as files, pages of results",
     "models": "opening test, guillotine, tears, free cut",
