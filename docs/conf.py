@@ -58,6 +58,8 @@ PAGES = {
         "howto/pictures",
         "howto/compare",
         "howto/tensile",
+        "howto/studies",
+        "howto/fit",
         "howto/trust",
     ],
     "Theory": [

@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +15,11 @@ import shellcut as sc
 from shellcut.command_line import main
 from shellcut.study.report import report_study
 from shellcut.study.report.studied import read_folder
+from shellcut.study.study_file import read_study, write_study
 from shellcut.study.surrogate import surface
 from test_report import CHROMIUM, LISTEN, Outline, sentences
 
+ROOT = Path(__file__).resolve().parents[2]
 SECTIONS = [
     *("Study", "Runs", "Curves", "Main effects", "Pairs of figures", "Response surfaces"),
     *("Sensitivities", "What was run", "Versions"),
@@ -182,14 +185,25 @@ class TestWhatIsMissing:
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory):
-    """Three cuts of a tiny strip."""
-    out = tmp_path_factory.mktemp("study") / "wedges"
-    strip = {"membrane.length": 6, "membrane.width": 4, "membrane.size": 0.5, "notch": 1}
-    factors = {"wedge_half_angle_deg": [10, 20, 30], "half_thickness": [0.3]}
-    settings = {**strip, "travel": 2.0, "output.frames": 2}
-    found = sc.sweep("guillotine", factors, out, settings=settings, executor=1, say=lambda _: None)
-    assert found.count("done") == 3
-    return out
+    """Three cuts of a tiny strip: the code of the page about studies, as it stands."""
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs/howto/studies.md").read_text(), re.S)
+    folder = tmp_path_factory.mktemp("study")
+    names = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        exec(compile(code, "studies.md", "exec"), names)
+    assert names["found"].count("done") == 3
+    return folder / "wedges"
+
+
+def test_the_shipped_study_is_planned_and_its_figures_go_with_it(tmp_path):
+    planned = read_study(ROOT / "examples" / "study.toml").plan()
+    assert len(planned.runs) == 12
+    write_study(tmp_path / "study.toml", planned)
+    kept = read_study(tmp_path / "study.toml")
+    assert kept.figures == planned.figures
+    assert "force_plateau_N" in kept.figures
+    assert [run.key for run in kept.plan().runs] == [run.key for run in planned.runs]
 
 
 class TestOfARealStudy:

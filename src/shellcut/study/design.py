@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-import scipy.stats
+import scipy
 
 from .factors import Factor
 
