@@ -81,11 +81,16 @@ def main() -> None:
         case.run(out, n_snapshot=0, progress=False)
         history = read(out).history
         torques[name] = history["angle"], history["torque"]
-        means[name] = json.loads((out / "summary.json").read_text())["torque_plateau_Nmm"]
+        figures = json.loads((out / "summary.json").read_text())
+        if "no_window" in figures:
+            print(f"{name:<12} no steady window: {figures['no_window']}")
+            continue
+        means[name] = figures["torque_plateau_Nmm"]
         print(f"{name:<12} mean torque {means[name]:6.1f} N*mm")
-    first = next(iter(means.values()))
-    most = max(abs(mean / first - 1.0) for mean in means.values())
-    print(f"the means differ from the first by {100.0 * most:.1f} % at most")
+    if means:
+        first = next(iter(means.values()))
+        most = max(abs(mean / first - 1.0) for mean in means.values())
+        print(f"the means differ from the first by {100.0 * most:.1f} % at most")
     draw(torques, options.out / "shape_of_the_law.png")
 
 
