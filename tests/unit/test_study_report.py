@@ -151,6 +151,11 @@ class TestWhatIsMissing:
         page = texts(page_of(made(tmp_path / "s", THREE, n=4)))
         assert "a surface over 3 factors needs 6 runs or more, and 4 have this figure" in page
 
+    def test_a_figure_that_jumps(self, tmp_path):
+        figures = {"crack_length_mm": lambda eta, pitch, other: np.where(pitch < 16, 10.5, 11.28)}
+        page = texts(page_of(made(tmp_path / "s", figures)))
+        assert "it takes two values only, 10.5 and 11.28: it jumps" in page
+
     def test_a_figure_that_no_run_has(self, tmp_path):
         chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
         folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
