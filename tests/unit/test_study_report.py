@@ -13,6 +13,7 @@ import scipy
 
 import shellcut as sc
 from shellcut.command_line import main
+from shellcut.model_file.writer import model_text
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study_report import report_study
 from shellcut.study_report.studied import read_folder
@@ -231,6 +232,29 @@ class TestOfARealStudy:
         page = texts(page_of(real))
         assert "a surface over 1 factor needs 4 runs or more, and 3 have this figure" in page
         assert "Beside the theory" not in page
+
+
+def test_openings_stand_beside_their_theory(tmp_path):
+    def cables(eta, pitch, other):
+        # n G h (r + p / 2 pi cot eta) of the shipped model, whose law has 43.5 N/mm
+        return 4 * 43.5 * 0.074 * (9.4 + pitch / (2 * np.pi) / np.tan(np.radians(eta)))
+
+    figures = {"dWcoh_dtheta_Nmm": cables, "torque_plateau_Nmm": lambda *v: 1.07 * cables(*v)}
+    folder = made(tmp_path / "s", figures, n=4)
+    eta, pitch, _ = (factor.values for factor in read_folder(folder).factors)
+    for k in range(4):
+        run = folder / "runs" / f"{k:016x}"
+        run.mkdir(parents=True)
+        values = {"tool.edge_inclination_deg": float(eta[k]), "motion.pitch": float(pitch[k])}
+        (run / "used.toml").write_text(model_text(sc.read_model("opening", values)), "utf-8")
+    page = page_of(folder)
+    assert "Beside the theory" in Outline(page).titles
+    rows = dict(
+        re.findall(r'row">(cables.{1,6} work per radian|torque, mean)</th>(.*?)</tr>', page)
+    )
+    means = [re.findall(r">([\d.]+)</td>", row)[1] for row in rows.values()]
+    # round-off of three digits
+    assert means == ["1.000", "1.070"]
 
 
 TRY = """<script>addEventListener("load", () => {
