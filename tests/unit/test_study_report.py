@@ -13,6 +13,7 @@ import scipy
 
 import shellcut as sc
 from shellcut.command_line import main
+from shellcut.model_file.writer import model_text
 from shellcut.study.report import report_study
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
@@ -151,6 +152,11 @@ class TestWhatIsMissing:
         page = texts(page_of(made(tmp_path / "s", THREE, n=4)))
         assert "a surface over 3 factors needs 6 runs or more, and 4 have this figure" in page
 
+    def test_a_figure_that_jumps(self, tmp_path):
+        figures = {"crack_length_mm": lambda eta, pitch, other: np.where(pitch < 16, 10.5, 11.28)}
+        page = texts(page_of(made(tmp_path / "s", figures)))
+        assert "it takes two values only, 10.5 and 11.28: it jumps" in page
+
     def test_a_figure_that_no_run_has(self, tmp_path):
         chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
         folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
@@ -226,6 +232,29 @@ class TestOfARealStudy:
         page = texts(page_of(real))
         assert "a surface over 1 factor needs 4 runs or more, and 3 have this figure" in page
         assert "Beside the theory" not in page
+
+
+def test_openings_stand_beside_their_theory(tmp_path):
+    def cables(eta, pitch, other):
+        # n G h (r + p / 2 pi cot eta) of the shipped model, whose law has 43.5 N/mm
+        return 4 * 43.5 * 0.074 * (9.4 + pitch / (2 * np.pi) / np.tan(np.radians(eta)))
+
+    figures = {"dWcoh_dtheta_Nmm": cables, "torque_plateau_Nmm": lambda *v: 1.07 * cables(*v)}
+    folder = made(tmp_path / "s", figures, n=4)
+    eta, pitch, _ = (factor.values for factor in read_folder(folder).factors)
+    for k in range(4):
+        run = folder / "runs" / f"{k:016x}"
+        run.mkdir(parents=True)
+        values = {"tool.edge_inclination_deg": float(eta[k]), "motion.pitch": float(pitch[k])}
+        (run / "used.toml").write_text(model_text(sc.read_model("opening", values)), "utf-8")
+    page = page_of(folder)
+    assert "Beside the theory" in Outline(page).titles
+    rows = dict(
+        re.findall(r'row">(cables.{1,6} work per radian|torque, mean)</th>(.*?)</tr>', page)
+    )
+    means = [re.findall(r">([\d.]+)</td>", row)[1] for row in rows.values()]
+    # round-off of three digits
+    assert means == ["1.000", "1.070"]
 
 
 TRY = """<script>addEventListener("load", () => {

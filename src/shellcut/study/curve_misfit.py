@@ -51,6 +51,12 @@ class FitCurve:
         Of the file's columns, as ``"deg, N*mm"``; by default those of its headings.
     settings : mapping, optional
         Keys that this experiment had otherwise, such as another speed.
+
+    Examples
+    --------
+    >>> fast = FitCurve("fast.csv", settings={"motion.duration": 3e-3})
+    >>> fast.y is None  # the torque or force of the run
+    True
     """
 
     measured: str | Path | MeasuredCurve

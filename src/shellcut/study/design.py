@@ -32,6 +32,11 @@ class Design:
         Number of runs of the last two.
     seed : int
         Of the last two: another seed gives other points.
+
+    Examples
+    --------
+    >>> Design("sobol", 16).n
+    16
     """
 
     kind: Kind = "grid"

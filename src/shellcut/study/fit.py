@@ -102,6 +102,14 @@ def fit(
         With what is wrong with model, keys, bounds or curves, before anything runs.
     RuntimeError
         If the run at the start fails.
+
+    Examples
+    --------
+    >>> found = fit(
+    ...     "opening", [FitCurve("cap.csv")], ["cohesive.plateau"], "fitted"
+    ... )  # doctest: +SKIP
+    >>> found.values[0].value, found.values[0].low, found.values[0].high  # doctest: +SKIP
+    (12.02, 11.9, 12.13)
     """
     if method not in get_args(Method):
         raise ValueError(f"method must be one of {', '.join(get_args(Method))}, got {method!r}")

@@ -51,6 +51,12 @@ class StudyResults:
         Its runs with their inputs.
     outcomes : mapping from int to Outcome
         By the number of the run.
+
+    Examples
+    --------
+    >>> found = sweep("opening", {"motion.pitch": [12, 20]}, "pitches")  # doctest: +SKIP
+    >>> found.count("done"), found.table.name  # doctest: +SKIP
+    (2, 'table.csv')
     """
 
     folder: Path

@@ -110,4 +110,10 @@ def _why_no_surface(study: Study, one: Analysed) -> str:
     if n < (least := fewest_runs(one.inputs)):
         over = f"{len(one.factors)} factor" + "s" * (len(one.factors) > 1)
         return f"a surface over {over} needs {least} runs or more, and {n} have this figure"
+    values = np.unique(one.figure.values[one.rows])
+    if len(values) == 2:
+        return (
+            f"it takes two values only, {values[0]:.5g} and {values[1]:.5g}: it jumps, and no "
+            "smooth surface describes that"
+        )
     return ""

@@ -15,7 +15,7 @@ from shellcut.study.surrogate.inputs import at_shares
 
 from .analysis import Analysed
 from .colouring import coloured_by
-from .panels import Axis, Line, panel
+from .panels import MOST_POINTS, Axis, Line, panel
 from .studied import Studied, Study
 
 _N_PLACE = 25  # along a factor
@@ -35,6 +35,8 @@ def main_effects(study: Study, analyses: Sequence[Analysed]) -> str:
         return ""
     drawn = [one for one in analyses if one.predicts]
     said = "Each point is a run; point at it to read its number and inputs."
+    if any(one.rows.sum() > MOST_POINTS for one in analyses):
+        said += f" Of so many runs, up to {MOST_POINTS} are drawn, evenly chosen."
     if drawn:
         said += " The line is the mean of the response surface over all other factors."
     if weak := [one.figure.name for one in analyses if one.varies and not one.predicts]:

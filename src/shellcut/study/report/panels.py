@@ -18,6 +18,9 @@ from shellcut.report.ticks import tick_text, ticks_of
 N_COLOUR = 7
 """Colours of curves and points by a factor, the classes c0 to c6 of ``study.css``."""
 
+MOST_POINTS = 500
+"""Points of a picture; of more runs every second, third and so on is drawn."""
+
 _WIDTH, _HEIGHT = 340.0, 250.0
 _RIGHT, _TOP, _BOTTOM = 14.0, 10.0, 26.0
 _MARGIN = 0.05  # of the range beyond the outermost points
@@ -101,7 +104,10 @@ def panel(
         for a, b in zip(box.at_x(crosses[0]), box.at_y(crosses[1]), strict=True):
             parts.append(f'<path class="cross" d="M{a - 4:.1f},{b - 4:.1f}l8,8m0,-8l-8,8"/>')
     places = zip(box.at_x(x.values), box.at_y(y.values), said, strict=True)
+    every = -(-len(said) // MOST_POINTS)
     for k, (a, b, text) in enumerate(places):
+        if k % every:
+            continue
         fill = fills[k] if fills else ""
         how = f'class="dot" style="fill:{fill}"' if fill[:1] == "#" else f'class="dot {fill}"'
         parts.append(

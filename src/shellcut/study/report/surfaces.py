@@ -140,7 +140,8 @@ def _left_out(study: Study, one: Analysed) -> str:
     assert one.fitted is not None
     fitted = one.fitted
     figure = one.figure.values[one.rows][fitted.rows]
-    said = [said_of(study, one)[k] for k in fitted.rows.tolist()]
+    texts = said_of(study, one)
+    said = [texts[k] for k in fitted.rows.tolist()]
     ends = np.array(
         [min(figure.min(), fitted.left_out.min()), max(figure.max(), fitted.left_out.max())]
     )
