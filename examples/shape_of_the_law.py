@@ -2,8 +2,8 @@
 ====================================================
 
 The paper expects that the lengths l_A, l_P and l_U of the law matter little as long as its area,
-the fracture energy, stays 43.5 N/mm. Here the opening test is run with laws of very different shape and
-this one area. ::
+the fracture energy, stays 43.5 N/mm. Here the opening test is run with laws of very different
+shape and this one area. ::
 
     python examples/shape_of_the_law.py --out DIR
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from multiprocessing import active_children
 from pathlib import Path
 
@@ -84,7 +85,9 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     settings = [f"--set={key}={value}" for key, value in (SETTINGS | ANGLES).items()]
     command = [sys.executable, "-m", "shellcut", "sweep", "guillotine", *settings]
     command += ["--jobs=2", f"-o={tmp_path}"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+    # In the background of a shell the process would ignore Ctrl-C.
+    begin = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=begin) as process:
         for line in process.stderr:
             if line.startswith("[1/"):
                 os.kill(process.pid, how)

@@ -178,7 +178,6 @@ def _begun(model: Model, folder: Path, *, resume: bool) -> tuple[Case, Recorder]
     options = {
         **model.run_options(),
         "progress": False,
-        "curves": False,
         "also": (USED, LOG, OUTCOME),
         "until": case.duration,
         "name": case.name,

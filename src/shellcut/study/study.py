@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""
 
-FEW_FILES = {"output.snapshots": 0, "output.frames": 20}
+FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
 """What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
 
 _log = logging.getLogger(__name__)
