@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellcut import FitCurve, fit, read, sweep
+from shellcut import FitCurve, Search, fit, read, sweep
 
 KEY, TRUE, START = "cohesive.plateau", 12.0, 9.5  # MPa
 
@@ -57,7 +57,7 @@ def main() -> None:
         [KEY],
         options.out,
         settings={**settings, KEY: START},
-        max_runs=options.max_runs,
+        search=Search(max_runs=options.max_runs),
         executor=options.jobs,
     )
     print(found)

@@ -41,7 +41,7 @@ from .simulation.stable_step import Stepping
 from .statics.statics import Statics
 from .study.curve_misfit import FitCurve
 from .study.design import Design
-from .study.fit import fit
+from .study.fit import Search, fit
 from .study.report import report_study
 from .study.study import StudyResults, sweep
 from .tensile import TensileTest, tensile
@@ -78,6 +78,7 @@ __all__ = [
     "Recorder",
     "Results",
     "ScrewMotion",
+    "Search",
     "ShellMaterial",
     "Simulation",
     "Statics",

@@ -103,7 +103,7 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
             [PLATEAU],
             tmp_path,
             settings={**SETTINGS, PLATEAU: 10.0},
-            max_runs=12,
+            search=sc.Search(max_runs=12),
             executor=1,
             say=lines.append,
         )
@@ -120,3 +120,40 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     lines.clear()
     assert str(fitted()) == str(found)
     assert not [line for line in lines if line.startswith("[")]
+
+
+@pytest.mark.parametrize("wrong", [{"method": "best"}, {"max_runs": 0}, {"max_runs": 2.5}])
+def test_a_search_that_cannot_be_is_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        sc.Search(**wrong)
+
+
+def test_too_few_runs_are_refused_before_any(tmp_path):
+    search = sc.Search(max_runs=2)
+    with pytest.raises(ValueError, match="must be 3 or more"):
+        sc.fit("guillotine", [], [PLATEAU], tmp_path / "none", search=search)
+    assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.slow
+def test_a_search_of_the_box_fits_two_curves_at_once(tmp_path):
+    wedges = {"wedge_half_angle_deg": [10, 20]}
+    settings = {**SETTINGS, PLATEAU: 12.0}
+    known = sc.sweep("guillotine", wedges, tmp_path / "known", settings=settings, executor=2)
+    curves = []
+    for run in known.plan.runs:
+        history = read(run.folder(known.folder)).history
+        measured = sc.MeasuredCurve(history["path"], history["force"], "mm", "N")
+        curves.append(sc.FitCurve(measured, settings=run.values))
+    found = sc.fit(
+        "guillotine",
+        curves,
+        [PLATEAU],
+        tmp_path / "fit",
+        settings={**SETTINGS, PLATEAU: 18.0},
+        search=sc.Search(method="global", max_runs=30),
+        executor=2,
+    )
+    assert found.values[0].value == pytest.approx(12.0, rel=0.01)
+    assert len(found.comparisons) == 2
+    assert found.rms < 0.02

@@ -70,7 +70,7 @@ def add_to(commands: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Fit, print the result."""
     from shellcut.files.folder_lock import FolderInUse
-    from shellcut.study.fit import fit
+    from shellcut.study.fit import Search, fit
 
     try:
         with engine_given(arguments) as executor:
@@ -80,10 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
                 [key.strip() for key in arguments.free.split(",") if key.strip()],
                 arguments.out,
                 settings=settings_of(arguments),
-                bounds=_bounds(arguments),
-                keep_energy=arguments.keep_energy,
-                max_runs=arguments.max_runs,
-                method=arguments.method,
+                search=Search(
+                    bounds=_bounds(arguments),
+                    keep_energy=arguments.keep_energy,
+                    max_runs=arguments.max_runs,
+                    method=arguments.method,
+                ),
                 executor=executor,
             )
     except (FolderInUse, OSError, ImportError, ValueError) as problem:

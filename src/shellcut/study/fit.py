@@ -16,6 +16,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 Method = Literal["local", "global"]
+METHODS: tuple[str, ...] = get_args(Method)
 
 _STEP = 0.08
 """Of the differences, in the logarithm of a parameter."""
@@ -49,6 +51,42 @@ _SPREAD = 0.4
 """Of the runs, that a global fit spreads over the box."""
 
 
+@dataclass(frozen=True)
+class Search:
+    """How a fit looks for the best values.
+
+    Attributes
+    ----------
+    bounds : mapping from str to (low, high)
+        Of some keys, in their unit; a third of the start to three times it for the others.
+    keep_energy : bool
+        Keep the fracture energy of the model's law: the last free key follows from the others.
+    max_runs : int
+        Runs to take at most.
+    method : {"local", "global"}
+        Least squares from the start, or a search of the whole box on a surface through the runs.
+
+    Examples
+    --------
+    >>> Search(bounds={"cohesive.plateau": (8.0, 16.0)}).max_runs
+    40
+    """
+
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    keep_energy: bool = False
+    max_runs: int = 40
+    method: Method = "local"
+
+    def __post_init__(self) -> None:
+        problems = []
+        if self.method not in METHODS:
+            problems.append(f"method must be one of {', '.join(METHODS)}, got {self.method!r}")
+        if not (isinstance(self.max_runs, int) and self.max_runs > 0):
+            problems.append(f"max_runs must be a count above 0, got {self.max_runs!r}")
+        if problems:
+            raise ValueError("; ".join(problems))
+
+
 def fit(
     model: str | os.PathLike[str],
     curves: Sequence[FitCurve],
@@ -56,10 +94,7 @@ def fit(
     out: str | os.PathLike[str],
     *,
     settings: Mapping[str, object] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    keep_energy: bool = False,
-    max_runs: int = 40,
-    method: Method = "local",
+    search: Search | None = None,
     executor: int | Executor | Client | None = None,
     say: Callable[[str], None] | None = None,
 ) -> FitResult:
@@ -78,14 +113,8 @@ def fit(
         Folder for the runs and the result.
     settings : mapping, optional
         Keys with another value than in the model.
-    bounds : mapping from str to (low, high), optional
-        In the unit of the key; a third of the start to three times it by default.
-    keep_energy : bool
-        Keep the fracture energy of the model's law: the last free key follows from the others.
-    max_runs : int
-        Runs to take at most.
-    method : {"local", "global"}
-        Least squares from the start, or a search of the whole box on a surface through the runs.
+    search : Search, optional
+        Bounds, method, and how many runs it may take.
     executor : int, Executor or distributed.Client, optional
         As of :func:`shellcut.sweep`.
     say : callable, optional
@@ -111,24 +140,23 @@ def fit(
     >>> found.values[0].value, found.values[0].low, found.values[0].high  # doctest: +SKIP
     (12.02, 11.9, 12.13)
     """
-    if method not in get_args(Method):
-        raise ValueError(f"method must be one of {', '.join(get_args(Method))}, got {method!r}")
+    search = search or Search()
     variants = ModelVariants(model, {**FEW_FILES, **(settings or {})})
-    parameters = FreeParameters(variants, free, bounds or {}, keep_energy=keep_energy)
+    parameters = FreeParameters(variants, free, search.bounds, keep_energy=search.keep_energy)
     least = len(parameters.varied) + 2
-    if max_runs < least:
-        raise ValueError(f"max_runs must be {least} or more with these keys, got {max_runs}")
+    if search.max_runs < least:
+        raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
     engine = engine_of(executor, default_jobs=available_cores())
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     with closing(FolderLock(folder)):
-        runs = FitRuns(variants, parameters, tuple(curves), folder, engine, max_runs, say)
+        runs = FitRuns(variants, parameters, tuple(curves), folder, engine, search.max_runs, say)
         runs.begin()
         try:
-            (_locally if method == "local" else _globally)(runs)
+            (_locally if search.method == "local" else _globally)(runs)
             ended = "the parameters no longer change"
         except OutOfRuns:
-            ended = f"max_runs, {max_runs}, are used up"
+            ended = f"max_runs, {search.max_runs}, are used up"
         found = result_of(runs, _slopes_at_best(runs), ended)
         found.write(folder)
     return found

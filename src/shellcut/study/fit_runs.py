@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +60,7 @@ class FitRuns:
         self._variants, self._folder, self._engine = variants, folder, engine
         self._most, self._say = most, say
         # Curves of the same settings share a run.
-        self._settings = [dict(one) for one in dict.fromkeys(_frozen(c.settings) for c in curves)]
+        self._settings = list({_text(c.settings): dict(c.settings) for c in curves}.values())
         self._windows: list[float] = []
         self._known: dict[tuple[float, ...], tuple[Floats, list[Comparison]]] = {}
         self.n_run = 0
@@ -158,7 +158,7 @@ class FitRuns:
 
     def _of(self, which: int) -> list[FitCurve]:
         """Return the curves of one of the settings."""
-        return [c for c in self.curves if dict(_frozen(c.settings)) == self._settings[which]]
+        return [c for c in self.curves if _text(c.settings) == _text(self._settings[which])]
 
     def _run(
         self, values: Sequence[dict[str, float]]
@@ -200,5 +200,5 @@ def _key(logs: Floats) -> tuple[float, ...]:
     return tuple(float(f"{log:.9g}") for log in logs)
 
 
-def _frozen(settings: object) -> tuple[tuple[str, object], ...]:
-    return tuple(sorted(dict(settings).items()))  # type: ignore[call-overload]
+def _text(settings: Mapping[str, object]) -> str:
+    return repr(sorted(settings.items()))
