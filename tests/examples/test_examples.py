@@ -149,16 +149,17 @@ def test_every_example_has_a_test():
 
 
 def test_torque_of_teeth(run_example, tmp_path):
-    options = "--inclinations", "60", "--pitches", "12,20", "--angle", "40", "--jobs", "1"
+    options = "--inclinations", "60", "--pitches", "20", "--angle", "40", "--jobs", "1"
     said = run_example("torque_of_teeth.py", tmp_path, *options)
     rows = [line.split() for line in said.splitlines()[1:]]
-    assert [float(row[1]) for row in rows] == [12.0, 20.0]
+    assert [float(row[1]) for row in rows] == [20.0]
     for row in rows:  # damping and the film that is bent take 4 to 12 % of so fast a cut
         assert 1.0 < float(row[2]) / float(row[3]) < 1.14
     assert (tmp_path / "torque_of_teeth.png").stat().st_size > 10_000
     assert (tmp_path / "table.csv").exists()
 
 
+@pytest.mark.slow
 def test_shape_of_the_law(run_example, tmp_path):
     said = run_example("shape_of_the_law.py", tmp_path, "--angle", "40", "--laws", "2")
     most = re.search(r"differ from the first by ([\d.]+) %", said)
@@ -166,6 +167,7 @@ def test_shape_of_the_law(run_example, tmp_path):
     assert (tmp_path / "shape_of_the_law.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_fit_a_curve(run_example, tmp_path):
     said = run_example("fit_a_curve.py", tmp_path, "--travel", "2", "--jobs", "1")
     fitted = re.search(r"cohesive.plateau +9.5 +([\d.]+) ", said)

@@ -1,6 +1,7 @@
 """The opening test through quads: teeth that come to each other's slits free the disc."""
 
 import numpy as np
+import pytest
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
@@ -10,6 +11,7 @@ from shellcut import opening_test
 RADIUS = 9.4
 
 
+@pytest.mark.slow
 def test_four_cuts_that_join_are_one_circle():
     # On this mesh one of the teeth ends on the side on which the next one's slit begins; without a
     # tear along it a strip stayed there, the cuts were 4 % longer, and a tip was left.

@@ -80,7 +80,9 @@ def test_an_executor_of_the_caller_gives_the_same_table(done, tmp_path):
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    "how", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)]
+)
 def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     settings = [f"--set={key}={value}" for key, value in (SETTINGS | ANGLES).items()]
     command = [sys.executable, "-m", "shellcut", "sweep", "guillotine", *settings]

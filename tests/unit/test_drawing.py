@@ -342,7 +342,7 @@ class TestMesh:
         saved(tmp_path / "plate.dxf", plate())
         (tmp_path / "cut.toml").write_text(
             'model = "free"\n[membrane]\ndrawing = "plate.dxf"\nlayers = "cut"\nsize = 1.0\n'
-            'chord_deviation = "5 um"\nclamp = "outline"\nimprint = false\n[fracture]\n'
+            'chord_deviation = "5 um"\nclamp = "outline"\n[fracture]\n'
             'path = "free"\n[tool]\nkind = "blade"\nshift = [-1.0, 3.0, 0.0]\n'
             "[motion]\ndirection = [1.0, 0.0, 0.0]\nspeed = 6000.0\nramp = 1e-4\nduration = 1e-3\n"
         )

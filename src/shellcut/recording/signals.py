@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -22,6 +23,11 @@ class Interruption:
     once. Ignored signals stay ignored; outside the main thread, where Python handles no signals,
     nothing is held back.
 
+    Parameters
+    ----------
+    asked : callable, optional
+        Called when the first signal comes, between two bytecodes of whatever runs then.
+
     Examples
     --------
     >>> with Interruption() as interruption:
@@ -30,7 +36,8 @@ class Interruption:
     True
     """
 
-    def __init__(self) -> None:
+    def __init__(self, asked: Callable[[], None] | None = None) -> None:
+        self._asked = asked
         self._number: int | None = None
         self._former: dict[signal.Signals, Any] = {}
 
@@ -75,6 +82,8 @@ class Interruption:
     def _note(self, number: int, _: FrameType | None) -> None:
         self._number = number
         self._restore_handlers()
+        if self._asked is not None:
+            self._asked()
 
     def _restore_handlers(self) -> None:
         for one, handler in self._former.items():

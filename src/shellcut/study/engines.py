@@ -22,6 +22,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
+from itertools import chain, islice
 from typing import Any, Protocol
 
 from .one_run import UNDER_WAY, Outcome, Task, run_one
@@ -74,21 +75,23 @@ class Processes:
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome."""
-        waiting, deaths = deque(tasks), Counter[str]()
-        while waiting:
+        rest, again, deaths = iter(tasks), deque[Task](), Counter[str]()
+        while True:
             lost: list[Task] = []
-            with _one_thread_each(), self._pool(len(waiting)) as pool:
-                yield from _through(pool, waiting, self.jobs, lost)
-            for task in reversed(lost):
+            with _one_thread_each(), self._pool() as pool:
+                yield from _through(pool, _first(again, rest), self.jobs, lost)
+            if not lost:
+                return
+            for task in lost:
                 deaths[task.key] += 1
                 if deaths[task.key] < _MOST_DEATHS:
-                    waiting.appendleft(task)
+                    again.append(task)
                 else:
                     yield task, Outcome("failed", _died(_MOST_DEATHS))
 
-    def _pool(self, n_task: int) -> ProcessPoolExecutor:
+    def _pool(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(
-            min(self.jobs, n_task),
+            self.jobs,
             # A forked process would share locks and threads of this one in any state.
             mp_context=multiprocessing.get_context("spawn"),
             initializer=_begin_worker,
@@ -110,28 +113,39 @@ class GivenExecutor:
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield every task with its outcome."""
-        waiting, lost = deque(tasks), list[Task]()
-        yield from _through(self._executor, waiting, self.jobs, lost)
-        for task in (*lost, *waiting):  # a broken executor takes no more
-            yield task, Outcome("failed", _died(1))
+        rest, lost = iter(tasks), list[Task]()
+        yield from _through(self._executor, rest, self.jobs, lost)
+        if lost:  # a broken executor takes no more
+            for task in chain(lost, rest):
+                yield task, Outcome("failed", _died(1))
+
+
+def _first(again: deque[Task], rest: Iterator[Task]) -> Iterator[Task]:
+    """Yield, and take away, the tasks that are given out once more, then the others."""
+    while again:
+        yield again.popleft()
+    # Not "yield from", which would close ``rest`` where this generator is given up.
+    for task in rest:  # noqa: UP028
+        yield task
 
 
 def _through(
-    executor: Executor, waiting: deque[Task], jobs: int, lost: list[Task]
+    executor: Executor, tasks: Iterator[Task], jobs: int, lost: list[Task]
 ) -> Iterator[tuple[Task, Outcome]]:
     """Yield outcomes until all is done or the executor breaks.
 
     No more tasks are given out than run at a time: what is ``lost`` then was really under way.
     """
     given: dict[Future[Outcome], Task] = {}
-    while waiting or given:
-        while waiting and len(given) < jobs:
-            task = waiting.popleft()
+    while True:
+        for task in islice(tasks, jobs - len(given)):
             try:
                 given[executor.submit(run_one, task)] = task
             except BrokenExecutor:
-                waiting.appendleft(task)
-                break
+                lost += [task, *given.values()]
+                return
+        if not given:
+            return
         finished, _ = wait(given, return_when=FIRST_COMPLETED)
         for future in finished:
             task = given.pop(future)

@@ -169,7 +169,7 @@ class FitRuns:
         plan = Plan("", {}, (), Design(), runs, self._variants)
         found = done_before(plan, self._folder)
         progress = StudyProgress(plan, len(found), self._engine.jobs, self._say)
-        carry_out(plan, self._folder, self._engine, found, progress)
+        carry_out(plan, self._folder, self._engine, found, progress, lambda: None)
         self.n_run += len(runs)
         n, folders = len(self._settings), [run.folder(self._folder) for run in runs]
         stopped = Outcome("stopped")

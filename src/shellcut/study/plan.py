@@ -85,12 +85,9 @@ class Plan:
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
         """Return the model of a run, with its share of the cores if it gives no threads.
 
-        Raises
-        ------
-        ModelFileError
-            If the values do not fit together.
+        Whether its values fit together shows when it is built.
         """
-        model = self.variants.read(run.values)
+        model = self.variants.read(run.values, try_out=False)
         if model.head.threads is None:
             threads = max(1, available_cores() // jobs)
             model = model.with_threads(threads)

@@ -7,16 +7,16 @@ import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import closing, suppress
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shellcut.files.folder_lock import FolderLock
-from shellcut.model_file import ModelFileError
 from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.numerics.threads import available_cores
+from shellcut.recording.signals import Interruption
 
 from .design import Design
 from .engines import Engine, engine_of
@@ -160,10 +160,12 @@ def run_study(
         write_study(folder / STUDY, planned)
         found = done_before(planned, folder)
         progress = StudyProgress(planned, len(found), engine.jobs, say)
-        try:
-            carry_out(planned, folder, engine, found, progress)
-        finally:
+
+        def keep() -> None:
             write_table(folder, planned, found)
+
+        keep()
+        carry_out(planned, folder, engine, found, progress, keep)
         progress.end(found)
     return StudyResults(folder, planned, found)
 
@@ -188,8 +190,13 @@ def carry_out(
     engine: Engine,
     found: dict[int, Outcome],
     progress: StudyProgress,
+    keep: Callable[[], None],
 ) -> None:
-    """Give the runs of a plan that are not found to the engine, and note their outcomes."""
+    """Give the runs of a plan that are not found to the engine, and note their outcomes.
+
+    Calls ``keep`` now and then, and at the end. The first Ctrl-C or SIGTERM stops all runs at their
+    next step, with a checkpoint, and acts when they have stopped.
+    """
     twins: dict[int, list[PlannedRun]] = {}
     for run, first in repeated(planned.runs):
         twins.setdefault(first.number, []).append(run)
@@ -198,45 +205,31 @@ def carry_out(
     if not open_:
         return
     _compile(planned)
-    tasks = _tasks(planned, open_, folder, engine.jobs, found, progress)
-    outcomes = engine.outcomes(tasks)
+
+    def stop() -> None:
+        (folder / STOP).touch()
+        progress.say("stopping: the runs under way keep their checkpoints ...")
+
     written = time.monotonic()
-    try:
-        for task, outcome in outcomes:
+    with Interruption(stop) as interruption:
+        for task, outcome in engine.outcomes(_tasks(planned, open_, folder, engine.jobs)):
             for number in (task.number, *(run.number for run in twins.get(task.number, ()))):
                 found[number] = outcome
             progress.ended(task.number, outcome, len(found))
             if time.monotonic() - written > _TABLE_EVERY:
-                write_table(folder, planned, found)
+                keep()
                 written = time.monotonic()
-    except KeyboardInterrupt:
-        (folder / STOP).touch()
-        progress.say("stopping: the runs under way keep their checkpoints ...")
-        with suppress(KeyboardInterrupt):
-            for task, outcome in outcomes:
-                found[task.number] = outcome
-        (folder / STOP).unlink(missing_ok=True)
-        raise
+    keep()
+    (folder / STOP).unlink(missing_ok=True)
+    interruption.deliver()
 
 
-def _tasks(
-    planned: Plan,
-    runs: list[PlannedRun],
-    folder: Path,
-    jobs: int,
-    found: dict[int, Outcome],
-    progress: StudyProgress,
-) -> Iterator[Task]:
-    """Yield the tasks of runs; one whose values do not fit together has failed already."""
+def _tasks(planned: Plan, runs: list[PlannedRun], folder: Path, jobs: int) -> Iterator[Task]:
+    """Yield the tasks of runs until the study is to stop."""
     for run in runs:
         if (folder / STOP).exists():
             return
-        try:
-            text = model_text(planned.model_of(run, jobs))
-        except ModelFileError as error:
-            found[run.number] = Outcome("failed", "; ".join(str(one) for one in error.problems))
-            progress.ended(run.number, found[run.number], len(found))
-            continue
+        text = model_text(planned.model_of(run, jobs))
         yield Task(run.number, run.key, str(run.folder(folder).resolve()), text)
 
 
