@@ -18,6 +18,17 @@ QUICK = {
     "stretched_cut": [],
     "laminate": [],
     "vibration_modes": [],
+    "torque_of_teeth": [
+        "--inclinations",
+        "50,70",
+        "--pitches",
+        "12,20",
+        "--angle",
+        "40",
+        "--jobs=1",
+    ],
+    "shape_of_the_law": ["--angle", "40", "--laws", "2"],
+    "fit_a_curve": ["--travel", "2", "--jobs=1"],
 }
 """Arguments by example, in the order of the gallery: seconds each instead of minutes. An example
 that is missing is an error."""
@@ -30,6 +41,9 @@ OWN_PICTURES = {
     "stretched_cut": ["work.png"],
     "laminate": ["stress.png"],
     "vibration_modes": ["modes.png"],
+    "torque_of_teeth": ["torque_of_teeth.png"],
+    "shape_of_the_law": ["shape_of_the_law.png"],
+    "fit_a_curve": ["fit.png"],
 }
 """What an example shows; else the last snapshot and the curves of its run."""
 

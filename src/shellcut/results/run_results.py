@@ -93,7 +93,7 @@ class Results:
 
     @property
     def coordinate_name(self) -> str:
-        """Abscissa of curves: ``"angle"`` or ``"path"``."""
+        """Abscissa of all curves, ``"angle"`` or ``"path"``."""
         return self._frames.coordinate_name or self._column(1)
 
     @property

@@ -39,19 +39,6 @@ _LARGEST_WINDOW = 0.2
 class FitCurve:
     """A measured curve, and the run that it belongs to.
 
-    Attributes
-    ----------
-    measured : str, Path or MeasuredCurve
-        Table of numbers, or the curve.
-    x, y : str, optional
-        Columns of the run's history; by default its coordinate and its torque or force.
-    columns : pair, optional
-        Columns of the file by heading or number, if they have other names.
-    units : str, optional
-        Of the file's columns, as ``"deg, N*mm"``; by default those of its headings.
-    settings : mapping, optional
-        Keys that this experiment had otherwise, such as another speed.
-
     Examples
     --------
     >>> fast = FitCurve("fast.csv", settings={"motion.duration": 3e-3})
@@ -60,11 +47,17 @@ class FitCurve:
     """
 
     measured: str | Path | MeasuredCurve
+    """Table of numbers, or the curve."""
     x: str | None = None
+    """Column of the run's history; by default its coordinate."""
     y: str | None = None
+    """The same for the value; by default its torque or force."""
     columns: tuple[str | int | None, str | int | None] | None = None
+    """Columns of the file by heading or number, if they have other names."""
     units: str | None = None
+    """Of the file's columns, as ``"deg, N*mm"``; by default those of its headings."""
     settings: Mapping[str, object] = field(default_factory=dict)
+    """Keys that this experiment had otherwise, such as another speed."""
 
 
 def window_of(folder: Path, figures: Mapping[str, Any], n_body: int, curve: FitCurve) -> float:
