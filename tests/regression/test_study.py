@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import shellcut as sc
-from shellcut.study.one_run import OUTCOME
+from shellcut.study.one_run import OUTCOME, STOP
 from tiny_study import ANGLES, SETTINGS
 
 
@@ -120,13 +120,21 @@ def test_a_failed_run_says_why_and_is_tried_again(done, tmp_path):
 
 
 def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):
-    def values():
+    def values(executor):
         one = {"wedge_half_angle_deg": [10]}
-        return sc.sweep("guillotine", one, tmp_path, settings=SETTINGS, executor=1, say=str)
+        return sc.sweep("guillotine", one, tmp_path, settings=SETTINGS, executor=executor, say=str)
 
-    run = values().plan.runs[0].folder(tmp_path)
+    run = values(1).plan.runs[0].folder(tmp_path)
     figures = run.joinpath("summary.json").read_text()
     # As a killed process leaves it: a checkpoint, but not the outcome.
     run.joinpath(OUTCOME).unlink()
-    assert values().rows[0]["force_peak_N"] == done.rows[0]["force_peak_N"]
+    # Another number of processes gives a run another number of threads; it is the same run.
+    assert values(2).rows[0]["force_peak_N"] == done.rows[0]["force_peak_N"]
     assert run.joinpath("summary.json").read_text() == figures  # it was not run again
+
+
+def test_a_stop_that_was_left_behind_stops_nothing(done, tmp_path):
+    # By a study that was killed while its runs were stopping.
+    (tmp_path / STOP).touch()
+    assert study(tmp_path).count("done") == 4
+    assert not (tmp_path / STOP).exists()

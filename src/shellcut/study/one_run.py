@@ -157,12 +157,13 @@ class _Stops:
 def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
     """Run to the end and return the figures, or None if the run was stopped."""
     folder.mkdir(parents=True, exist_ok=True)
-    used = folder / USED
-    resume = (folder / CHECKPOINT).exists() and _text(used) == task.model
+    # The folder is named by the inputs, so a checkpoint there is of this run, though its text may
+    # differ in what changes no result, such as the number of threads.
+    resume = (folder / CHECKPOINT).exists()
     model = model_of_text(task.model, USED)
     with _library_said() as log, contextlib.suppress(RunEnded):
         case, recorder = _begun(model, folder, resume=resume)
-        _write(used, task.model)
+        _write(folder / USED, task.model)
         log.setTarget(logging.FileHandler(folder / LOG, encoding="utf-8"))
         case.go(recorder, [stop])
         if case.simulation.state.time < case.duration:
@@ -218,13 +219,6 @@ def _library_said() -> Iterator[logging.handlers.MemoryHandler]:
 def _write(path: Path, text: str) -> None:
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError:
-        return ""
 
 
 def _one_line(error: BaseException) -> str:

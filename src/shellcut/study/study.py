@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -35,8 +34,6 @@ _TABLE_EVERY = 10.0
 
 FEW_FILES = {"output.snapshots": 0, "output.frames": 20, "output.curves": False}
 """What the runs of a study write unless told otherwise: nobody looks at thousands of films."""
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -156,7 +153,6 @@ def run_study(
     """Carry out the runs of a plan that are not done yet; see :func:`sweep`."""
     folder.mkdir(parents=True, exist_ok=True)
     with closing(FolderLock(folder)):
-        (folder / STOP).unlink(missing_ok=True)
         write_study(folder / STUDY, planned)
         found = done_before(planned, folder)
         progress = StudyProgress(planned, len(found), engine.jobs, say)
@@ -205,6 +201,7 @@ def carry_out(
     if not open_:
         return
     _compile(planned)
+    (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
         (folder / STOP).touch()

@@ -21,7 +21,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import atomic_write
@@ -169,13 +168,3 @@ def _values(factor: Factor) -> str:
         return written(list(factor.values))
     low, high = (f"{end!r} {factor.unit}".strip() for end in factor.ends)
     return written(f"{low} : {high}")
-
-
-def as_mapping(study: StudyFile) -> dict[str, Any]:
-    """Return the arguments of :func:`shellcut.sweep` that a study file gives."""
-    return {
-        "model": study.model,
-        "factors": study.factors,
-        "settings": study.settings,
-        "design": study.design,
-    }
