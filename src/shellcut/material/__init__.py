@@ -4,8 +4,29 @@ May import ``numerics`` and rows below.
 """
 
 from .elastic import Elastic
+from .hardening import CowperSymonds, JohnsonCook, Linear, Swift, Table, Voce
+from .hencky import Hencky
 from .material import Material
+from .orthotropic import Orthotropic
+from .plastic import Plastic
 from .point_law import LAWS, PointLaw, register
 from .shell_material import Layer, ShellMaterial
 
-__all__ = ["LAWS", "Elastic", "Layer", "Material", "PointLaw", "ShellMaterial", "register"]
+__all__ = [
+    "LAWS",
+    "CowperSymonds",
+    "Elastic",
+    "Hencky",
+    "JohnsonCook",
+    "Layer",
+    "Linear",
+    "Material",
+    "Orthotropic",
+    "Plastic",
+    "PointLaw",
+    "ShellMaterial",
+    "Swift",
+    "Table",
+    "Voce",
+    "register",
+]

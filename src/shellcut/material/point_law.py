@@ -47,6 +47,13 @@ class PointLaw:
     linear : bool
         Whether the stress is the ``plane_stress`` matrix of the material times the strain, at any
         strain: then the section can be integrated through the thickness once, before the run.
+    oriented : bool
+        Whether the axes matter: then the strain comes, and the stress is taken, along the film's
+        direction (:attr:`.shell_material.ShellMaterial.direction`) and across it.
+    by_logarithm : bool
+        Whether the law stands between the logarithmic strain and its stress. Its tangent dS/dE is
+        then not bounded by ``plane_stress`` where the film is squeezed, but by that over c², c the
+        square of the least stretch.
     """
 
     name: str
@@ -54,6 +61,8 @@ class PointLaw:
     thickness_stretch: Callable[..., Number]
     history: tuple[str, ...] = ()
     linear: bool = False
+    oriented: bool = False
+    by_logarithm: bool = False
     digest: str = field(init=False, default="")
     """Digest of all fields, and of the source files of both functions."""
 
@@ -71,7 +80,7 @@ class PointLaw:
             )
         if problems:
             raise ValueError("; ".join(problems))
-        words = f"{self.history} {self.linear}".encode()
+        words = f"{self.history} {self.linear} {self.oriented} {self.by_logarithm}".encode()
         sources = _source_of(self.stress) + _source_of(self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)

@@ -1,0 +1,425 @@
+"""Hardening: the yield stress as a function of the equivalent plastic strain, and of its rate.
+
+Each kind is a class for the user, with its checks, and a function of numbers for the kernels, which
+returns R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] (:mod:`shellcut.material.point_law` says what
+such functions may use). Parameters for a kernel come in one row, from the index ``first`` on.
+
+=============  ===============================================================================
+`Linear`       σ_0 + H p
+`Swift`        K (ε_0 + p)^n, with σ_0 = K ε_0^n
+`Voce`         σ_0 + Q (1 - exp(-p/p_c)) + H p
+`Table`        straight between given points (p, σ), constant beyond the last
+=============  ===============================================================================
+
+The rate p' = dp/dt multiplies all of it, :math:`σ_y = [σ_0 + R(p)] f(p')`:
+
+=================  ===========================================================================
+`CowperSymonds`    f = 1 + (p'/D)^(1/q)
+`JohnsonCook`      f = 1 + C ln(p'/p'_0) where p' > p'_0, else 1
+=================  ===========================================================================
+
+Softening is refused: a film that softens localises in one row of quads, whatever its size, so that
+its dissipation depends on the mesh. What a film loses in strength belongs to the cohesive law.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from shellcut.arrays import Floats, Number
+from shellcut.numerics.lane_exponentials import exponential, logarithm, power
+from shellcut.numerics.lane_functions import larger, where_above
+
+from .material import refuse
+
+MOST_POINTS = 24
+"""Points of a table: each costs a few operations a step and point."""
+
+
+def _linear(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
+    """H."""
+    return p[first] * plastic, p[first] + 0.0 * plastic
+
+
+def _swift(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
+    """K, ε_0, n, σ_0."""
+    reached = plastic + p[first + 1]
+    whole = p[first] * power(reached, p[first + 2])
+    return whole - p[first + 3], p[first + 2] * whole / reached
+
+
+def _voce(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
+    """Q, 1/p_c, H."""
+    left = p[first] * exponential(-p[first + 1] * plastic)
+    return (
+        (p[first] - left) + p[first + 2] * plastic,
+        p[first + 1] * left + p[first + 2],
+    )
+
+
+def _table(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
+    """Count, then the start, length and slope of each straight part."""
+    stress, slope = 0.0 * plastic, 0.0 * plastic
+    for k in range(int(p[first])):
+        at = first + 1 + 3 * k
+        into = plastic - p[at]
+        within = larger(where_above(into, p[at + 1], p[at + 1], into), 0.0)
+        stress = stress + p[at + 2] * within
+        # On a corner the slope of the part that follows.
+        part = where_above(p[at + 1], into, p[at + 2], 0.0)
+        slope = slope + where_above(0.0, into, 0.0, part)
+    return stress, slope
+
+
+@dataclass(frozen=True)
+class Hardening:
+    """How a yield stress grows; use one of the subclasses."""
+
+    function: ClassVar[Callable[..., Any]]
+    kind: ClassVar[str]
+
+    @property
+    def first_yield(self) -> float:
+        """σ_y(0) [MPa]."""
+        raise NotImplementedError
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        raise NotImplementedError
+
+    def stress(self, plastic: float | Floats) -> Floats:
+        """Return σ_y [MPa] at equivalent plastic strains, of any shape."""
+        p = np.asarray(plastic, float)
+        row = np.array(self.row())
+        above = [self.function(row, 0, float(one))[0] for one in p.ravel()]
+        return self.first_yield + np.array(above).reshape(p.shape)
+
+    @property
+    def saturation(self) -> float:
+        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
+        return math.inf
+
+    def stored_share(self) -> float:
+        """Return the share of isotropic hardening that is stored: none, all is heat."""
+        return 0.0
+
+
+def _not_negative(**values: float) -> list[str]:
+    return [
+        f"{name} must not be negative (a film that softens localises in one row of quads), "
+        f"got {value!r}"
+        for name, value in values.items()
+        if not (math.isfinite(value) and value >= 0.0)
+    ]
+
+
+def _positive(**values: float) -> list[str]:
+    return [
+        f"{name} must be positive, got {value!r}"
+        for name, value in values.items()
+        if not (math.isfinite(value) and value > 0.0)
+    ]
+
+
+@dataclass(frozen=True)
+class Linear(Hardening):
+    """σ_0 + H p.
+
+    Parameters
+    ----------
+    yield_stress : float
+        σ_0 [MPa].
+    modulus : float
+        H [MPa], 0 by default: perfectly plastic.
+
+    Examples
+    --------
+    >>> float(Linear(20.0, 100.0).stress(0.1))
+    30.0
+    """
+
+    function = staticmethod(_linear)
+    kind = "linear"
+
+    yield_stress: float
+    modulus: float = 0.0
+
+    def __post_init__(self) -> None:
+        refuse(_positive(yield_stress=self.yield_stress) + _not_negative(modulus=self.modulus))
+
+    @property
+    def first_yield(self) -> float:
+        """σ_y(0) [MPa]."""
+        return self.yield_stress
+
+    @property
+    def saturation(self) -> float:
+        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
+        return math.inf if self.modulus > 0.0 else self.yield_stress
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return [self.modulus]
+
+
+@dataclass(frozen=True)
+class Swift(Hardening):
+    """K (ε_0 + p)^n.
+
+    Parameters
+    ----------
+    strength : float
+        K [MPa].
+    start : float
+        ε_0, positive: with 0 the film would yield at no stress.
+    exponent : float
+        n, from 0 to 1.
+
+    Examples
+    --------
+    >>> foil = Swift(strength=150.0, start=0.002, exponent=0.2)
+    >>> round(foil.first_yield, 2)
+    43.28
+    """
+
+    function = staticmethod(_swift)
+    kind = "Swift"
+
+    strength: float
+    start: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        problems = _positive(strength=self.strength, start=self.start)
+        if not 0.0 <= self.exponent <= 1.0:
+            problems.append(f"exponent must lie between 0 and 1, got {self.exponent!r}")
+        refuse(problems)
+
+    @property
+    def first_yield(self) -> float:
+        """σ_y(0) [MPa]."""
+        return float(self.strength * self.start**self.exponent)
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return [self.strength, self.start, self.exponent, self.first_yield]
+
+
+@dataclass(frozen=True)
+class Voce(Hardening):
+    """σ_0 + Q (1 - exp(-p/p_c)) + H p.
+
+    Parameters
+    ----------
+    yield_stress : float
+        σ_0 [MPa].
+    gain : float
+        Q [MPa].
+    strain : float
+        p_c, after which 63 % of the gain is reached.
+    modulus : float
+        H [MPa], 0 by default: the yield stress saturates.
+
+    Examples
+    --------
+    >>> Voce(20.0, 10.0, 0.05).saturation
+    30.0
+    """
+
+    function = staticmethod(_voce)
+    kind = "Voce"
+
+    yield_stress: float
+    gain: float
+    strain: float
+    modulus: float = 0.0
+
+    def __post_init__(self) -> None:
+        refuse(
+            _positive(yield_stress=self.yield_stress, strain=self.strain)
+            + _not_negative(gain=self.gain, modulus=self.modulus)
+        )
+
+    @property
+    def first_yield(self) -> float:
+        """σ_y(0) [MPa]."""
+        return self.yield_stress
+
+    @property
+    def saturation(self) -> float:
+        """The largest σ_y at any strain [MPa]; inf where it grows without end."""
+        return math.inf if self.modulus > 0.0 else self.yield_stress + self.gain
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return [self.gain, 1.0 / self.strain, self.modulus]
+
+
+@dataclass(frozen=True)
+class Table(Hardening):
+    """Straight between given points, constant beyond the last.
+
+    Parameters
+    ----------
+    plastic_strain : sequence of float
+        Equivalent (true) plastic strains, from 0, increasing; up to 24 of them.
+    stress : sequence of float
+        True yield stresses at these [MPa], not decreasing.
+
+    Examples
+    --------
+    >>> float(Table((0.0, 0.1, 1.0), (20.0, 30.0, 48.0)).stress(0.55))
+    39.0
+    """
+
+    function = staticmethod(_table)
+    kind = "table"
+
+    plastic_strain: tuple[float, ...]
+    stress_at: tuple[float, ...]
+
+    def __init__(self, plastic_strain: Any, stress: Any) -> None:
+        object.__setattr__(self, "plastic_strain", tuple(float(one) for one in plastic_strain))
+        object.__setattr__(self, "stress_at", tuple(float(one) for one in stress))
+        p, sigma = self.plastic_strain, self.stress_at
+        problems = []
+        if len(p) != len(sigma) or not 2 <= len(p) <= MOST_POINTS:
+            problems.append(
+                f"a table must have 2 to {MOST_POINTS} points, as many strains as stresses, got "
+                f"{len(p)} and {len(sigma)}"
+            )
+        elif not all(math.isfinite(one) for one in (*p, *sigma)):
+            problems.append("a table must hold finite numbers")
+        else:
+            if p[0] != 0.0 or any(b <= a for a, b in zip(p, p[1:], strict=False)):
+                problems.append(f"plastic_strain must start at 0 and increase, got {p}")
+            if sigma[0] <= 0.0:
+                problems.append(f"the first stress must be positive, got {sigma[0]!r}")
+            for k, (a, b) in enumerate(zip(sigma, sigma[1:], strict=False)):
+                if b < a:
+                    problems.append(
+                        "stress must not decrease (a film that softens localises in one row of "
+                        f"quads): {b:g} MPa after {a:g} at entry {k + 1}; give its loss of "
+                        "strength to the cohesive law"
+                    )
+        refuse(problems)
+
+    @property
+    def first_yield(self) -> float:
+        """σ_y(0) [MPa]."""
+        return self.stress_at[0]
+
+    @property
+    def saturation(self) -> float:
+        """The largest σ_y at any strain [MPa]."""
+        return self.stress_at[-1]
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        p, sigma = np.array(self.plastic_strain), np.array(self.stress_at)
+        length = np.diff(p)
+        parts = np.stack([p[:-1], length, np.diff(sigma) / length], axis=1)
+        return [float(len(length)), *parts.ravel().tolist()]
+
+
+# ---------------------------------------------------------------- the rate
+
+
+def _no_rate(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
+    return 1.0 + 0.0 * rate, 0.0 * rate
+
+
+def _cowper_symonds(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
+    """1/D, 1/q."""
+    over = larger(rate * p[first], 1e-30)
+    more = power(over, p[first + 1])
+    return 1.0 + more, p[first + 1] * more / over * p[first]
+
+
+def _johnson_cook(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
+    """1/p'_0, C."""
+    over = larger(rate * p[first], 1.0)
+    slope = where_above(over, 1.0, p[first + 1] / over * p[first], 0.0)
+    return 1.0 + p[first + 1] * logarithm(over), slope
+
+
+@dataclass(frozen=True)
+class RateFactor:
+    """Factor f on the yield stress by the rate of plastic strain; use one of the subclasses."""
+
+    function: ClassVar[Callable[..., Any]] = staticmethod(_no_rate)
+    kind: ClassVar[str] = ""
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return []
+
+
+@dataclass(frozen=True)
+class CowperSymonds(RateFactor):
+    """f = 1 + (p'/D)^(1/q).
+
+    Parameters
+    ----------
+    rate : float
+        D [1/s], at which the yield stress is doubled.
+    exponent : float
+        q, at least 1.
+
+    Examples
+    --------
+    >>> CowperSymonds(rate=40.0, exponent=5.0).row()
+    [0.025, 0.2]
+    """
+
+    function = staticmethod(_cowper_symonds)
+    kind = "Cowper-Symonds"
+
+    rate: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        problems = _positive(rate=self.rate)
+        if not (math.isfinite(self.exponent) and self.exponent >= 1.0):
+            problems.append(f"exponent must be 1 or more, got {self.exponent!r}")
+        refuse(problems)
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return [1.0 / self.rate, 1.0 / self.exponent]
+
+
+@dataclass(frozen=True)
+class JohnsonCook(RateFactor):
+    """f = 1 + C ln(p'/p'_0) where the rate p' is above p'_0, else 1.
+
+    Parameters
+    ----------
+    factor : float
+        C, not negative.
+    rate : float
+        p'_0 [1/s], that of the tests behind the hardening.
+
+    Examples
+    --------
+    >>> JohnsonCook(factor=0.02, rate=1.0).row()
+    [1.0, 0.02]
+    """
+
+    function = staticmethod(_johnson_cook)
+    kind = "Johnson-Cook"
+
+    factor: float
+    rate: float
+
+    def __post_init__(self) -> None:
+        refuse(_positive(rate=self.rate) + _not_negative(factor=self.factor))
+
+    def row(self) -> list[float]:
+        """Return the parameters of ``function``."""
+        return [1.0 / self.rate, self.factor]

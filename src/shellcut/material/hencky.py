@@ -1,0 +1,108 @@
+"""The elastic law between logarithmic strain and its stress, T = C ε ([Hencky1928])."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Floats, Number, Vector
+from shellcut.numerics.lane_exponentials import exponential
+
+from .elastic import Elastic
+from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from .material import Material, refuse
+from .orthotropic import Orthotropic
+from .point_law import History, PointLaw, register
+
+
+def _stress(
+    p: Floats, strain: Vector, history: History, dt: float
+) -> tuple[Vector, Number, Number, History]:
+    """Return S and ½ ε·C·ε; p : (9,), the upper triangle of C and the slope of ε_33."""
+    (e1, e2, e12), way = logarithmic_strain(strain)
+    t1 = p[0] * e1 + p[1] * e2 + p[2] * e12
+    t2 = p[1] * e1 + p[3] * e2 + p[4] * e12
+    t12 = p[2] * e1 + p[4] * e2 + p[5] * e12
+    S = second_piola_kirchhoff((t1, t2, t12), way)
+    return S, 0.5 * (t1 * e1 + t2 * e2 + t12 * e12), 0.0, history
+
+
+def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
+    """Return exp ε_33."""
+    e, _ = logarithmic_strain(strain)
+    return exponential(-(p[6] * e[0] + p[7] * e[1] + p[8] * e[2]))
+
+
+@functools.cache
+def _law(oriented: bool) -> PointLaw:
+    name = "orthotropic Hencky" if oriented else "Hencky"
+    return register(
+        PointLaw(name, _stress, _thickness_stretch, oriented=oriented, by_logarithm=True)
+    )
+
+
+def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
+    """Return the upper triangle of C [MPa] and the slope of the thickness strain, shape (9,)."""
+    return np.concatenate([elastic.plane_stress()[np.triu_indices(3)], elastic.thickness_slope()])
+
+
+def elastic_problems(elastic: object) -> list[str]:
+    """Return in sentences why this is no set of elastic moduli."""
+    if isinstance(elastic, Elastic | Orthotropic):
+        return []
+    return [f"elastic must be an Elastic or an Orthotropic, got {elastic!r}"]
+
+
+@dataclass(frozen=True)
+class Hencky(Material):
+    """Elastic by the logarithmic strain, for stretches beyond some 10 %.
+
+    Where St.Venant-Kirchhoff grows ever stiffer in tension and loses all stiffness when squeezed to
+    58 %, its stress is E ln λ / λ per reference area, as measured on rubber and polymers up to
+    stretches of 1.5 or so.
+
+    Parameters
+    ----------
+    elastic : Elastic or Orthotropic
+        Moduli and density.
+
+    Examples
+    --------
+    >>> film = Hencky(Elastic(young=200.0, poisson=0.42, density=0.92e-9))
+    >>> film.stretching_modulus
+    200.0
+    """
+
+    elastic: Elastic | Orthotropic
+
+    def __post_init__(self) -> None:
+        refuse(elastic_problems(self.elastic))
+
+    @property
+    def law(self) -> PointLaw:
+        """The Hencky law, with axes or without."""
+        return _law(isinstance(self.elastic, Orthotropic))
+
+    @property
+    def density(self) -> float:
+        """Reference density [t/mm³]."""
+        return self.elastic.density
+
+    @property
+    def stretching_modulus(self) -> float:
+        """Nominal modulus in tension [MPa]."""
+        return self.elastic.stretching_modulus
+
+    def parameters(self) -> Floats:
+        """Return the upper triangle of C [MPa] and the slope of ε_33, shape (9,)."""
+        return elastic_row(self.elastic)
+
+    def plane_stress(self) -> Floats:
+        """Return C, shape (3, 3) [MPa]."""
+        return self.elastic.plane_stress()
+
+    def transverse_shear(self) -> Floats:
+        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
+        return self.elastic.transverse_shear()

@@ -1,0 +1,318 @@
+r"""Films that yield: von Mises or Hill plasticity between logarithmic strain and its stress.
+
+T = C (ε - ε_p) with the strain of :mod:`.logarithmic_strain`, so T is the Kirchhoff stress turned
+back and ε_p a true strain, up to any stretch; the flow is that of :mod:`.return_mapping`, the yield
+stress that of :mod:`.hardening`.
+
+**von Mises** in plane stress, with the mean t = ½ (T_11 + T_22) and the deviator (u, v):
+
+    σ_eq² = t² + 3 (u² + v²),    modes t, u, v with k = ½ E/(1 - ν) + H_k and 3 G + H_k,
+    Δε_p: mean ½ Δλ ξ_t, deviator 3/2 Δλ ξ_u, ξ_v,    β = H_k (2 ε_p mean, 2/3 ε_p deviator):
+
+Prager's rule, α' = 2/3 H_k ε_p', of which β is the plane part.
+
+**Hill's criterion of 1948** by r-values, the ratios of plastic strain in width and thickness of
+strips cut at 0, 45 and 90° to MD. With σ_y that of a strip along MD, σ_eq² = T · P T,
+
+    P = [[G + H, -H, 0], [-H, F + H, 0], [0, 0, 2 N]],
+    G = 1/(1 + r0),  H = r0/(1 + r0),  F = r0/[r90 (1 + r0)],
+    N = (r0 + r90)(1 + 2 r45)/[2 r90 (1 + r0)].
+
+(Other codes give F, G, H other places.) Three equal r-values of 1 are von Mises. The surface is
+closed, P positive definite, where all r are positive: G + H = 1, det = FG + GH + HF > 0.
+
+Here the plane-stress back stress is again β = H_k P⁻¹ ε_p, with the Prager rule generalised to
+β' = H_k λ' ξ, of which the uniaxial slope along MD is H_k as before.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Number, Vector
+from shellcut.numerics.lane_exponentials import exponential
+
+from .elastic import Elastic
+from .hardening import Hardening, RateFactor
+from .hencky import elastic_problems
+from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from .material import Material, refuse
+from .orthotropic import Orthotropic, strain_turn
+from .point_law import History, PointLaw, register
+from .return_mapping import make_flow, modes_of, returned
+
+HISTORY = (
+    "equivalent plastic strain [-]",
+    "hardening [MPa]",
+    "plastic strain 11 [-]",
+    "plastic strain 22 [-]",
+    "plastic strain 12, twice [-]",
+)
+"""Of each thickness point, in the axes of the point; true strains."""
+
+# Places in the rows of parameters.
+_LATERAL = 1  # isotropic: ν/(1 - ν); with axes: three numbers
+_MEAN, _SHEAR, _KINEMATIC, _YIELD = 2, 3, 4, 5
+_V, _PLASTIC, _MU, _BACK, _TO_MODES, _H, _YIELD_AXES = 4, 13, 22, 25, 34, 43, 44
+
+
+def _isotropic_law(flow: Any, kinematic: bool) -> tuple[Any, Any]:
+    """Return the functions of von Mises with isotropic moduli."""
+
+    def stress(
+        p: Floats, strain: Vector, history: History, dt: float
+    ) -> tuple[Vector, Number, Number, History]:
+        e, way = logarithmic_strain(strain)
+        eq, R, p1, p2, p12 = history
+        mean, wide, slip = 0.5 * (e[0] + e[1]), 0.5 * (e[0] - e[1]), 0.5 * e[2]
+        mean, wide, slip = mean - 0.5 * (p1 + p2), wide - 0.5 * (p1 - p2), slip - 0.5 * p12
+        z = (p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip)
+        if kinematic:
+            h = p[_KINEMATIC]
+            third = h / 3.0
+            z = (z[0] - h * (p1 + p2), z[1] - third * (p1 - p2), z[2] - third * p12)
+        of_mean, of_shear = 0.5 * p[_MEAN] + p[_KINEMATIC], 1.5 * p[_SHEAR] + p[_KINEMATIC]
+        x, eq, R, lost = flow(
+            p, _YIELD, z, (1.0, 3.0, 3.0), (of_mean, of_shear, of_shear), (eq, R), dt
+        )
+        d_mean = (0.5 * x) * returned(z[0], of_mean, x)
+        by_shear = (1.5 * x) / (1.0 + x * of_shear)
+        d_wide, d_slip = by_shear * z[1], by_shear * z[2]
+        mean, wide, slip = mean - d_mean, wide - d_wide, slip - d_slip
+        p1, p2, p12 = p1 + (d_mean + d_wide), p2 + (d_mean - d_wide), p12 + 2.0 * d_slip
+        t, Tu, Tv = p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip
+        stored = t * mean + Tu * wide + Tv * slip
+        if kinematic:
+            # ½ β · ε_p
+            q, d = p1 + p2, p1 - p2
+            stored = stored + 0.5 * h * q * q + (0.5 * third) * (d * d + p12 * p12)
+        S = second_piola_kirchhoff((t + Tu, t - Tu, Tv), way)
+        return S, stored, lost, (eq, R, p1, p2, p12)
+
+    def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
+        e, _ = logarithmic_strain(strain)
+        plastic = history[2] + history[3]
+        return exponential(-p[_LATERAL] * (e[0] + e[1] - plastic) - plastic)
+
+    return stress, thickness_stretch
+
+
+def _law_with_axes(flow: Any, kinematic: bool) -> tuple[Any, Any]:
+    """Return the functions of Hill's criterion, or of orthotropic moduli."""
+
+    def stress(
+        p: Floats, strain: Vector, history: History, dt: float
+    ) -> tuple[Vector, Number, Number, History]:
+        e, way = logarithmic_strain(strain)
+        eq, R, p1, p2, p12 = history
+        e1, e2, e12 = e[0] - p1, e[1] - p2, e[2] - p12
+        y0 = p[_V] * e1 + p[_V + 3] * e2 + p[_V + 6] * e12
+        y1 = p[_V + 1] * e1 + p[_V + 4] * e2 + p[_V + 7] * e12
+        y2 = p[_V + 2] * e1 + p[_V + 5] * e2 + p[_V + 8] * e12
+        z = (y0, y1, y2)
+        if kinematic:
+            b0 = p[_BACK] * p1 + p[_BACK + 1] * p2 + p[_BACK + 2] * p12
+            b1 = p[_BACK + 3] * p1 + p[_BACK + 4] * p2 + p[_BACK + 5] * p12
+            b2 = p[_BACK + 6] * p1 + p[_BACK + 7] * p2 + p[_BACK + 8] * p12
+            z = (
+                y0 - (p[_TO_MODES] * b0 + p[_TO_MODES + 1] * b1 + p[_TO_MODES + 2] * b2),
+                y1 - (p[_TO_MODES + 3] * b0 + p[_TO_MODES + 4] * b1 + p[_TO_MODES + 5] * b2),
+                y2 - (p[_TO_MODES + 6] * b0 + p[_TO_MODES + 7] * b1 + p[_TO_MODES + 8] * b2),
+            )
+        m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
+        x, eq, R, lost = flow(
+            p, _YIELD_AXES, z, (m0, m1, m2), (m0 + h, m1 + h, m2 + h), (eq, R), dt
+        )
+        z0 = x * returned(z[0], m0 + h, x)
+        z1 = x * returned(z[1], m1 + h, x)
+        z2 = x * returned(z[2], m2 + h, x)
+        d1 = p[_PLASTIC] * z0 + p[_PLASTIC + 1] * z1 + p[_PLASTIC + 2] * z2
+        d2 = p[_PLASTIC + 3] * z0 + p[_PLASTIC + 4] * z1 + p[_PLASTIC + 5] * z2
+        d12 = p[_PLASTIC + 6] * z0 + p[_PLASTIC + 7] * z1 + p[_PLASTIC + 8] * z2
+        p1, p2, p12 = p1 + d1, p2 + d2, p12 + d12
+        y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
+        t1 = p[_V] * y0 + p[_V + 1] * y1 + p[_V + 2] * y2
+        t2 = p[_V + 3] * y0 + p[_V + 4] * y1 + p[_V + 5] * y2
+        t12 = p[_V + 6] * y0 + p[_V + 7] * y1 + p[_V + 8] * y2
+        stored = 0.5 * (y0 * y0 + y1 * y1 + y2 * y2)
+        if kinematic:
+            b0 = p[_BACK] * p1 + p[_BACK + 1] * p2 + p[_BACK + 2] * p12
+            b1 = p[_BACK + 3] * p1 + p[_BACK + 4] * p2 + p[_BACK + 5] * p12
+            b2 = p[_BACK + 6] * p1 + p[_BACK + 7] * p2 + p[_BACK + 8] * p12
+            stored = stored + 0.5 * (b0 * p1 + b1 * p2 + b2 * p12)
+        S = second_piola_kirchhoff((t1, t2, t12), way)
+        return S, stored, lost, (eq, R, p1, p2, p12)
+
+    def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
+        e, _ = logarithmic_strain(strain)
+        p1, p2, p12 = history[2], history[3], history[4]
+        elastic = (
+            p[_LATERAL] * (e[0] - p1)
+            + p[_LATERAL + 1] * (e[1] - p2)
+            + p[_LATERAL + 2] * (e[2] - p12)
+        )
+        return exponential(-elastic - (p1 + p2))
+
+    return stress, thickness_stretch
+
+
+@functools.cache
+def _law(hardening: type[Hardening], rate: type[RateFactor], kinematic: bool, axes: bool) -> PointLaw:
+    words = ["Hill" if axes else "von Mises", hardening.kind, "kinematic" * kinematic, rate.kind]
+    flow = make_flow(hardening.function, rate.function, rate is not RateFactor)
+    stress, stretch = (_law_with_axes if axes else _isotropic_law)(flow, kinematic)
+    name = " ".join(word for word in words if word)
+    return register(
+        PointLaw(name, stress, stretch, HISTORY, oriented=axes, by_logarithm=True)
+    )
+
+
+def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
+    """Return P of σ_eq² = T · P T for (T_11, T_22, T_12), shape (3, 3).
+
+    Parameters
+    ----------
+    r_values : tuple of three floats
+        r0, r45 and r90.
+    """
+    r0, r45, r90 = r_values
+    G, H, F = 1.0 / (1.0 + r0), r0 / (1.0 + r0), r0 / (r90 * (1.0 + r0))
+    N = (r0 + r90) * (1.0 + 2.0 * r45) / (2.0 * r90 * (1.0 + r0))
+    return np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2.0 * N]])
+
+
+@dataclass(frozen=True)
+class Plastic(Material):
+    """A film that yields, up to any strain.
+
+    Parameters
+    ----------
+    elastic : Elastic or Orthotropic
+        Moduli and density.
+    hardening : Hardening
+        Yield stress in tension, along MD if ``r_values`` are given, by the equivalent plastic
+        strain: :class:`~.hardening.Linear`, :class:`~.hardening.Swift`, :class:`~.hardening.Voce`
+        or :class:`~.hardening.Table`. True stress by true strain.
+    r_values : tuple of three floats, optional
+        r0, r45 and r90 of Hill's criterion; von Mises without.
+    kinematic : float
+        H_k [MPa], slope of linear kinematic hardening, 0 by default.
+    rate : RateFactor, optional
+        :class:`~.hardening.CowperSymonds` or :class:`~.hardening.JohnsonCook`.
+    angle_deg : float
+        Of the axes of ``r_values`` against the film's direction; those of an Orthotropic are
+        turned by its own angle.
+
+    Raises
+    ------
+    ValueError
+        If r-values are not positive, or the kinematic modulus is negative.
+
+    Notes
+    -----
+    Isotropic hardening stores nothing: all its plastic work is heat. What kinematic hardening
+    stores comes back when the strain is reversed, and counts as strain energy.
+
+    Examples
+    --------
+    >>> from shellcut.material.hardening import Voce
+    >>> foil = Plastic(Elastic(70_000.0, 0.33, 2.7e-9), Voce(40.0, 60.0, 0.05))
+    >>> foil.law.name
+    'von Mises Voce'
+    """
+
+    elastic: Elastic | Orthotropic
+    hardening: Hardening
+    r_values: tuple[float, float, float] | None = None
+    kinematic: float = 0.0
+    rate: RateFactor | None = None
+    angle_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        problems = elastic_problems(self.elastic)
+        if not isinstance(self.hardening, Hardening) or type(self.hardening) is Hardening:
+            problems.append(
+                f"hardening must be a Linear, Swift, Voce or Table, got {self.hardening!r}"
+            )
+        if not (self.rate is None or isinstance(self.rate, RateFactor)):
+            problems.append(f"rate must be a CowperSymonds or a JohnsonCook, got {self.rate!r}")
+        if not (math.isfinite(self.kinematic) and self.kinematic >= 0.0):
+            problems.append(f"kinematic must not be negative in MPa, got {self.kinematic!r}")
+        if not math.isfinite(self.angle_deg):
+            problems.append(f"angle_deg must be an angle in degrees, got {self.angle_deg!r}")
+        if self.r_values is not None:
+            object.__setattr__(self, "r_values", tuple(self.r_values))
+            r = self.r_values
+            if len(r) != 3 or not all(math.isfinite(one) and one > 0.0 for one in r):
+                problems.append(
+                    "r_values must be three positive numbers (r0, r45, r90), or the yield surface "
+                    f"is not closed and convex, got {r!r}"
+                )
+        refuse(problems)
+
+    @property
+    def has_axes(self) -> bool:
+        """Whether the film's direction matters."""
+        return self.r_values is not None or isinstance(self.elastic, Orthotropic)
+
+    @property
+    def law(self) -> PointLaw:
+        """The law for this kind of hardening, rate and axes."""
+        rate = RateFactor if self.rate is None else type(self.rate)
+        return _law(type(self.hardening), rate, self.kinematic > 0.0, self.has_axes)
+
+    @property
+    def density(self) -> float:
+        """Reference density [t/mm³]."""
+        return self.elastic.density
+
+    @property
+    def stretching_modulus(self) -> float:
+        """Nominal modulus in tension [MPa], before it yields."""
+        return self.elastic.stretching_modulus
+
+    def flow_matrix(self) -> Floats:
+        """Return P of σ_eq² = T · P T in the film's axes, shape (3, 3)."""
+        P = hill_matrix(self.r_values or (1.0, 1.0, 1.0))
+        # Stresses turn by the transposed inverse of the strains' matrix.
+        R = np.linalg.inv(strain_turn(self.angle_deg)).T
+        return np.asarray(R.T @ P @ R)
+
+    def parameters(self) -> Floats:
+        """Return the parameters of :attr:`law`; the first is where those of the rate begin."""
+        if self.has_axes:
+            C, P = self.elastic.plane_stress(), self.flow_matrix()
+            V, mu = modes_of(C, P)
+            rows = [
+                *self.elastic.thickness_slope(),
+                *V.ravel(),
+                *(np.linalg.inv(V).T * mu).ravel(),
+                *mu,
+                *(self.kinematic * np.linalg.inv(P)).ravel(),
+                *np.linalg.inv(V).ravel(),
+                self.kinematic,
+            ]
+        else:
+            e, nu = self.elastic.stretching_modulus, self._poisson
+            rows = [nu / (1.0 - nu), e / (1.0 - nu), e / (1.0 + nu), self.kinematic]
+        rows += [self.hardening.first_yield, *self.hardening.row()]
+        rate = [] if self.rate is None else self.rate.row()
+        return np.array([1.0 + len(rows), *rows, *rate])
+
+    @property
+    def _poisson(self) -> float:
+        assert isinstance(self.elastic, Elastic)
+        return self.elastic.poisson
+
+    def plane_stress(self) -> Floats:
+        """Return C, shape (3, 3) [MPa], of the moduli."""
+        return self.elastic.plane_stress()
+
+    def transverse_shear(self) -> Floats:
+        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
+        return self.elastic.transverse_shear()

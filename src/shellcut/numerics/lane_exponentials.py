@@ -1,0 +1,211 @@
+"""Logarithm, exponential and power of numbers, and the largest of the lanes.
+
+As in :mod:`shellcut.numerics.lane_functions` the same call works on one float or on all lanes of a
+block. A vector call of the C library would be split into eight calls, so lanes are computed here:
+
+* ln x with x = 2^k m, √½ <= m < √2: ln m = 2 artanh s, s = (m - 1)/(m + 1), s² < 0.0295, by the
+  series of artanh to s^23, whose next term is below 2^-53;
+* exp x = 2^k exp r with |r| <= ½ ln 2, by the series to r^13, with the same remainder.
+
+Both are within two units of the last place of doubles. :func:`largest` makes one number of a block,
+on which a function may branch: to leave out work that no lane needs, or to end an iteration.
+"""
+
+# Numba's extension calls are typed for users of intrinsics, not for their authors.
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from shellcut.arrays import Number
+
+from .lane_functions import where_above
+from .lane_instructions import OVERLOAD_OPTIONS, LanesType, vector_constant
+
+# Mantissa bits, bits of √½, and the exponent's bias of doubles and of singles.
+_FORMATS = {64: (52, 0x3FE6A09E667F3BCD, 1023), 32: (23, 0x3F3504F3, 127)}
+
+_LN2 = 0.6931471805599453
+_LN2_HIGH, _LN2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10
+_LOG2_E = 1.4426950408889634
+# Beyond, 2^k of singles and doubles leaves the normal numbers: the result is 0 or inf.
+_MOST = {64: 708.0, 32: 87.0}
+
+
+def _integers(kind: Any) -> Any:
+    return ir.VectorType(ir.IntType(kind.bits), kind.width)
+
+
+def _constants(kind: Any, value: int) -> Any:
+    return vector_constant(ir.IntType(kind.bits), [value] * kind.width)
+
+
+def _bits_above_root_half(builder: Any, kind: Any, value: Any) -> tuple[Any, Any]:
+    """Return the bits of lanes, and k of x = 2^k m as integers."""
+    shift, root, _ = _FORMATS[kind.bits]
+    bits = builder.bitcast(value, _integers(kind))
+    power = builder.ashr(builder.sub(bits, _constants(kind, root)), _constants(kind, shift))
+    return bits, power
+
+
+@intrinsic
+def _binary_exponent(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        _, power = _bits_above_root_half(builder, a, args[0])
+        return builder.sitofp(power, a.all)
+
+    return a(a), generate
+
+
+@intrinsic
+def _mantissa(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits, power = _bits_above_root_half(builder, a, args[0])
+        shifted = builder.shl(power, _constants(a, _FORMATS[a.bits][0]))
+        return builder.bitcast(builder.sub(bits, shifted), a.all)
+
+    return a(a), generate
+
+
+@intrinsic
+def _nearest_integer(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(a.all, [a.all]), f"llvm.rint.{a.suffix}"
+        )
+        return builder.call(function, args)
+
+    return a(a), generate
+
+
+@intrinsic
+def _two_to_the(typing_context: Any, a: Any) -> Any:
+    """2^k of lanes that hold whole numbers k of normal powers."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        shift, _, bias = _FORMATS[a.bits]
+        power = builder.add(builder.fptosi(args[0], _integers(a)), _constants(a, bias))
+        return builder.bitcast(builder.shl(power, _constants(a, shift)), a.all)
+
+    return a(a), generate
+
+
+@intrinsic
+def _largest_lane(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(a.one, [a.all]), f"llvm.vector.reduce.fmax.{a.suffix}"
+        )
+        one = builder.call(function, args)
+        return builder.fpext(one, ir.DoubleType()) if a.bits == 32 else one
+
+    return types.float64(a), generate
+
+
+def largest(a: Number) -> float:
+    """Return the largest of the lanes; nan is left out unless all are."""
+    return float(np.max(a))
+
+
+@overload(largest, jit_options=OVERLOAD_OPTIONS)
+def _largest(a):
+    if isinstance(a, LanesType):
+        return lambda a: _largest_lane(a)
+    return lambda a: np.float64(a)
+
+
+def precision_of(a: Number) -> float:
+    """Return the relative spacing of the numbers: 2.2e-16 of doubles, 1.2e-7 of singles."""
+    return float(np.finfo(np.asarray(a).dtype).eps)
+
+
+@overload(precision_of, jit_options=OVERLOAD_OPTIONS)
+def _precision_of(a):
+    if isinstance(a, LanesType) and a.bits == 32:
+        return lambda a: 2.0**-23
+    return lambda a: 2.0**-52
+
+
+def logarithm(a: Number) -> Number:
+    """Return ln a of positive normal numbers."""
+    log = np.log(a)
+    return log if np.ndim(log) else float(log)
+
+
+@overload(logarithm, jit_options=OVERLOAD_OPTIONS)
+def _logarithm(a):
+    if not isinstance(a, LanesType):
+        return lambda a: np.log(a)
+
+    def of_lanes(a):
+        m = _mantissa(a)
+        s = (m - 1.0) / (m + 1.0)
+        q = s * s
+        series = q * (1.0 / 23.0) + 1.0 / 21.0
+        series = series * q + 1.0 / 19.0
+        series = series * q + 1.0 / 17.0
+        series = series * q + 1.0 / 15.0
+        series = series * q + 1.0 / 13.0
+        series = series * q + 1.0 / 11.0
+        series = series * q + 1.0 / 9.0
+        series = series * q + 1.0 / 7.0
+        series = series * q + 1.0 / 5.0
+        series = series * q + 1.0 / 3.0
+        series = series * q + 1.0
+        return _binary_exponent(a) * _LN2 + (s + s) * series
+
+    return of_lanes
+
+
+def exponential(a: Number) -> Number:
+    """Return exp a; below -708 (singles: -87) it is that of -708, above 708 that of 708."""
+    power = np.exp(np.clip(a, -708.0, 708.0))
+    return power if np.ndim(power) else float(power)
+
+
+@overload(exponential, jit_options=OVERLOAD_OPTIONS)
+def _exponential(a):
+    if not isinstance(a, LanesType):
+        return lambda a: np.exp(min(max(a, -708.0), 708.0))
+    most = _MOST[a.bits]
+
+    def of_lanes(a):
+        x = where_above(a, -most, a, -most)
+        x = where_above(x, most, most, x)
+        k = _nearest_integer(x * _LOG2_E)
+        r = (x - k * _LN2_HIGH) - k * _LN2_LOW
+        series = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0
+        series = series * r + 1.0 / 39916800.0
+        series = series * r + 1.0 / 3628800.0
+        series = series * r + 1.0 / 362880.0
+        series = series * r + 1.0 / 40320.0
+        series = series * r + 1.0 / 5040.0
+        series = series * r + 1.0 / 720.0
+        series = series * r + 1.0 / 120.0
+        series = series * r + 1.0 / 24.0
+        series = series * r + 1.0 / 6.0
+        series = series * r + 0.5
+        series = series * r + 1.0
+        return _two_to_the(k) * (series * r + 1.0)
+
+    return of_lanes
+
+
+def power(a: Number, exponent: float) -> Number:
+    """Return a to a power, of positive a: exp(exponent ln a)."""
+    of = np.power(a, exponent)
+    return of if np.ndim(of) else float(of)
+
+
+@overload(power, jit_options=OVERLOAD_OPTIONS)
+def _power(a, exponent):
+    if isinstance(a, LanesType):
+        return lambda a, exponent: exponential(exponent * logarithm(a))
+    return lambda a, exponent: a**exponent
