@@ -23,6 +23,7 @@ from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, put, zero
+from shellcut.numerics.table_row import table_row
 
 from .point_law import LAWS, History, PointLaw
 
@@ -133,7 +134,7 @@ def _point_stress(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
 
     def stress(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
+        return function(laws.kind[k], table_row(laws.parameters, k), strain, history, first, lane)
 
     return stress
 
@@ -143,7 +144,7 @@ def _point_thickness(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
 
     def thickness(laws, k, strain, history, first, lane):
-        return function(laws.kind[k], laws.parameters[k], strain, history, first, lane)
+        return function(laws.kind[k], table_row(laws.parameters, k), strain, history, first, lane)
 
     return thickness
 

@@ -21,8 +21,8 @@ since ½ (1/c_1 + 1/c_2) = τ/D, ½ (1/c_1 - 1/c_2) = -2 r/D, and their differen
 (4 r²/τ³)(τ²/D - A'): smooth where the eigenvalues meet, no division by their difference, one
 division in all. S is symmetric by construction, and S · dE = T · dε.
 
-A' is a series of six terms up to s² = 0.0026 (a stretch ratio of 1.05) in all lanes of a block,
-else of twelve up to 0.02 and from a logarithm beyond.
+A' is a series of six terms where s² <= 0.0026 in all lanes of a block (principal strains of 5 %),
+else of twelve where s² <= 0.0295 in all (17 %), else from logarithms.
 
 A quad that is folded flat has D = 0 in one point or less where the strain is extrapolated through
 the thickness. There τ and D are held at ``_LEAST``: numbers stay finite, and
@@ -35,13 +35,13 @@ from typing import NamedTuple
 
 from shellcut.arrays import Number, Vector
 from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_exponentials import largest, logarithm
+from shellcut.numerics.lane_exponentials import any_above, logarithm
 from shellcut.numerics.lane_functions import larger, square_root, where_above
 
 # s² to which six terms of A' leave less than 2^-53 of A.
 _SHORT = 0.0026
-# s² to which twelve do; from here on the logarithm loses no more than five bits in A'.
-_LONG = 0.02
+# s² to which twelve do; from here on the difference A - 1 loses no more than seven bits.
+_LONG = 0.0295
 # Least mean c and least determinant of C: a squeeze to a thousandth.
 _LEAST = 1e-6
 
@@ -74,24 +74,29 @@ def _short_series(q: Number) -> Number:
 
 
 @always_inline
+def _long_series(q: Number) -> Number:
+    """Return A' at q = s² up to ``_LONG``."""
+    a = q * (1.0 / 25.0) + 1.0 / 23.0
+    a = a * q + 1.0 / 21.0
+    a = a * q + 1.0 / 19.0
+    a = a * q + 1.0 / 17.0
+    a = a * q + 1.0 / 15.0
+    a = a * q + 1.0 / 13.0
+    a = a * q + 1.0 / 11.0
+    a = a * q + 1.0 / 9.0
+    a = a * q + 1.0 / 7.0
+    a = a * q + 1.0 / 5.0
+    return a * q + 1.0 / 3.0
+
+
+@always_inline
 def _any_spread(q: Number) -> Number:
     """Return A' at any q = s² below 1."""
-    near = where_above(q, _LONG, _LONG, q)
-    a = near * (1.0 / 25.0) + 1.0 / 23.0
-    a = a * near + 1.0 / 21.0
-    a = a * near + 1.0 / 19.0
-    a = a * near + 1.0 / 17.0
-    a = a * near + 1.0 / 15.0
-    a = a * near + 1.0 / 13.0
-    a = a * near + 1.0 / 11.0
-    a = a * near + 1.0 / 9.0
-    a = a * near + 1.0 / 7.0
-    a = a * near + 1.0 / 5.0
-    a = a * near + 1.0 / 3.0
     far = larger(q, _LONG)
     s = square_root(far)
-    exact = (0.5 * logarithm((1.0 + s) / (1.0 - s)) / s - 1.0) / far
-    return where_above(q, _LONG, exact, a)
+    inverse = 1.0 / far
+    exact = (0.5 * logarithm((1.0 + s) / (1.0 - s)) * s * inverse - 1.0) * inverse
+    return where_above(q, _LONG, exact, _long_series(where_above(q, _LONG, _LONG, q)))
 
 
 @always_inline
@@ -108,16 +113,20 @@ def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
     inverse_det = inverse * (mean * over)
     s = excess * (inverse * (mean * determinant))
     q_area = s * s
-    # 4 r²/τ², by D where that was held.
-    q_shear = 1.0 - determinant * (inverse_mean * inverse_mean)
-    q_small = (4.0 * squared) * (inverse_mean * inverse_mean)
-    q_shear = where_above(q_small, _LONG, q_shear, q_small)
-    q_shear = larger(q_shear, 0.0)
-    if largest(larger(q_area, q_shear)) <= _SHORT:
-        of_area, spread = _short_series(q_area), _short_series(q_shear)
+    # No more than the held D allows.
+    q_shear = (4.0 * squared) * (inverse_mean * inverse_mean)
+    q_most = 1.0 - determinant * (inverse_mean * inverse_mean)
+    q_shear = where_above(q_shear, 0.5, larger(q_most, 0.0), q_shear)
+    most = larger(q_area, q_shear)
+    if any_above(most, _SHORT):
+        if any_above(most, _LONG):
+            mid, spread = 0.25 * logarithm(determinant), _any_spread(q_shear)
+        else:
+            mid = 0.5 * s * (1.0 + q_area * _long_series(q_area))
+            spread = _long_series(q_shear)
     else:
-        of_area, spread = _any_spread(q_area), _any_spread(q_shear)
-    mid = 0.5 * s * (1.0 + q_area * of_area)
+        mid = 0.5 * s * (1.0 + q_area * _short_series(q_area))
+        spread = _short_series(q_shear)
     slope = (1.0 + q_shear * spread) * inverse_mean
     wide = slope * u
     return (

@@ -27,7 +27,9 @@ def turned_moduli(moduli: Floats, angle_deg: float) -> Floats:
 def strain_turn(angle_deg: float) -> Floats:
     """Return R, shape (3, 3), that gives (E_11, E_22, 2 E_12) in axes turned by an angle."""
     c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    return np.array(
+        [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+    )
 
 
 def _stress(
@@ -130,7 +132,9 @@ class Orthotropic(Material):
         """Return C⁻¹ in the material's own axes, shape (3, 3) [1/MPa]."""
         e1, e2 = self.young_along, self.young_across
         between = -self.poisson / e1
-        return np.array([[1 / e1, between, 0.0], [between, 1 / e2, 0.0], [0.0, 0.0, 1 / self.shear]])
+        return np.array(
+            [[1 / e1, between, 0.0], [between, 1 / e2, 0.0], [0.0, 0.0, 1 / self.shear]]
+        )
 
     def plane_stress(self) -> Floats:
         """Return C, shape (3, 3) [MPa], in the film's axes."""

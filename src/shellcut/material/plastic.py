@@ -35,7 +35,8 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Number, Vector
-from shellcut.numerics.lane_exponentials import exponential
+from shellcut.numerics.jit import always_inline
+from shellcut.numerics.lane_exponentials import any_above, exponential
 
 from .elastic import Elastic
 from .hardening import Hardening, RateFactor
@@ -44,7 +45,7 @@ from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
 from .material import Material, refuse
 from .orthotropic import Orthotropic, strain_turn
 from .point_law import History, PointLaw, register
-from .return_mapping import make_flow, modes_of, returned
+from .return_mapping import excess, make_flow, modes_of
 
 HISTORY = (
     "equivalent plastic strain [-]",
@@ -61,7 +62,19 @@ _MEAN, _SHEAR, _KINEMATIC, _YIELD = 2, 3, 4, 5
 _V, _PLASTIC, _MU, _BACK, _TO_MODES, _H, _YIELD_AXES = 4, 13, 22, 25, 34, 43, 44
 
 
-def _isotropic_law(flow: Any, kinematic: bool) -> tuple[Any, Any]:
+@always_inline
+def _at_once(dt: float) -> bool:
+    """Whether flow takes no time: without a rate factor."""
+    return True
+
+
+@always_inline
+def _in_time(dt: float) -> bool:
+    """Whether there is time to flow, which a rate factor asks for."""
+    return dt > 0.0
+
+
+def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]:
     """Return the functions of von Mises with isotropic moduli."""
 
     def stress(
@@ -76,15 +89,19 @@ def _isotropic_law(flow: Any, kinematic: bool) -> tuple[Any, Any]:
             h = p[_KINEMATIC]
             third = h / 3.0
             z = (z[0] - h * (p1 + p2), z[1] - third * (p1 - p2), z[2] - third * p12)
-        of_mean, of_shear = 0.5 * p[_MEAN] + p[_KINEMATIC], 1.5 * p[_SHEAR] + p[_KINEMATIC]
-        x, eq, R, lost = flow(
-            p, _YIELD, z, (1.0, 3.0, 3.0), (of_mean, of_shear, of_shear), (eq, R), dt
-        )
-        d_mean = (0.5 * x) * returned(z[0], of_mean, x)
-        by_shear = (1.5 * x) / (1.0 + x * of_shear)
-        d_wide, d_slip = by_shear * z[1], by_shear * z[2]
-        mean, wide, slip = mean - d_mean, wide - d_wide, slip - d_slip
-        p1, p2, p12 = p1 + (d_mean + d_wide), p2 + (d_mean - d_wide), p12 + 2.0 * d_slip
+        weight = (1.0, 3.0, 3.0)
+        beyond = excess(weight, z, p[_YIELD] + R, may_flow(dt))
+        lost = 0.0 * R
+        if any_above(beyond, 0.0):
+            of_mean, of_shear = 0.5 * p[_MEAN] + p[_KINEMATIC], 1.5 * p[_SHEAR] + p[_KINEMATIC]
+            q = (z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2]), 0.0 * R)
+            done = flow(p, _YIELD, q, (of_mean, of_shear, of_shear), beyond, (eq, R), dt)
+            eq, R, lost = done.plastic, done.hardening, done.lost
+            d_mean = 0.5 * done.by_mode[0] * z[0]
+            by_shear = 1.5 * done.by_mode[1]
+            d_wide, d_slip = by_shear * z[1], by_shear * z[2]
+            mean, wide, slip = mean - d_mean, wide - d_wide, slip - d_slip
+            p1, p2, p12 = p1 + (d_mean + d_wide), p2 + (d_mean - d_wide), p12 + 2.0 * d_slip
         t, Tu, Tv = p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip
         stored = t * mean + Tu * wide + Tv * slip
         if kinematic:
@@ -102,7 +119,7 @@ def _isotropic_law(flow: Any, kinematic: bool) -> tuple[Any, Any]:
     return stress, thickness_stretch
 
 
-def _law_with_axes(flow: Any, kinematic: bool) -> tuple[Any, Any]:
+def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]:
     """Return the functions of Hill's criterion, or of orthotropic moduli."""
 
     def stress(
@@ -125,17 +142,19 @@ def _law_with_axes(flow: Any, kinematic: bool) -> tuple[Any, Any]:
                 y2 - (p[_TO_MODES + 6] * b0 + p[_TO_MODES + 7] * b1 + p[_TO_MODES + 8] * b2),
             )
         m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
-        x, eq, R, lost = flow(
-            p, _YIELD_AXES, z, (m0, m1, m2), (m0 + h, m1 + h, m2 + h), (eq, R), dt
-        )
-        z0 = x * returned(z[0], m0 + h, x)
-        z1 = x * returned(z[1], m1 + h, x)
-        z2 = x * returned(z[2], m2 + h, x)
-        d1 = p[_PLASTIC] * z0 + p[_PLASTIC + 1] * z1 + p[_PLASTIC + 2] * z2
-        d2 = p[_PLASTIC + 3] * z0 + p[_PLASTIC + 4] * z1 + p[_PLASTIC + 5] * z2
-        d12 = p[_PLASTIC + 6] * z0 + p[_PLASTIC + 7] * z1 + p[_PLASTIC + 8] * z2
-        p1, p2, p12 = p1 + d1, p2 + d2, p12 + d12
-        y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
+        beyond = excess((m0, m1, m2), z, p[_YIELD_AXES] + R, may_flow(dt))
+        lost = 0.0 * R
+        if any_above(beyond, 0.0):
+            q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
+            done = flow(p, _YIELD_AXES, q, (m0 + h, m1 + h, m2 + h), beyond, (eq, R), dt)
+            eq, R, lost = done.plastic, done.hardening, done.lost
+            z0 = done.by_mode[0] * z[0]
+            z1 = done.by_mode[1] * z[1]
+            z2 = done.by_mode[2] * z[2]
+            p1 = p1 + (p[_PLASTIC] * z0 + p[_PLASTIC + 1] * z1 + p[_PLASTIC + 2] * z2)
+            p2 = p2 + (p[_PLASTIC + 3] * z0 + p[_PLASTIC + 4] * z1 + p[_PLASTIC + 5] * z2)
+            p12 = p12 + (p[_PLASTIC + 6] * z0 + p[_PLASTIC + 7] * z1 + p[_PLASTIC + 8] * z2)
+            y0, y1, y2 = y0 - m0 * z0, y1 - m1 * z1, y2 - m2 * z2
         t1 = p[_V] * y0 + p[_V + 1] * y1 + p[_V + 2] * y2
         t2 = p[_V + 3] * y0 + p[_V + 4] * y1 + p[_V + 5] * y2
         t12 = p[_V + 6] * y0 + p[_V + 7] * y1 + p[_V + 8] * y2
@@ -162,14 +181,16 @@ def _law_with_axes(flow: Any, kinematic: bool) -> tuple[Any, Any]:
 
 
 @functools.cache
-def _law(hardening: type[Hardening], rate: type[RateFactor], kinematic: bool, axes: bool) -> PointLaw:
+def _law(
+    hardening: type[Hardening], rate: type[RateFactor], kinematic: bool, axes: bool
+) -> PointLaw:
     words = ["Hill" if axes else "von Mises", hardening.kind, "kinematic" * kinematic, rate.kind]
     flow = make_flow(hardening.function, rate.function, rate is not RateFactor)
-    stress, stretch = (_law_with_axes if axes else _isotropic_law)(flow, kinematic)
-    name = " ".join(word for word in words if word)
-    return register(
-        PointLaw(name, stress, stretch, HISTORY, oriented=axes, by_logarithm=True)
+    stress, stretch = (_law_with_axes if axes else _isotropic_law)(
+        flow, _at_once if rate is RateFactor else _in_time, kinematic
     )
+    name = " ".join(word for word in words if word)
+    return register(PointLaw(name, stress, stretch, HISTORY, oriented=axes, by_logarithm=True))
 
 
 def hill_matrix(r_values: tuple[float, float, float]) -> Floats:

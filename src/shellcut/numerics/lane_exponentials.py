@@ -1,4 +1,4 @@
-"""Logarithm, exponential and power of numbers, and the largest of the lanes.
+"""Logarithm, exponential and power of numbers, and a question to branch on.
 
 As in :mod:`shellcut.numerics.lane_functions` the same call works on one float or on all lanes of a
 block. A vector call of the C library would be split into eight calls, so lanes are computed here:
@@ -7,8 +7,8 @@ block. A vector call of the C library would be split into eight calls, so lanes 
   series of artanh to s^23, whose next term is below 2^-53;
 * exp x = 2^k exp r with |r| <= ½ ln 2, by the series to r^13, with the same remainder.
 
-Both are within two units of the last place of doubles. :func:`largest` makes one number of a block,
-on which a function may branch: to leave out work that no lane needs, or to end an iteration.
+Both are within two units of the last place of doubles. On :func:`any_above` a function may branch:
+to leave out work that no lane needs, or to end an iteration.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -26,6 +26,7 @@ from numba.extending import intrinsic, overload
 
 from shellcut.arrays import Number
 
+from .lane_arithmetic import broadcast
 from .lane_functions import where_above
 from .lane_instructions import OVERLOAD_OPTIONS, LanesType, vector_constant
 
@@ -98,27 +99,25 @@ def _two_to_the(typing_context: Any, a: Any) -> Any:
 
 
 @intrinsic
-def _largest_lane(typing_context: Any, a: Any) -> Any:
+def _any_lane_above(typing_context: Any, a: Any, b: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(a.one, [a.all]), f"llvm.vector.reduce.fmax.{a.suffix}"
-        )
-        one = builder.call(function, args)
-        return builder.fpext(one, ir.DoubleType()) if a.bits == 32 else one
+        above = builder.fcmp_ordered(">", args[0], broadcast(builder, args[1], a))
+        mask = builder.bitcast(above, ir.IntType(a.width))
+        return builder.icmp_unsigned("!=", mask, ir.Constant(mask.type, 0))
 
-    return types.float64(a), generate
+    return types.boolean(a, types.float64), generate
 
 
-def largest(a: Number) -> float:
-    """Return the largest of the lanes; nan is left out unless all are."""
-    return float(np.max(a))
+def any_above(a: Number, b: float) -> bool:
+    """Whether a > b in any lane."""
+    return bool(np.any(np.asarray(a) > b))
 
 
-@overload(largest, jit_options=OVERLOAD_OPTIONS)
-def _largest(a):
+@overload(any_above, jit_options=OVERLOAD_OPTIONS)
+def _any_above(a, b):
     if isinstance(a, LanesType):
-        return lambda a: _largest_lane(a)
-    return lambda a: np.float64(a)
+        return lambda a, b: _any_lane_above(a, b)
+    return lambda a, b: a > b
 
 
 def precision_of(a: Number) -> float:
