@@ -17,7 +17,7 @@ from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build
-from shellcut.model_file.film_sections import Homogeneous, Ply
+from shellcut.model_file.material_sections import Homogeneous, Ply
 from shellcut.model_file.run_sections import Head, Output, SupportSection
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.model_file.writer import written
