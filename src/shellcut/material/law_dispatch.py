@@ -94,6 +94,11 @@ def dissipates(laws: PointLaws) -> bool:
     return any(law.history for law in laws.laws)
 
 
+def has_axes(laws: PointLaws) -> bool:
+    """Whether strains must be turned into the film's axes for any law."""
+    return any(law.oriented for law in laws.laws)
+
+
 # ---------------------------------------------------------------- Numba's type of a law
 
 
@@ -125,6 +130,13 @@ def _laws_of(laws: Any) -> list[PointLaw]:
 @overload(dissipates, jit_options=_OPTIONS)
 def _dissipates(laws):
     if any(law.history for law in _laws_of(laws)):
+        return lambda laws: True
+    return lambda laws: False
+
+
+@overload(has_axes, jit_options=_OPTIONS)
+def _has_axes(laws):
+    if any(law.oriented for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
