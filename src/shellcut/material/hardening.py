@@ -24,6 +24,7 @@ its dissipation depends on the mesh. What a film loses in strength belongs to th
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -296,11 +297,11 @@ class Table(Hardening):
         elif not all(math.isfinite(one) for one in (*p, *sigma)):
             problems.append("a table must hold finite numbers")
         else:
-            if p[0] != 0.0 or any(b <= a for a, b in zip(p, p[1:], strict=False)):
+            if p[0] != 0.0 or any(b <= a for a, b in itertools.pairwise(p)):
                 problems.append(f"plastic_strain must start at 0 and increase, got {p}")
             if sigma[0] <= 0.0:
                 problems.append(f"the first stress must be positive, got {sigma[0]!r}")
-            for k, (a, b) in enumerate(zip(sigma, sigma[1:], strict=False)):
+            for k, (a, b) in enumerate(itertools.pairwise(sigma)):
                 if b < a:
                     problems.append(
                         "stress must not decrease (a film that softens localises in one row of "

@@ -38,9 +38,8 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
 @functools.cache
 def _law(oriented: bool) -> PointLaw:
     name = "orthotropic Hencky" if oriented else "Hencky"
-    return register(
-        PointLaw(name, _stress, _thickness_stretch, oriented=oriented, by_logarithm=True)
-    )
+    frozen = register(PointLaw(f"{name}, frozen", _stress, _thickness_stretch, oriented=oriented))
+    return register(PointLaw(name, _stress, _thickness_stretch, oriented=oriented, frozen=frozen))
 
 
 def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
@@ -81,12 +80,12 @@ class Hencky(Material):
         refuse(elastic_problems(self.elastic))
 
     @property
-    def law(self) -> PointLaw:
+    def law(self) -> PointLaw:  # type: ignore[override]
         """The Hencky law, with axes or without."""
         return _law(isinstance(self.elastic, Orthotropic))
 
     @property
-    def density(self) -> float:
+    def density(self) -> float:  # type: ignore[override]
         """Reference density [t/mm³]."""
         return self.elastic.density
 

@@ -20,7 +20,7 @@ from numba.core.datamodel import models
 from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
 
 from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
@@ -94,6 +94,11 @@ def dissipates(laws: PointLaws) -> bool:
     return any(law.history for law in laws.laws)
 
 
+def has_axes(laws: PointLaws) -> bool:
+    """Whether strains must be turned into the film's axes for any law."""
+    return any(law.oriented for law in laws.laws)
+
+
 # ---------------------------------------------------------------- Numba's type of a law
 
 
@@ -125,6 +130,13 @@ def _laws_of(laws: Any) -> list[PointLaw]:
 @overload(dissipates, jit_options=_OPTIONS)
 def _dissipates(laws):
     if any(law.history for law in _laws_of(laws)):
+        return lambda laws: True
+    return lambda laws: False
+
+
+@overload(has_axes, jit_options=_OPTIONS)
+def _has_axes(laws):
+    if any(law.oriented for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
@@ -193,10 +205,15 @@ def _stress_function(law: PointLaw) -> Any:
         return without
     read, write = _reader(n), _writer(n)
 
+    # Called, not inlined: a law with history is long, and a quad has a dozen points.
+    @inline
+    def evaluate(p, strain, before, dt):
+        return function(p, strain, before, dt)
+
     @always_inline
     def with_history(p, strain, history, first, lane):
         before = read(history.old, history.block, first, lane)
-        stress, stored, dissipated, after = function(p, strain, before, history.dt)
+        stress, stored, dissipated, after = evaluate(p, strain, before, history.dt)
         write(history.new, history.new_block, first, lane, after)
         return stress, stored, zero(lane) + dissipated
 

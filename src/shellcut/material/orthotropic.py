@@ -138,7 +138,7 @@ class Orthotropic(Material):
 
     def plane_stress(self) -> Floats:
         """Return C, shape (3, 3) [MPa], in the film's axes."""
-        return turned_moduli(np.linalg.inv(self.compliance()), self.angle_deg)
+        return turned_moduli(np.asarray(np.linalg.inv(self.compliance())), self.angle_deg)
 
     def parameters(self) -> Floats:
         """Return the upper triangle of C [MPa] and :meth:`thickness_slope`, shape (9,)."""

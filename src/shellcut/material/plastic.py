@@ -180,17 +180,33 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
     return stress, thickness_stretch
 
 
+@always_inline
+def _never(dt: float) -> bool:
+    """Whether a frozen law may flow."""
+    return False
+
+
 @functools.cache
-def _law(
-    hardening: type[Hardening], rate: type[RateFactor], kinematic: bool, axes: bool
-) -> PointLaw:
+def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
+    """Return the law for classes of hardening and rate."""
+    has_rate = rate is not RateFactor
     words = ["Hill" if axes else "von Mises", hardening.kind, "kinematic" * kinematic, rate.kind]
-    flow = make_flow(hardening.function, rate.function, rate is not RateFactor)
-    stress, stretch = (_law_with_axes if axes else _isotropic_law)(
-        flow, _at_once if rate is RateFactor else _in_time, kinematic
-    )
     name = " ".join(word for word in words if word)
-    return register(PointLaw(name, stress, stretch, HISTORY, oriented=axes, by_logarithm=True))
+    flow = make_flow(hardening.function, rate.function, has_rate)
+    functions = _law_with_axes if axes else _isotropic_law
+    frozen = PointLaw(
+        f"{name}, frozen", *functions(flow, _never, kinematic), HISTORY, oriented=axes
+    )
+    return register(
+        PointLaw(
+            name,
+            *functions(flow, _in_time if has_rate else _at_once, kinematic),
+            HISTORY,
+            oriented=axes,
+            timed=has_rate,
+            frozen=register(frozen),
+        )
+    )
 
 
 def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
@@ -282,13 +298,14 @@ class Plastic(Material):
         return self.r_values is not None or isinstance(self.elastic, Orthotropic)
 
     @property
-    def law(self) -> PointLaw:
+    def law(self) -> PointLaw:  # type: ignore[override]
         """The law for this kind of hardening, rate and axes."""
         rate = RateFactor if self.rate is None else type(self.rate)
-        return _law(type(self.hardening), rate, self.kinematic > 0.0, self.has_axes)
+        hardening: Any = type(self.hardening)
+        return _law(hardening, rate, self.kinematic > 0.0, self.has_axes)
 
     @property
-    def density(self) -> float:
+    def density(self) -> float:  # type: ignore[override]
         """Reference density [t/mm³]."""
         return self.elastic.density
 

@@ -50,10 +50,12 @@ class PointLaw:
     oriented : bool
         Whether the axes matter: then the strain comes, and the stress is taken, along the film's
         direction (:attr:`.shell_material.ShellMaterial.direction`) and across it.
-    by_logarithm : bool
-        Whether the law stands between the logarithmic strain and its stress. Its tangent dS/dE is
-        then not bounded by ``plane_stress`` where the film is squeezed, but by that over c², c the
-        square of the least stretch.
+    timed : bool
+        Whether the stress depends on ``dt``: such a film has no statics.
+    frozen : PointLaw, optional
+        The law without flow: elastic, with the history as it is, which it returns unchanged. The
+        time step then follows its tangent dS/dE, which bounds that of the law in the present state;
+        without one it follows ``plane_stress`` of the material, which must do so at any strain.
     """
 
     name: str
@@ -62,7 +64,8 @@ class PointLaw:
     history: tuple[str, ...] = ()
     linear: bool = False
     oriented: bool = False
-    by_logarithm: bool = False
+    timed: bool = False
+    frozen: PointLaw | None = None
     digest: str = field(init=False, default="")
     """Digest of all fields, and of the source files of both functions."""
 
@@ -74,13 +77,18 @@ class PointLaw:
             problems.append(f"a linear law has no history, {self.name!r} names {self.history}")
         if len(set(self.history)) < len(self.history):
             problems.append(f"history names must differ, {self.name!r} has {self.history}")
+        if self.frozen is not None and self.frozen.history != self.history:
+            problems.append(
+                f"the frozen law of {self.name!r} must have its history, {self.history}, got "
+                f"{self.frozen.history}"
+            )
         if any("/" in one or not one.strip() for one in self.history):
             problems.append(
                 f"history names must be words without a slash, {self.name!r} has {self.history}"
             )
         if problems:
             raise ValueError("; ".join(problems))
-        words = f"{self.history} {self.linear} {self.oriented} {self.by_logarithm}".encode()
+        words = f"{self.history} {self.linear} {self.oriented} {self.timed}".encode()
         sources = _source_of(self.stress) + _source_of(self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)

@@ -35,6 +35,9 @@ R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.
 work T · Δε_p without β · Δε_p, which linear kinematic hardening stores, ½ β · Pβ/H_k in all.
 """
 
+# Its functions are made for each law and take numbers of several kinds.
+# mypy: disable-error-code="no-untyped-def"
+
 from __future__ import annotations
 
 from typing import Any, NamedTuple

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,9 +19,15 @@ from .material import Material, refuse
 # rational function of xi^3 whose departure from a cubic is of order (thickness / radius)^4.
 POINTS_PER_LAYER = 4
 
-# Default points per layer if a law needs them: yielding or damage begins at the faces, and of five
+# Default points per layer of elastic laws: two integrate a linear stress exactly, three leave of a
+# nonlinear one an error of the sixth power of the height.
+POINTS_OF_ELASTIC = {True: 2, False: 3}
+
+# Default points per layer if a law has a history: yielding or damage begins at the faces, and of five
 # Gauss points the outermost lie at 0.91 of half the layer.
 POINTS_OF_HISTORY = 5
+
+Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -71,8 +78,12 @@ class ShellMaterial:
         Factor on the transverse shear stiffness, 5/6 by default.
     points_per_layer : int, optional
         Integrate with this many points (1 to 9) in each layer, at every step. By default a section
-        of linear layers is integrated once, before the run, and one with any other law with five
-        points per layer.
+        of linear layers is integrated once, before the run; one with a law that keeps a history
+        has five points per layer, elastic ones two or three.
+    direction : sequence of float, or callable
+        Of the film, usually the machine direction MD, for layers with axes of their own: a vector,
+        of which the part in the sheet counts, or a function that returns a vector, shape (n, 3),
+        at each of some reference positions, shape (n, 3) [mm].
 
     Notes
     -----
@@ -90,10 +101,20 @@ class ShellMaterial:
     layers: Sequence[Layer]
     shear_factor: float = 5.0 / 6.0
     points_per_layer: int | None = None
+    direction: Direction = (1.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
         problems = []
+        if not callable(self.direction):
+            way = np.asarray(self.direction, float)
+            if way.shape != (3,) or not np.isfinite(way).all() or not way.any():
+                problems.append(
+                    "direction must be a vector of three numbers that is not zero, or a function "
+                    f"of positions, got {self.direction!r}"
+                )
+            else:
+                object.__setattr__(self, "direction", tuple(way.tolist()))
         if not self.layers:
             problems.append("layers must name at least one layer, got none")
         if not (math.isfinite(self.shear_factor) and self.shear_factor > 0):
@@ -126,14 +147,34 @@ class ShellMaterial:
 
     @property
     def is_linear(self) -> bool:
-        """Whether stress is linear in strain in all layers, at any strain."""
-        return all(layer.material.law.linear for layer in self.layers)
+        """Whether stress is linear in strain in all layers, at any strain, and has no axes."""
+        return all(layer.material.law.linear for layer in self.layers) and not self.has_axes
+
+    @property
+    def has_axes(self) -> bool:
+        """Whether any layer needs :attr:`direction`."""
+        return any(layer.material.law.oriented for layer in self.layers)
+
+    def direction_at(self, places: Floats) -> Floats:
+        """Return the film's direction at reference positions, shape (n, 3); of any length."""
+        if callable(self.direction):
+            ways = np.asarray(self.direction(places), float)
+            if ways.shape != places.shape or not np.isfinite(ways).all():
+                raise ValueError(
+                    f"direction must return finite vectors of shape {places.shape}, got "
+                    f"{ways.shape}"
+                )
+            return ways
+        return np.broadcast_to(np.asarray(self.direction, float), places.shape)
 
     @property
     def integration_points(self) -> int | None:
         """Points per layer if the section is integrated at every step, else None."""
         if self.points_per_layer is None and not self.is_linear:
-            return POINTS_OF_HISTORY
+            laws = [layer.material.law for layer in self.layers]
+            if any(law.history for law in laws):
+                return POINTS_OF_HISTORY
+            return POINTS_OF_ELASTIC[all(law.linear for law in laws)]
         return self.points_per_layer
 
     @property

@@ -62,6 +62,8 @@ def grow_tables(
     )
     if points.rule.place.size:
         points = points._replace(full_frame=with_more_blocks(points.full_frame, n))
+    if points.axes.size:
+        points = points._replace(axes=with_more_blocks(points.axes, n))
     return linear, points
 
 

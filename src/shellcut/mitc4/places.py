@@ -19,6 +19,7 @@ from shellcut.state import State
 
 from .blocks import QuadBlocks
 from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
+from .film_axes import film_axes
 from .quad_strains import LinearTables, PointTables
 from .section import full_stiffness
 
@@ -138,6 +139,11 @@ class Places:
             self.points,
             self._lane_kind,
         )
+        if self._material.has_axes:
+            b, lane = divmod(int(self.blocks.slot[row]), self.blocks.width)
+            nodes = self._mesh.quads[parent][None]
+            X, T = self._mesh.nodes[nodes], self._mesh.directors[nodes]
+            self.points.axes[b, :, lane] = film_axes(X, T, self._material)[0]
 
     def _place(self, state: State, row: int, before: int) -> None:
         """Give a copy the next place; its strains and history are those of the place before."""

@@ -42,9 +42,9 @@ def point_resultants(
     """Return the resultants of a block, its stored energy and the energy dissipated in the step."""
     points, b = quads.points, history.block
     if flat:
-        frames = Frames(points.flat_frame, b)
+        frames = Frames(points.flat_frame, b, points.axes, b)
         return flat_point_resultants(s, frames, points.rule, history, lane)
-    frames = Frames(points.full_frame, b - quads.quads.tables.n_flat)
+    frames = Frames(points.full_frame, b - quads.quads.tables.n_flat, points.axes, b)
     return full_point_resultants(s, frames, points.rule, history, lane)
 
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallIds, Vec3
-from shellcut.material.law_dispatch import HistoryStep, point_stress, point_thickness
+from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.lanes import pick
@@ -32,6 +32,7 @@ from shellcut.state import State
 from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads
 from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
+from .film_axes import into_axes
 from .point_forces import point_resultants
 from .quad_strains import PointQuads, PointTables, strain_of
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, strain_at, turn_strain
@@ -262,6 +263,14 @@ def _stresses(
                 block = b if flat else b - nodes.tables.n_flat
                 frame = _frame_at(points, flat, block, q, j, lane)
                 strain, f1, f2 = _strain_and_stretch(s, (xm, tm), frame, rule.place[j], (xi, eta))
+                if has_axes(rule.laws):
+                    along = np.float64(pick(points.axes, b, 2 * q, lane))
+                    aside = np.float64(pick(points.axes, b, 2 * q + 1, lane))
+                    strain = into_axes(along, aside, strain)
+                    f1, f2 = (
+                        combine(along, f1, aside, f2),
+                        combine(along, f2, -aside, f1),
+                    )
                 first = (q * n_point + j) * rule.n_history
                 S, _, _ = point_stress(rule.laws, j, strain, at, first, lane)
                 stretch = point_thickness(rule.laws, j, strain, after, first, lane)

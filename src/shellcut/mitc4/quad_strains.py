@@ -46,6 +46,8 @@ class PointTables(NamedTuple):
     flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
     full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
     """4 n_point 7 numbers per block."""
+    axes: Annotated[Numbers, "(n_axes, 8, width)"]
+    """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
     rule: PointRule
 
 

@@ -41,6 +41,9 @@ from .element import GAUSS, N_STRAIN, FlatModuli
 # relative size: round-off of normalised normals, far below any relevant curvature.
 _FLAT = 1e-12
 
+# Of a direction's length, that must lie in the sheet: below, round-off of normals decides.
+LEAST_IN_SHEET = 1e-6
+
 _XI = np.array([-1.0, 1.0, 1.0, -1.0])
 _ETA = np.array([-1.0, -1.0, 1.0, 1.0])
 
@@ -150,8 +153,9 @@ def full_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
 
 def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Floats:
     """Return h at the Gauss point ``q`` of any quads, shape (n_quad, 8, 8)."""
-    _, A1, A2, T0, T1, T2 = list(gauss_geometry(X, T))[q]
+    n, A1, A2, T0, T1, T2 = list(gauss_geometry(X, T))[q]
     h = np.zeros((len(X), 8, 8))
+    turn = _turn_into_axes(A1, A2, T0, material.direction_at(np.einsum("a,eac->ec", n, X)))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):
         G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
         volume = weight * np.einsum("ei,ei->e", _cross(G1, G2), T0)
@@ -162,8 +166,30 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
         P[:3, :3], P[:3, 3:6], P[3:, 6:] = np.eye(3), z * np.eye(3), np.eye(2)
         Q, _ = cartesian_map(G1, G2, T0)
         q_p = Q @ P
+        if material.has_axes:
+            q_p = turn @ q_p
         h += volume[:, None, None] * (q_p.transpose(0, 2, 1) @ C @ q_p)
     return h
+
+
+def _turn_into_axes(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> Floats:
+    """Return the matrices, shape (n, 5, 5), that turn Cartesian strains into the film's axes."""
+    c, s = axes_in_frame(A1, A2, T0, way)
+    turn = np.zeros((len(A1), 5, 5))
+    turn[:, 0, 0], turn[:, 0, 1], turn[:, 0, 2] = c * c, s * s, c * s
+    turn[:, 1, 0], turn[:, 1, 1], turn[:, 1, 2] = s * s, c * c, -c * s
+    turn[:, 2, 0], turn[:, 2, 1], turn[:, 2, 2] = -2.0 * c * s, 2.0 * c * s, c * c - s * s
+    turn[:, 3, 3], turn[:, 3, 4], turn[:, 4, 3], turn[:, 4, 4] = c, s, -s, c
+    return turn
+
+
+def axes_in_frame(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> tuple[Floats, Floats]:
+    """Return cos θ and sin θ from ê_1 to a direction, shape (n,); nan where it is normal."""
+    _, frame = frame_components(A1, A2, T0)
+    along, aside = np.einsum("enc,ec->ne", frame, way)
+    size = np.hypot(along, aside)
+    size[~(size > LEAST_IN_SHEET * np.linalg.norm(way, axis=1))] = np.nan
+    return along / size, aside / size
 
 
 def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, Floats]:

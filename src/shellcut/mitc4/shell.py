@@ -28,17 +28,27 @@ from .point_forces import (
     write_point_corner_forces,
 )
 from .point_output import PointOutput
+from .point_tangent import differentiate_resultants, frozen_rule
 from .present_quads import PresentQuads
 from .quad_strains import LinearTables, PointQuads, PointStep, PointTables, QuadStep
 from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
-from .tangent import N_FREEDOM, add_tangent_products, quad_tangents, stressed_tangents
+from .tangent import (
+    N_FREEDOM,
+    add_stressed_products,
+    add_tangent_products,
+    quad_tangents,
+    stressed_tangents,
+)
 from .work import Work, linear_work
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
+
+# Stands for the moduli of the linear film.
+_NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
 
 Precision: TypeAlias = Literal["double", "single"]
 
@@ -118,6 +128,7 @@ class MITC4Shell:
         self._point_output = (
             None if material.is_linear else PointOutput(material, self.blocks, self.points)
         )
+        self._frozen_rule = frozen_rule(self.points.rule)
         self._history = self._history_at_rest()
         self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
         """Bounds of the largest frequency of each quad."""
@@ -384,8 +395,8 @@ class MITC4Shell:
     def tangents(self, state: State, quads: Ints, bent: Floats | None = None) -> Floats:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
-        Freedoms as in :mod:`shellcut.mitc4.tangent`. For a nonlinear law it is that of the elastic
-        moduli with the stresses of the law: an upper bound, for the time step.
+        Freedoms as in :mod:`shellcut.mitc4.tangent`. For a nonlinear law it is the consistent one
+        (:mod:`shellcut.mitc4.point_tangent`), of a step from the history to the present positions.
 
         Parameters
         ----------
@@ -394,9 +405,14 @@ class MITC4Shell:
         quads : ndarray of int, shape (n,)
             Which quads.
         bent : ndarray, shape (n, 16), optional
-            Part of the strains that is subtracted for the stresses in the stiffness.
+            Part of the strains that is subtracted for the stresses in the stiffness; of linear
+            films.
         """
-        return self._tangents_at(self._present.of(state), quads, bent)
+        present = self._present.of(state)
+        if self._point_output is None:
+            return self._make_tangents(quad_tangents, present, quads, bent, _NO_MODULI)
+        resultants, moduli = self._differentiated(present, quads, state.history, state.dt)
+        return self._make_tangents(stressed_tangents, present, quads, resultants, moduli)
 
     def tangent_product(
         self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
@@ -408,11 +424,16 @@ class MITC4Shell:
         [N·mm] of that shape.
         """
         rows = np.zeros((state.n_node, 6))
-        slot = self.blocks.slot
-        add_tangent_products(
+        slot, present = self.blocks.slot, self._present.of(state)
+        add, moduli = add_tangent_products, _NO_MODULI
+        if self._point_output is not None:
+            add, which = add_stressed_products, np.arange(slot.size)
+            bent, moduli = self._differentiated(present, which, state.history, state.dt)
+        add(
             slot=slot,
-            quads=self._present.of(state).quads,
+            quads=present.quads,
             bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            moduli=moduli,
             dx=np.asfortranarray(displacement),
             dt=np.asfortranarray(turn),
             rows=rows,
@@ -425,18 +446,48 @@ class MITC4Shell:
         self.frequencies.evaluate(state.node.x, state.node.t, state.quads, quads)
 
     def _tangents(self, x: Floats, t: Floats, quads: Ints) -> Floats:
-        return self._tangents_at(self._present.at(x, t), quads)
+        """Return a bound of the tangent stiffness of some quads, for the time step.
 
-    def _tangents_at(self, present: PointQuads, quads: Ints, bent: Floats | None = None) -> Floats:
+        Of a nonlinear law it is that of the frozen law, or of the elastic moduli, with the stresses
+        of the law.
+        """
+        present = self._present.at(x, t)
+        if self._point_output is None:
+            return self._make_tangents(quad_tangents, present, quads, None, _NO_MODULI)
+        resultants = self._point_output.resultants(present, quads, self._history)
+        moduli = _NO_MODULI
+        if self._frozen_rule is not None:
+            points = present.points._replace(rule=self._frozen_rule)
+            frozen = present._replace(points=points)
+            _, moduli = self._differentiated(frozen, quads, self._history, 0.0)
+        return self._make_tangents(stressed_tangents, present, quads, resultants, moduli)
+
+    def _differentiated(
+        self, present: PointQuads, quads: Ints, history: Numbers, dt: float
+    ) -> tuple[Floats, Floats]:
+        """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
+        resultants = np.empty((quads.size, N_STRAIN))
+        moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
+        differentiate_resultants(
+            slot=self.blocks.slot[quads],
+            quads=present,
+            history=history,
+            dt=dt,
+            area=self.area[quads],
+            resultants=resultants,
+            moduli=moduli,
+        )
+        return resultants, moduli
+
+    def _make_tangents(
+        self, make: Any, present: PointQuads, quads: Ints, bent: Floats | None, moduli: Floats
+    ) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
-        make = quad_tangents
-        if self._point_output is not None:
-            make = stressed_tangents
-            bent = self._point_output.resultants(present, quads, self._history)
         make(
             slot=self.blocks.slot[quads],
             quads=present.quads,
             bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
+            moduli=moduli,
             tangent=tangent,
         )
         return tangent

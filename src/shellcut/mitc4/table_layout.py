@@ -12,6 +12,7 @@ from shellcut.numerics.lanes import aligned_zeros, block_dtype
 
 from .blocks import QuadBlocks
 from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
+from .film_axes import N_AXES, film_axes
 from .quad_strains import LinearTables, PointTables, write_products
 from .section import flat_moduli, flat_stiffness, full_stiffness
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, build_rule, flat_frames, full_frames
@@ -43,6 +44,7 @@ def build_tables(
     points = PointTables(
         table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
         table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
+        table(n_block if material.has_axes else 0, N_AXES),
         rule,
     )
     X, T = np.asfortranarray(mesh.nodes), np.asfortranarray(mesh.directors)
@@ -77,4 +79,6 @@ def build_tables(
             if n_point:
                 frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
                 fill(points.flat_frame if flat else points.full_frame, filled * frames)
+            if material.has_axes:
+                fill(points.axes, film_axes(X, T, material), first=0)
     return linear, points

@@ -39,7 +39,7 @@ from .element import (
     products,
     quad_modes,
 )
-from .quad_strains import Quads, stiffness_product, store_strain, strain_of
+from .quad_strains import LinearTables, Quads, stiffness_product, store_strain, strain_of
 
 N_FREEDOM = 20
 """Freedoms of a quad: twelve translations, then two turns per node."""
@@ -62,18 +62,37 @@ def reference_products(X: Floats, T: Floats) -> Floats:
     return m
 
 
+@inline
+def _product_with(
+    moduli: Floats, i: int, tables: LinearTables, b: int, lane: int, s: Sixteen, work: Floats
+) -> Sixteen:
+    """Return the product of H and s: H of row i of moduli : (n, 16, 16), or of the linear film."""
+    if not moduli.size:
+        return stiffness_product(tables, b < tables.n_flat, b, lane, s, work)
+    for k in range(N_STRAIN):
+        work[1, k, 0] = s[k]
+    for k in range(N_STRAIN):
+        total = 0.0
+        for m in range(N_STRAIN):
+            total += moduli[i, k, m] * work[1, m, 0]
+        work[0, k, 0] = total
+    return pick16(work, 0, 0)
+
+
 def _make_tangent_kernel(given: bool) -> Any:
     @kernel
     def quad_tangents(
         slot: Ints,
         quads: Quads,
         bent: Floats,
+        moduli: Floats,
         tangent: Floats,
     ) -> None:
         """Write the stiffness of the quads at the places ``slot`` into tangent : (n, 20, 20).
 
         Rows and columns: x, y, z of the four nodes, then the turns along b_1, b_2 of the four
-        nodes. bent : (n, 16), subtracted from the strains, or the resultants themselves.  The other
+        nodes. bent : (n, 16), subtracted from the strains, or the resultants themselves.  moduli :
+        (n, 16, 16), dr/ds of the quads, or (0, 16, 16) for those of the linear film.  The other
         arguments as the force kernel's.
         """
         t, corner, tables = quads.t, quads.corner, quads.tables
@@ -126,7 +145,7 @@ def _make_tangent_kernel(given: bool) -> Any:
                 store_strain(row, 0, 0, ahead)
                 for k in range(N_STRAIN):
                     row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
-                dr = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+                dr = _product_with(moduli, i, tables, b, lane, pick16(row, 0, 0), work)
                 moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
                 for a in range(4):
                     for c in range(3):
@@ -142,48 +161,64 @@ def _make_tangent_kernel(given: bool) -> Any:
 quad_tangents = _make_tangent_kernel(given=False)
 """With the stresses of the linear material."""
 stressed_tangents = _make_tangent_kernel(given=True)
-"""With given resultants instead of ``bent``, and the linear material's stiffness."""
+"""With given resultants instead of ``bent``."""
 
 
-@kernel
-def add_tangent_products(
-    slot: Ints,
-    quads: Quads,
-    bent: Floats,
-    dx: Floats,
-    dt: Floats,
-    rows: Floats,
-) -> None:
-    """Add the stiffness of quads times a motion to rows : (n_node, 6), forces and director forces.
+def _make_product_kernel(given: bool) -> Any:
+    @kernel
+    def add_tangent_products(
+        slot: Ints,
+        quads: Quads,
+        bent: Floats,
+        moduli: Floats,
+        dx: Floats,
+        dt: Floats,
+        rows: Floats,
+    ) -> None:
+        """Add the stiffness of quads times a motion to rows : (n_node, 6).
 
-    dx, dt : (n_node, 3), of nodes and directors, dt normal to t.  The other arguments as those of
-    :func:`quad_tangents`, in the same order.
-    """
-    t, corner, tables = quads.t, quads.corner, quads.tables
-    width = corner.shape[2]
-    row = np.empty((1, N_STRAIN, width))
-    work = np.empty((2, N_STRAIN, width))
-    for i in range(slot.shape[0]):
-        b, lane = slot[i] // width, slot[i] % width
-        flat = b < tables.n_flat
-        xm, tm = quad_modes(quads.x, t, corner, b, lane)
-        xd, td = quad_modes(dx, dt, corner, b, lane)
-        s = strain_of(tables, flat, b, lane, (xm, tm))
-        store_strain(row, 0, 0, s)
-        for k in range(N_STRAIN):
-            row[0, k, 0] -= bent[i, k]
-        r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
-        at_rest = nodal_forces(xm, tm, r)
-        dr = stiffness_product(tables, flat, b, lane, _products_change(xm, tm, xd, td), work)
-        moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
-        for a in range(4):
-            n = corner[b, a, lane]
-            pull = 0.0
-            for c in range(3):
-                pull -= at_rest[a][3 + c] * t[n, c]
-            for c in range(3):
-                rows[n, c] -= moved[a][c] + turned[a][c]
-                rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
+        Of forces and director forces.  dx, dt : (n_node, 3), of nodes and directors, dt normal to
+        t.  The other arguments as those of :func:`quad_tangents`, in the same order.
+        """
+        t, corner, tables = quads.t, quads.corner, quads.tables
+        width = corner.shape[2]
+        row = np.empty((1, N_STRAIN, width))
+        work = np.empty((2, N_STRAIN, width))
+        for i in range(slot.shape[0]):
+            b, lane = slot[i] // width, slot[i] % width
+            flat = b < tables.n_flat
+            xm, tm = quad_modes(quads.x, t, corner, b, lane)
+            xd, td = quad_modes(dx, dt, corner, b, lane)
+            s = strain_of(tables, flat, b, lane, (xm, tm))
+            if given:
+                for k in range(N_STRAIN):
+                    row[0, k, 0] = bent[i, k]
+                r = pick16(row, 0, 0)
+            else:
+                store_strain(row, 0, 0, s)
+                for k in range(N_STRAIN):
+                    row[0, k, 0] -= bent[i, k]
+                r = stiffness_product(tables, flat, b, lane, pick16(row, 0, 0), work)
+            at_rest = nodal_forces(xm, tm, r)
+            change = _products_change(xm, tm, xd, td)
+            dr = _product_with(moduli, i, tables, b, lane, change, work)
+            moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
+            for a in range(4):
+                n = corner[b, a, lane]
+                pull = 0.0
+                for c in range(3):
+                    pull -= at_rest[a][3 + c] * t[n, c]
+                for c in range(3):
+                    rows[n, c] -= moved[a][c] + turned[a][c]
+                    rows[n, 3 + c] -= moved[a][3 + c] + turned[a][3 + c] + pull * dt[n, c]
+
+    return add_tangent_products
+
+
+add_tangent_products = _make_product_kernel(given=False)
+"""With the stresses of the linear material."""
+add_stressed_products = _make_product_kernel(given=True)
+"""With given resultants instead of ``bent``."""
 
 
 @inline

@@ -21,13 +21,20 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Number, Numbers, Vector
-from shellcut.material.law_dispatch import HistoryStep, PointLaws, dissipates, point_stress
+from shellcut.material.law_dispatch import (
+    HistoryStep,
+    PointLaws,
+    dissipates,
+    has_axes,
+    point_stress,
+)
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, zero
 
 from .element import G, Sixteen
+from .film_axes import into_axes, out_of_axes
 from .section import frame_components, gauss_geometry
 
 N_FLAT_FRAME, N_FULL_FRAME = 4, 7
@@ -54,6 +61,9 @@ class Frames(NamedTuple):
 
     table: Annotated[Numbers, "(n_block, n, width)"]
     block: int
+    axes: Annotated[Numbers, "(n_axes, 8, width)"]
+    """Of :mod:`.film_axes`; of all blocks, empty if no law has axes."""
+    axes_block: int
 
 
 def build_rule(material: ShellMaterial) -> PointRule:
@@ -172,7 +182,7 @@ def _flat_gauss_point(
 ) -> tuple[Sixteen, Number, Number]:
     """Return r with the part of one Gauss point, its stored and just dissipated energy."""
     xi, eta = place
-    table, b = frame
+    table, b = frame.table, frame.block
     n_point = rule.place.shape[0]
     none = zero(lane)
     # A quarter in the frame gives the factor 1/16 of the strains of the modes.
@@ -182,6 +192,14 @@ def _flat_gauss_point(
     volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
     e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
     k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
+    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    e13, e23 = a * g1 + c * g2, f * g2
+    along, aside = none, none
+    if has_axes(rule.laws):
+        along = pick(frame.axes, frame.axes_block, 2 * q, lane)
+        aside = pick(frame.axes, frame.axes_block, 2 * q + 1, lane)
+        e, k = into_axes(along, aside, e), into_axes(along, aside, k)
+        e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
     n, m = (none, none, none), (none, none, none)
     density, lost, g11, g12, g22 = none, none, 0.0, 0.0, 0.0
     for j in range(n_point):
@@ -198,10 +216,11 @@ def _flat_gauss_point(
         g11 += w * rule.shear[j, 0]
         g12 += w * rule.shear[j, 1]
         g22 += w * rule.shear[j, 2]
-    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
-    e13, e23 = a * g1 + c * g2, f * g2
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
+    if has_axes(rule.laws):
+        n, m = out_of_axes(along, aside, n), out_of_axes(along, aside, m)
+        s13, s23 = along * s13 - aside * s23, aside * s13 + along * s23
     n = (volume * n[0], volume * n[1], volume * n[2])
     m = (volume * m[0], volume * m[1], volume * m[2])
     quarter = 0.25 * volume
@@ -247,10 +266,14 @@ def _full_gauss_point(
 ) -> tuple[Sixteen, Number, Number]:
     """Return r with the part of one Gauss point, its stored and just dissipated energy."""
     xi, eta = place
-    table, b = frame
+    table, b = frame.table, frame.block
     n_point = rule.place.shape[0]
     none = zero(lane)
     stored, lost = none, none
+    along, aside = none, none
+    if has_axes(rule.laws):
+        along = pick(frame.axes, frame.axes_block, 2 * q, lane)
+        aside = pick(frame.axes, frame.axes_block, 2 * q + 1, lane)
     e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
     g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
     n, m = (none, none, none), (none, none, none)
@@ -268,6 +291,9 @@ def _full_gauss_point(
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
         e13, e23 = d * ag, d * fg
+        if has_axes(rule.laws):
+            strain = into_axes(along, aside, strain)
+            e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
         first = (q * n_point + j) * rule.n_history
         (s1, s2, s12), density, dissipated = point_stress(
             rule.laws, j, strain, history, first, lane
@@ -277,6 +303,9 @@ def _full_gauss_point(
         stored = stored + w * (density + 0.5 * (s13 * e13 + s23 * e23))
         if dissipates(rule.laws):
             lost = lost + w * dissipated
+        if has_axes(rule.laws):
+            s1, s2, s12 = out_of_axes(along, aside, (s1, s2, s12))
+            s13, s23 = along * s13 - aside * s23, aside * s13 + along * s23
         back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
         n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
         m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])

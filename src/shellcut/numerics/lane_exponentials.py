@@ -12,7 +12,7 @@ to leave out work that no lane needs, or to end an iteration.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
-# mypy: disable-error-code="arg-type, call-arg, no-untyped-call"
+# mypy: disable-error-code="arg-type, call-arg, no-untyped-call, no-untyped-def, var-annotated"
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ again. The address counts nothing; it is read with ``row[i]`` like the array.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for those who write them.
-# mypy: disable-error-code="no-untyped-call,no-untyped-def,untyped-decorator,call-arg"
+# mypy: disable-error-code="no-untyped-call,no-untyped-def,untyped-decorator,call-arg,arg-type"
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ class _TableRowModel(models.PrimitiveModel):
 
 def table_row(table: Floats, k: int) -> Floats:
     """Return row ``k`` of a table (n, m) whose rows are contiguous."""
-    return table[k]
+    row: Floats = table[k]
+    return row
 
 
 @overload(table_row, jit_options=OVERLOAD_OPTIONS)

@@ -128,7 +128,9 @@ class Freedoms:
             return None
         node, n = self._state.node, self.n_node
         node.force_rows[:n] = 0.0
+        history = self._state.history.copy()
         shell.add_forces(self._state)
+        self._state.history[:] = history
         diagonal = np.zeros((n, 5))
         pull = np.einsum("ni,ni->n", self.basis[:, 1], node.director_force[:n])
         diagonal[:, 3] = -self._cone * pull

@@ -86,6 +86,8 @@ class LoadPath:
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
         self._unbalanced = np.zeros(5 * state.n_node)
+        # History of the last equilibrium, from which every iteration starts.
+        self._history = state.history.copy()
 
     def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
         """Return equilibria, as :meth:`shellcut.Statics.load_steps`."""
@@ -144,6 +146,7 @@ class LoadPath:
         self._loads.begin_forces(self.state)
         load = freedoms.gather(node.force[:n], node.director_force[:n])
         node.force[:n] = node.director_force[:n] = 0.0
+        self.state.history[:] = self._history
         self._energy = self.shell.add_forces(self.state).strain_energy
         internal = -freedoms.gather(node.force[:n], node.director_force[:n])
         residual = factor * load - internal
@@ -159,6 +162,7 @@ class LoadPath:
         """Return the linear solutions for forces over all freedoms."""
         freedoms = self.freedoms
         free = freedoms.free
+        self.state.history[:] = self._history
         solver = TangentSolver(self.state, freedoms, self.shell, self._bent)
         size = float(np.abs(self.state.node.x).max())
         sizes = np.tile([size, size, size, 1.0, 1.0], self.state.n_node)[free]
@@ -186,7 +190,7 @@ class LoadPath:
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
             if iteration and (small or self._at_round_off(last, way)):
-                self.factor, self._force_before = factor, self._force
+                self._accept(factor)
                 return iteration
             if iteration < _MOST_ITERATIONS:
                 (step,) = self._solve(residual)
@@ -197,6 +201,11 @@ class LoadPath:
             f"no equilibrium at load factor {factor:.6g} after {_MOST_ITERATIONS} iterations, "
             f"residual {self._residual:.3g} N"
         )
+
+    def _accept(self, factor: float) -> None:
+        """Take the present state as an equilibrium."""
+        self.factor, self._force_before = factor, self._force
+        self._history = self.state.history.copy()
 
     def _begin_arc(self) -> None:
         """Find the equilibrium at the present load factor, so that increments follow the path."""
@@ -211,8 +220,8 @@ class LoadPath:
         self, first: float, length: float, last: Floats | None
     ) -> tuple[Floats, int, float]:
         """Take one step; halve it if it does not converge or turns too sharply."""
-        start = self._position()
-        before = self.factor, self._force_before
+        start, before = self._position(), (self.factor, self._force_before)
+        history = self._history
         for attempt in range(_MOST_HALVINGS):
             try:
                 increment, way, used, taken = self._arc_step(first, length, last)
@@ -225,6 +234,7 @@ class LoadPath:
                     return increment, used, taken
                 length = taken
                 self.factor, self._force_before = before
+                self._history = history
             self._put_back(start)
             length, first = 0.5 * length, 0.5 * first
         smaller = "; use a smaller first step" if last is None else ""
@@ -242,7 +252,7 @@ class LoadPath:
         for iteration in range(_MOST_ITERATIONS + 1):
             load, residual, small = self.forces(factor)
             if iteration and (small or self._at_round_off(moved, total)):
-                self.factor, self._force_before = factor, self._force
+                self._accept(factor)
                 return total, way, iteration, length
             correction, tangent = self._solve(residual, load)
             # Only translations measure length: the basis of rotations turns with the directors.

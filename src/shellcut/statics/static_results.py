@@ -107,6 +107,11 @@ class LinearSolution:
         """
         film = self._film
         which = np.arange(len(film.quads)) if quads is None else np.asarray(quads)
+        if not film.shell.material.is_linear:
+            raise ValueError(
+                "the stress of a linear solution needs layers of linear laws without axes; take "
+                "Statics.load_steps and Statics.stress"
+            )
         return film.shell.linear_stress(
             film.x, film.t, film.quads, self.displacement, self.rotation, which, place
         )

@@ -71,8 +71,8 @@ class Statics:
     Raises
     ------
     ValueError
-        If a set is unknown, a support moves (supports here are fixed), or a layer's law is not
-        linear: the tangent is that of S = C E.
+        If a set is unknown, a support moves (supports here are fixed), or the stress of a layer
+        depends on the rate of strain.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class Statics:
         loads: Sequence[Load] = (),
     ) -> None:
         _refuse_motion(supports)
-        _refuse_history(material)
+        _refuse_rates(material)
         self.mesh = mesh = put_directors_into_planes(mesh, supports)
         self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
         self.state = initial_state(mesh)
@@ -314,12 +314,13 @@ def _is_count(value: int) -> bool:
     return isinstance(value, Integral) and value >= 1
 
 
-def _refuse_history(material: ShellMaterial) -> None:
-    laws = {layer.material.law.name for layer in material.layers if not layer.material.law.linear}
+def _refuse_rates(material: ShellMaterial) -> None:
+    laws = {layer.material.law.name for layer in material.layers if layer.material.law.timed}
     if laws:
         raise ValueError(
-            "statics must have layers of linear laws, whose tangent it knows, got "
-            f"{', '.join(sorted(laws))}; load a Simulation slowly, or bring it to rest by relax()"
+            "statics must have layers whose stress does not depend on the rate of strain, as it "
+            f"knows no time, got {', '.join(sorted(laws))}; leave out the rate factor, load a "
+            "Simulation slowly, or bring it to rest by relax()"
         )
 
 
