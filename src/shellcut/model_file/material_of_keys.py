@@ -74,7 +74,7 @@ def material_of(keys: Any) -> Material:
     rate = _tried(problems, lambda: _rate(keys))
     made = _tried(
         problems,
-        lambda: _made(
+        lambda: made_with(
             Plastic,
             {"kinematic": "kinematic_modulus", "r_values": "r_values", "angle_deg": "angle_deg"},
             elastic=moduli or Elastic(1.0, 0.3, 1e-9),  # already refused, see the other keys
@@ -120,7 +120,7 @@ def _contradictions(
 def _moduli(keys: Any, law: str) -> Elastic | Orthotropic:
     if keys.young_across is None or keys.shear is None:
         return Elastic(keys.young, keys.poisson, keys.density)
-    found: Orthotropic = _made(
+    found: Orthotropic = made_with(
         Orthotropic,
         {"young_along": "young"},
         young_along=keys.young,
@@ -142,20 +142,22 @@ def _hardening(keys: Any, group: tuple[str, ...]) -> Hardening:
     if group == TABLE:
         _all_of(keys, TABLE)
         names = {"plastic_strain": "hardening_strain", "stress": "hardening_stress"}
-        return _made(
+        return made_with(
             Table, names, plastic_strain=keys.hardening_strain, stress=keys.hardening_stress
         )
     if group == SWIFT:
         _all_of(keys, SWIFT)
         names = {name.removeprefix("swift_"): name for name in SWIFT}
-        return _made(Swift, names, **{word: getattr(keys, name) for word, name in names.items()})
+        return made_with(
+            Swift, names, **{word: getattr(keys, name) for word, name in names.items()}
+        )
     _all_of(keys, ("yield_stress",))
     names = {"yield_stress": "yield_stress", "modulus": "hardening_modulus"}
     first = {"yield_stress": keys.yield_stress, "modulus": keys.hardening_modulus or 0.0}
     if keys.saturation_gain is None and keys.saturation_strain is None:
-        return _made(Linear, names, **first)
+        return made_with(Linear, names, **first)
     _all_of(keys, ("saturation_gain", "saturation_strain"))
-    return _made(
+    return made_with(
         Voce,
         names | {"gain": "saturation_gain", "strain": "saturation_strain"},
         **first,
@@ -175,7 +177,9 @@ def _rate(keys: Any) -> RateFactor | None:
     _all_of(keys, there[0])
     names = {name.rpartition("_")[2]: name for name in there[0]}
     values = {word: getattr(keys, name) for word, name in names.items()}
-    found: RateFactor = _made(CowperSymonds if there[0] is cowper else JohnsonCook, names, **values)
+    found: RateFactor = made_with(
+        CowperSymonds if there[0] is cowper else JohnsonCook, names, **values
+    )
     return found
 
 
@@ -187,7 +191,7 @@ def _all_of(keys: Any, names: tuple[str, ...]) -> None:
         raise ValueError(f"{', '.join(missing)} must be given too{beside}")
 
 
-def _made(constructor: Callable[..., Any], names: Mapping[str, str], **values: Any) -> Any:
+def made_with(constructor: Callable[..., Any], names: Mapping[str, str], **values: Any) -> Any:
     """Call a constructor; a refusal names the keys instead of the parameters."""
     try:
         return constructor(**values)

@@ -8,7 +8,7 @@ from shellcut.material.elastic import Elastic
 from shellcut.material.shell_material import Layer, ShellMaterial
 
 from .key import Section, choice, default_of, file, key, number, numbers, section, tables, whole
-from .material_of_keys import material_of
+from .material_of_keys import made_with, material_of
 from .presets import preset_names
 
 _SHEAR = "factor on the transverse shear stiffness"
@@ -27,7 +27,7 @@ class Ply(Section):
     """One layer, listed from the bottom to the top."""
 
     preset: str | None = key(
-        choice(*preset_names(single=True)), _PRESET, default=None, unset="none"
+        choice(*preset_names(layers=False)), _PRESET, default=None, unset="none"
     )
     young: float = key(number("MPa"), "Young's modulus; along the film's direction if orthotropic")
     poisson: float = key(number(), "Poisson's ratio of a pull along it")
@@ -136,7 +136,9 @@ class Homogeneous(Ply):
 class Laminate(Section):
     """Layers through the thickness."""
 
-    preset: str | None = key(choice(*preset_names()), _PRESET, default=None, unset="none")
+    preset: str | None = key(
+        choice(*preset_names(layers=True)), _PRESET, default=None, unset="none"
+    )
     machine_direction: tuple[float, ...] = key(
         numbers(count=3),
         "the film's direction, in the plane",
@@ -153,6 +155,12 @@ class Laminate(Section):
 
 
 def _film(layers: list[Layer], keys: Any) -> ShellMaterial:
-    turned = tuple(keys.machine_direction) != _ALONG
-    direction: dict[str, Any] = {"direction": keys.machine_direction} if turned else {}
-    return ShellMaterial(layers, keys.shear_factor, keys.points_per_layer, **direction)
+    film: ShellMaterial = made_with(
+        ShellMaterial,
+        {"direction": "machine_direction"},
+        layers=layers,
+        shear_factor=keys.shear_factor,
+        points_per_layer=keys.points_per_layer,
+        direction=keys.machine_direction,
+    )
+    return film

@@ -67,9 +67,9 @@ def presets() -> dict[str, Preset]:
     }
 
 
-def preset_names(*, single: bool = False) -> tuple[str, ...]:
-    """Return the names, of single layers only if asked for."""
-    return tuple(n for n, one in presets().items() if not (single and "layers" in one.keys))
+def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
+    """Return the names; of laminates, or of single layers, only if asked for."""
+    return tuple(n for n, one in presets().items() if layers in (None, "layers" in one.keys))
 
 
 def named_material(source: Source) -> Source:
@@ -95,7 +95,9 @@ def with_presets(source: Source) -> Source:
 def filled_in(table: dict[str, Any]) -> dict[str, Any]:
     """Return the keys of a material, or of a layer, with those of its preset."""
     preset = presets().get(str(table.get("preset", "")))
-    keys = table if preset is None else {**_fitting(preset.keys, table), **table}
+    keys = table
+    if preset is not None and not ("layers" in table and "layers" not in preset.keys):
+        keys = {**_fitting(preset.keys, table), **table}
     layers = keys.get("layers")
     if isinstance(layers, list):
         keys = {
