@@ -58,15 +58,19 @@ def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator
             NOTE,
             "",
             f"the film yields before it cracks: in plane strain it carries the strength, "
-            f"{law.strength:.4g} MPa, at {100 * reached:.2g} % strain",
+            f"{law.strength:.4g} MPa, at {_per_cent(reached)} strain",
             f"the work of stretching it so far is not in the cables' energy; {_carries(most)}",
         )
 
 
 def _carries(most: LargestNominalStress) -> str:
-    where = f"{most.pull}, at {100 * most.strain:.0f} % strain"
+    where = f"{most.pull}, at {_per_cent(most.strain)} strain"
     where += ", across its direction" * most.across
     return f"this film carries {most.stress:.3g} MPa at most ({where})"
+
+
+def _per_cent(strain: float) -> str:
+    return f"{100 * strain:.0f} %" if strain >= 0.1 else f"{100 * strain:.2g} %"
 
 
 def _strain_at(material: ShellMaterial, stress: float) -> float | None:

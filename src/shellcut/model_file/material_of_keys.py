@@ -29,7 +29,7 @@ VOCE = ("yield_stress", "hardening_modulus", "saturation_gain", "saturation_stra
 SWIFT = ("swift_strength", "swift_start", "swift_exponent")
 TABLE = ("hardening_strain", "hardening_stress")
 FILE = ("hardening_file",)
-HARDENINGS = (VOCE, SWIFT, TABLE, FILE)
+HARDENINGS: tuple[tuple[str, ...], ...] = (VOCE, SWIFT, TABLE, FILE)
 """Keys that go together, one group a material."""
 PLASTIC = (
     *(name for group in HARDENINGS for name in group),
@@ -134,6 +134,7 @@ def _moduli(keys: Any, law: str) -> Elastic | Orthotropic:
 
 
 def _hardening(keys: Any, group: tuple[str, ...]) -> Hardening:
+    made: Hardening
     if group == FILE:
         try:
             return read_hardening(keys.hardening_file)
@@ -142,9 +143,10 @@ def _hardening(keys: Any, group: tuple[str, ...]) -> Hardening:
     if group == TABLE:
         _all_of(keys, TABLE)
         names = {"plastic_strain": "hardening_strain", "stress": "hardening_stress"}
-        return made_with(
+        made = made_with(
             Table, names, plastic_strain=keys.hardening_strain, stress=keys.hardening_stress
         )
+        return made
     if group == SWIFT:
         _all_of(keys, SWIFT)
         names = {name.removeprefix("swift_"): name for name in SWIFT}
@@ -155,15 +157,17 @@ def _hardening(keys: Any, group: tuple[str, ...]) -> Hardening:
     names = {"yield_stress": "yield_stress", "modulus": "hardening_modulus"}
     first = {"yield_stress": keys.yield_stress, "modulus": keys.hardening_modulus or 0.0}
     if keys.saturation_gain is None and keys.saturation_strain is None:
-        return made_with(Linear, names, **first)
+        made = made_with(Linear, names, **first)
+        return made
     _all_of(keys, ("saturation_gain", "saturation_strain"))
-    return made_with(
+    made = made_with(
         Voce,
         names | {"gain": "saturation_gain", "strain": "saturation_strain"},
         **first,
         gain=keys.saturation_gain,
         strain=keys.saturation_strain,
     )
+    return made
 
 
 def _rate(keys: Any) -> RateFactor | None:
