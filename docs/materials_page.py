@@ -13,7 +13,8 @@ PAGE = Path(__file__).parent / "materials.md"
 PICTURE = PAGE.parent / "img" / "materials.png"
 TOP = """# Materials by name
 
-Films with published numbers. Each is a set of keys of `[material]`, with who measured what on which film:
+Films with published numbers. Each is a set of keys of `[material]`, with who measured what on
+which film:
 
 ```sh
 shellcut run opening --set material=ldpe --set material.thickness="74 um" -o out
@@ -32,13 +33,16 @@ thickness = "60 um"
 preset = "aluminium_foil"
 ```
 
-(One of the two, not both.) A given key replaces that of the preset; one key of a hardening replaces its whole
-hardening. `used.toml` lists the numbers themselves. In Python: `shellcut.preset_film("pet", thickness="12 um")`.
-Where a film yields below the strength of the cables, or cannot reach it, the [check](howto/trust.md) before the run says
-so; [which strength](theory/yielding.md#which-strength) gives the theory. The law of the cables does not come with a film:
-take it from [tensile tests](howto/tensile.md) or from a [measured cut](howto/fit.md).
+(One of the two, not both.) A given key replaces that of the preset; one key of a hardening
+replaces its whole hardening. `used.toml` lists the numbers themselves. In Python:
+`shellcut.preset_film("pet", thickness="12 um")`. Where a film yields below the strength of the
+cables, or cannot reach it, the [check](howto/trust.md) before the run says so; [which
+strength](theory/yielding.md#which-strength) gives the theory. The law of the cables does not come
+with a film: take it from [tensile tests](howto/tensile.md) or from a [measured
+cut](howto/fit.md).
 
-Films differ by grade, direction, rate and age, by tens of per cent. These are starting points. Measure yours.
+Films differ by grade, direction, rate and age, by tens of per cent. These are starting points.
+Measure yours.
 
 ![Nominal stress over strain](img/materials.png)
 
@@ -48,13 +52,16 @@ Films differ by grade, direction, rate and age, by tens of per cent. These are s
 MISSING = """
 ## Not here
 
-**BOPP.** Modulus, strength and elongation of biaxially oriented polypropylene are published along and across (m-petfilm.de,
-Comparative data for plastic films, ISO 527: 2500 and 4500 N/mm², 150 and 250 N/mm² at 150 and 50 %), but we found no yield
-stress, no stress at 5 %, no r-values and no shear modulus of the same film to go with them. A law through the break alone would be a
-guess. Measure a strip along and one across: [`shellcut tensile`](howto/tensile.md) writes the `[material]`.
+**BOPP.** Modulus, strength and elongation of biaxially oriented polypropylene are published along
+and across (m-petfilm.de, Comparative data for plastic films, ISO 527: 2500 and 4500 N/mm², 150
+and 250 N/mm² at 150 and 50 %), but we found no yield stress, no stress at 5 %, no r-values and no
+shear modulus of the same film to go with them. A law through the break alone would be a guess.
+Measure a strip along and one across: [`shellcut tensile`](howto/tensile.md) writes the
+`[material]`.
 
-**Rates.** None of the sources gives a second rate, so no preset has a rate factor. At the speed of a cut (strain rates of
-100 to 10,000 1/s) polymers are stiffer and stronger than in these tests (0.01 to 0.1 1/s).
+**Rates.** None of the sources gives a second rate, so no preset has a rate factor. At the speed
+of a cut (strain rates of 100 to 10,000 1/s) polymers are stiffer and stronger than in these tests
+(0.01 to 0.1 1/s).
 """
 
 
@@ -70,7 +77,8 @@ def page():
     for name, one in presets().items():
         sources = "\n".join(f"- {text}" for text in one.sources)
         parts.append(
-            f"## {name}\n\n{one.title}.\n\n{_keys(one.keys)}\n\nFits of ours: {one.fit}\n\n{sources}"
+            f"## {name}\n\n{one.title}.\n\n{_keys(one.keys)}\n\n"
+            f"Fits of ours: {one.fit}\n\n{sources}"
         )
     return "\n\n".join(parts) + "\n" + MISSING
 

@@ -7,7 +7,8 @@ True stress of a film that yields may rise without end; its nominal stress does 
     nominal stress = Σ T(ε) exp(-ε) h / Σ h,    largest where Σ (dT/dε - T) exp(-ε) h = 0
 
 ([Considere1885]: dT/dε = T for a single layer). Beyond, a strip or a row of quads necks. Three
-states of strain are compared; with the flow matrix P of a layer turned to the pull, σ_eq² = T · P T:
+states of strain are compared, with the flow matrix P of a layer turned to the pull,
+σ_eq² = T · P T:
 
 ===============  ==========================  ==================================
 uniaxial         T_2 = 0                     T = σ_y / √P_11

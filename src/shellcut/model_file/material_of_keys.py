@@ -150,9 +150,9 @@ def _hardening(keys: Any, group: tuple[str, ...]) -> Hardening:
     if group == SWIFT:
         _all_of(keys, SWIFT)
         names = {name.removeprefix("swift_"): name for name in SWIFT}
-        return made_with(
-            Swift, names, **{word: getattr(keys, name) for word, name in names.items()}
-        )
+        values = {word: getattr(keys, name) for word, name in names.items()}
+        made = made_with(Swift, names, **values)
+        return made
     _all_of(keys, ("yield_stress",))
     names = {"yield_stress": "yield_stress", "modulus": "hardening_modulus"}
     first = {"yield_stress": keys.yield_stress, "modulus": keys.hardening_modulus or 0.0}
