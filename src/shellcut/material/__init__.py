@@ -7,6 +7,7 @@ from .elastic import Elastic
 from .hardening import CowperSymonds, JohnsonCook, Linear, Swift, Table, Voce
 from .hencky import Hencky
 from .material import Material
+from .material_point import MaterialPoint, PointState
 from .orthotropic import Orthotropic
 from .plastic import Plastic
 from .point_law import LAWS, PointLaw, register
@@ -21,9 +22,11 @@ __all__ = [
     "Layer",
     "Linear",
     "Material",
+    "MaterialPoint",
     "Orthotropic",
     "Plastic",
     "PointLaw",
+    "PointState",
     "ShellMaterial",
     "Swift",
     "Table",

@@ -23,8 +23,8 @@ POINTS_PER_LAYER = 4
 # nonlinear one an error of the sixth power of the height.
 POINTS_OF_ELASTIC = {True: 2, False: 3}
 
-# Default points per layer if a law has a history: yielding or damage begins at the faces, and of five
-# Gauss points the outermost lie at 0.91 of half the layer.
+# Default points per layer if a law has a history: yielding or damage begins at the faces, and of
+# five Gauss points the outermost lie at 0.91 of half the layer.
 POINTS_OF_HISTORY = 5
 
 Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]

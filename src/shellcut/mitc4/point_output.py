@@ -4,7 +4,8 @@ A law with history has no stress at the centre of a quad, where no history is ke
 evaluated where the forces evaluate it, at the four Gauss points and the points through the
 thickness, with the present strain and the history of t_n. With S its stress in the Cartesian frame
 there, sigma = S_ij f_i f_j / J as in :mod:`shellcut.mitc4.centre_stress`, with f_i = F ê_i and
-J = |f_1 x f_2|. Output is the mean over the four Gauss points, of
+J = |f_1 x f_2|, of linear laws; of others J is the ratio of volumes, with the thickness stretch, so
+that sigma is the true stress at any strain. Output is the mean over the four Gauss points, of
 
 =========  =====================================================================================
 membrane   the mean over the thickness, with the weights of the quadrature
@@ -21,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds, Vec3
+from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3
 from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
@@ -62,6 +63,7 @@ class PointOutput:
         }
         n_point = points.rule.laws.kind.size // len(material.layers)
         laws = [layer.material.law for layer in material.layers for _ in range(n_point)]
+        self._by_volume = np.array([not law.linear for law in laws])
         self._history_share: dict[str, tuple[Floats, Ints]] = {}
         for name in dict.fromkeys(name for law in laws for name in law.history):
             has = np.array([name in law.history for law in laws])
@@ -141,6 +143,7 @@ class PointOutput:
             quads=quads,
             history=state.history,
             share=np.stack([self._share[place] for place in places]),
+            by_volume=self._by_volume,
             nominal=places == ["nominal"],
             sigma=sigma,
             thickness=thickness,
@@ -237,13 +240,15 @@ def _stresses(
     quads: PointQuads,
     history: Floats,
     share: Floats,
+    by_volume: Bools,
     nominal: bool,
     sigma: Floats,
     thickness: Floats,
 ) -> None:
     """Add the stresses and the thickness of quads to sigma : (n, n_place, 3, 3), thickness : (n,).
 
-    share : (n_place, n_point), weights of the thickness points in each place.  nominal : S turned
+    share : (n_place, n_point), weights of the thickness points in each place.  by_volume :
+    (n_point,), whether J is the ratio of volumes.  nominal : S turned
     with the surface instead of sigma.  The other arguments as in the force kernels.
     """
     nodes, points = quads.quads, quads.points
@@ -276,10 +281,10 @@ def _stresses(
                 stretch = point_thickness(rule.laws, j, strain, after, first, lane)
                 thickness[i] += 0.25 * rule.weight[j] * stretch
                 normal = cross(f1, f2)
-                J = norm(normal)
+                J = norm(normal) * (stretch if by_volume[j] else 1.0)
                 if nominal:
                     f1 = scale(1.0 / norm(f1), f1)
-                    f2 = cross(scale(1.0 / J, normal), f1)
+                    f2 = cross(scale(1.0 / norm(normal), normal), f1)
                     J = 1.0
                 for k in range(3):
                     for m in range(3):

@@ -1,0 +1,53 @@
+"""Plasticity in plane stress, plainly: tensors, eigenvectors, a bisected root.
+
+One step of the law of :mod:`shellcut.material.plastic` in logarithmic strain and its stress, from
+the 3 x 3 matrices C and P and a function σ_y(p), with nothing brought to modes.
+"""
+
+import numpy as np
+from scipy.optimize import brentq
+
+
+def logarithm(E):
+    """Logarithmic strain (11, 22, 2·12) of a Green-Lagrange strain."""
+    c, N = np.linalg.eigh(np.array([[1 + 2 * E[0], E[2]], [E[2], 1 + 2 * E[1]]]))
+    L = N @ np.diag(0.5 * np.log(c)) @ N.T
+    return np.array([L[0, 0], L[1, 1], 2 * L[0, 1]])
+
+
+def second_piola_kirchhoff(T, E):
+    """S of the stress T conjugate to the logarithmic strain, by S · dE = T · dε: differences."""
+    T, E = np.asarray(T), np.asarray(E)
+    S = np.empty(3)
+    for k in range(3):
+        step = np.zeros(3)
+        step[k] = 1e-5
+        ahead, behind = (logarithm(E + n * step) for n in (1, -1))
+        far, back = (logarithm(E + n * step) for n in (2, -2))
+        slope = (8 * (ahead - behind) - (far - back)) / 12e-5
+        S[k] = T @ slope
+    return S
+
+
+def step(C, P, yield_stress, kinematic, strain, history):
+    """Return T, p, ε_p after a step to a logarithmic strain; history = (p, ε_p)."""
+    p, plastic = history
+    trial = C @ (strain - plastic)
+    back = kinematic * np.linalg.solve(P, plastic)
+    xi = trial - back
+    if np.sqrt(xi @ P @ xi) <= yield_stress(p):
+        return trial, p, plastic
+
+    def at(flow):
+        moved = np.linalg.solve(np.eye(3) + flow * (C @ P + kinematic * np.eye(3)), xi)
+        return moved, np.sqrt(moved @ P @ moved)
+
+    def beyond(flow):
+        _, eq = at(flow)
+        return eq - yield_stress(p + flow * eq)
+
+    most = 1.0 / np.linalg.eigvals(C @ P).real.min() * np.sqrt(xi @ P @ xi) / yield_stress(p)
+    flow = brentq(beyond, 0.0, most, xtol=1e-300, rtol=1e-15)
+    moved, eq = at(flow)
+    plastic = plastic + flow * (P @ moved)
+    return C @ (strain - plastic), p + flow * eq, plastic

@@ -1,0 +1,268 @@
+"""Laws between logarithmic strain and its stress: plain twin, closed forms, refusals."""
+
+import numba as nb
+import numpy as np
+import pytest
+
+from naive import plastic as naive
+from shellcut.material import (
+    CowperSymonds,
+    Elastic,
+    Hencky,
+    JohnsonCook,
+    Linear,
+    MaterialPoint,
+    Orthotropic,
+    Plastic,
+    Swift,
+    Table,
+    Voce,
+)
+from shellcut.material.logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from shellcut.material.plastic import hill_matrix
+from shellcut.numerics.lane_exponentials import any_above, exponential, logarithm
+from shellcut.numerics.lanes import pick, put
+
+E, NU = 1000.0, 0.35
+FILM = Elastic(E, NU, 1e-9)
+DRAWN = Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=20.0)
+R_VALUES = (0.8, 1.2, 1.6)
+KINDS = [
+    Plastic(FILM, Linear(20.0, 50.0), kinematic=30.0),
+    Plastic(FILM, Voce(20.0, 30.0, 0.05, 5.0)),
+    Plastic(FILM, Table((0.0, 0.1, 0.5), (20.0, 30.0, 60.0))),
+    Plastic(FILM, Swift(60.0, 0.002, 0.2), R_VALUES, kinematic=30.0),
+    Plastic(DRAWN, Linear(20.0), R_VALUES, angle_deg=50.0),
+]
+
+
+# ---------------------------------------------------------------- logarithmic strain
+
+
+@nb.njit
+def _of_one(E):
+    e, way = logarithmic_strain((E[0], E[1], E[2]))
+    return np.array(e), np.array(second_piola_kirchhoff((1.0, 0.5, 0.3), way))
+
+
+@nb.njit
+def _of_eight(table, found):
+    strain = (pick(table, 0, 0, None), pick(table, 0, 1, None), pick(table, 0, 2, None))
+    e, way = logarithmic_strain(strain)
+    S = second_piola_kirchhoff((e[0], e[1], e[2]), way)
+    for k in range(3):
+        put(found, 0, k, None, (e[0], e[1], e[2])[k])
+        put(found, 0, 3 + k, None, (S[0], S[1], S[2])[k])
+    put(found, 0, 6, None, logarithm(1.0 + strain[0]))
+    put(found, 0, 7, None, exponential(strain[0]))
+    return any_above(strain[0], 1.0), any_above(strain[0], 10.0)
+
+
+def _strains(size, rng):
+    """Green-Lagrange strains of deformations about the identity."""
+    while True:
+        F = np.eye(2) + size * rng.uniform(-1, 1, (2, 2))
+        if np.linalg.det(F) > 0.1:
+            C = F.T @ F
+            return 0.5 * np.array([C[0, 0] - 1, C[1, 1] - 1, 2 * C[0, 1]])
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.03, 0.1, 0.3, 1.0, 2.0])
+def test_strain_and_way_back_are_those_of_eigenvectors(size):
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        E = _strains(size, rng)
+        e, S = _of_one(E)
+        # Round-off of the twin: of ln(1 + x), and of differences of the fourth order.
+        np.testing.assert_allclose(e, naive.logarithm(E), rtol=1e-13, atol=1e-15)
+        wanted = naive.second_piola_kirchhoff([1.0, 0.5, 0.3], E)
+        np.testing.assert_allclose(S, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
+
+
+def test_lanes_are_the_numbers_one_by_one():
+    rng = np.random.default_rng(6)
+    for sizes in ([0.01] * 8, [0.1] * 8, [1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0]):
+        table, found = np.zeros((1, 3, 8)), np.zeros((1, 8, 8))
+        for lane, size in enumerate(sizes):
+            table[0, :, lane] = _strains(size, rng)
+        above = _of_eight(table, found)
+        assert above == ((table[0, 0] > 1.0).any(), (table[0, 0] > 10.0).any())
+        for lane in range(8):
+            e, _ = _of_one(np.ascontiguousarray(table[0, :, lane]))
+            # Two units of the last place of the logarithm, and another order of operations.
+            np.testing.assert_allclose(found[0, :3, lane], e, rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(found[0, 6], np.log(1 + table[0, 0]), rtol=1e-15, atol=3e-16)
+        np.testing.assert_allclose(found[0, 7], np.exp(table[0, 0]), rtol=5e-16)
+
+
+def test_a_film_folded_flat_gives_numbers():
+    for E in ([-0.5, 0.0, 0.0], [-0.5, -0.5, 0.0], [-3.0, -2.0, 9.0], [0.0, 0.0, 5.0]):
+        e, S = _of_one(np.array(E))
+        assert np.isfinite(e).all()
+        assert np.isfinite(S).all()
+    assert np.isfinite(MaterialPoint(KINDS[1]).pull(np.log(4.0)).stress).all()  # 300 %
+
+
+# ---------------------------------------------------------------- plain twin
+
+
+@pytest.mark.parametrize("material", KINDS, ids=lambda m: m.law.name)
+def test_steps_of_any_size_are_those_of_the_plain_twin(material):
+    rng = np.random.default_rng(7)
+    P, C = material.flow_matrix(), material.plane_stress()
+    for size in (0.02, 0.3):
+        point, history = MaterialPoint(material), (0.0, np.zeros(3))
+        strain, stored, work = np.zeros(3), 0.0, 0.0
+        for _ in range(12):
+            strain = strain + size * rng.uniform(-1, 1, 3)
+            state = point.strain_to(strain)
+            T, *history = naive.step(
+                C, P, material.hardening.stress, material.kinematic, strain, history
+            )
+            # The last correction is of the first order: 1e-11 of the stress.
+            np.testing.assert_allclose(state.stress, T, rtol=0, atol=1e-9 * abs(T).max())
+            names = list(state.history.values())
+            assert names[0] == pytest.approx(history[0], rel=1e-9)
+            np.testing.assert_allclose(names[2:], history[1], atol=1e-9 * max(history[0], 1e-3))
+            elastic = strain - history[1]
+            back = material.kinematic * np.linalg.solve(P, history[1])
+            stored = 0.5 * (elastic @ C @ elastic + back @ history[1])
+            assert state.stored == pytest.approx(stored, rel=1e-8)
+            assert state.dissipated >= work
+            work = state.dissipated
+        assert history[0] > size
+
+
+@pytest.mark.parametrize("material", KINDS, ids=lambda m: m.law.name)
+def test_work_is_what_is_stored_and_dissipated(material):
+    point, last, work = MaterialPoint(material), np.zeros(3), 0.0
+    turns = np.linspace(0.0, 6.0, 600)
+    before = np.zeros(3)
+    for turn in turns[1:]:
+        strain = 0.05 * np.array([np.sin(turn), 0.3 * np.sin(2 * turn), 0.8 * (1 - np.cos(turn))])
+        state = point.strain_to(strain)
+        work += 0.5 * (last + state.stress) @ (strain - before)
+        last, before = state.stress, strain
+    # The trapezoidal rule over steps that begin elastic and end plastic.
+    assert work == pytest.approx(state.stored + state.dissipated, rel=2e-3)
+    assert state.dissipated > 0.5 * work
+
+
+# ---------------------------------------------------------------- closed forms
+
+
+@pytest.mark.parametrize("material", KINDS[1:3], ids=lambda m: m.law.name)
+@pytest.mark.parametrize("mode", ["uniaxial", "equibiaxial", "shear"])
+def test_monotonic_curves_are_the_hardening_itself(material, mode):
+    """To 100 % of logarithmic strain; the stress is σ_y at p = ε - σ/E exactly."""
+    point = MaterialPoint(material)
+    for strain in (0.05, 0.3, 1.0):
+        if mode == "uniaxial":
+            state = point.pull(strain)
+            stress, elastic = state.stress[0], state.stress[0] / E
+            volume = np.exp((1 - 2 * NU) * elastic)
+            wanted = volume / np.exp(strain + state.strain[1])
+            plastic = strain - elastic
+        elif mode == "equibiaxial":
+            state = point.strain_to([strain, strain, 0.0])
+            stress = state.stress[0]
+            elastic = (1 - NU) * stress / E
+            wanted = np.exp(-2 * NU * stress / E - 2 * (strain - elastic))
+            plastic = 2 * (strain - elastic)
+        else:
+            state = point.strain_to([0.0, 0.0, 2 * strain])
+            stress = np.sqrt(3.0) * state.stress[2]
+            elastic = state.stress[2] * (1 + NU) / E
+            wanted = 1.0
+            plastic = 2.0 / np.sqrt(3.0) * (strain - elastic)
+        p = state.history["equivalent plastic strain [-]"]
+        assert stress == pytest.approx(float(material.hardening.stress(p)), rel=1e-8)
+        assert p == pytest.approx(plastic, rel=1e-8)
+        assert state.thickness_stretch == pytest.approx(wanted, rel=1e-8)
+
+
+def test_hill_ratios_and_r_values_are_the_closed_forms():
+    r0, r45, r90 = R_VALUES
+    P = hill_matrix(R_VALUES)
+
+    def strength(angle):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        way = np.array([c * c, s * s, c * s])
+        return 1 / np.sqrt(way @ P @ way)
+
+    assert strength(0) == pytest.approx(1.0)
+    assert strength(90) == pytest.approx(1.17670, abs=5e-6)  # METHOD2 9
+    assert strength(45) == pytest.approx(1.04447, abs=5e-6)
+    assert 1 / np.sqrt(P[:2, :2].sum()) == pytest.approx(1.09545, abs=5e-6)
+    assert 1 / np.sqrt(P[2, 2]) == pytest.approx(0.59409, abs=5e-6)
+    for angle, r in ((0.0, r0), (45.0, r45), (90.0, r90)):
+        # The film's axes turned by minus the angle: the pull is along the strip.
+        film = Plastic(FILM, Linear(20.0), R_VALUES, angle_deg=-angle)
+        state = MaterialPoint(film).pull(0.3)
+        _, _, along, across, _ = state.history.values()
+        assert across / (-along - across) == pytest.approx(r, rel=1e-7)
+        assert state.stress[0] == pytest.approx(20.0 * strength(angle), rel=1e-7)
+
+
+def test_hencky_is_the_closed_form_and_orthotropic_turns():
+    state = MaterialPoint(Hencky(FILM)).pull(0.7)
+    assert state.stress[0] == pytest.approx(0.7 * E, rel=1e-9)
+    assert state.strain[1] == pytest.approx(-0.7 * NU, rel=1e-8)
+    assert state.thickness_stretch == pytest.approx(np.exp(-0.7 * NU), rel=1e-8)
+    moduli = Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9)
+    for angle, young in ((0.0, 1500.0), (90.0, 2500.0)):
+        turned = Hencky(Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=-angle))
+        assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(young * 1e-3, rel=1e-8)
+    c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
+    off_axis = c**4 / 1500 + s**4 / 2500 + c * c * s * s * (1 / 700 - 2 * 0.3 / 1500)
+    turned = Hencky(Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=-30))
+    assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(1e-3 / off_axis, rel=1e-7)
+    assert np.linalg.inv(moduli.plane_stress())[0, 0] == pytest.approx(1 / 1500)
+
+
+@pytest.mark.parametrize("factor", [CowperSymonds(40.0, 5.0), JohnsonCook(0.05, 1.0)])
+def test_a_rate_multiplies_the_yield_stress(factor):
+    point = MaterialPoint(Plastic(FILM, Linear(20.0, 50.0), rate=factor))
+    rate, dt, steps = 200.0, 1e-5, 60
+    for k in range(1, steps + 1):
+        state = point.pull(rate * dt * k, dt=dt)
+    p = state.history["equivalent plastic strain [-]"]
+    before = point._history.copy()
+    # In steady flow the plastic rate is the strain's but for what hardening takes.
+    share = 1.0 + (rate / 40.0) ** 0.2 if factor.kind.startswith("C") else 1 + 0.05 * np.log(rate)
+    assert state.stress[0] == pytest.approx((20.0 + 50.0 * p) * share, rel=0.02)
+    # Output asks again in no time: the same stress, and nothing is lost.
+    again = point.strain_to(state.strain, dt=0.0)
+    np.testing.assert_allclose(again.stress, state.stress, rtol=1e-12, atol=1e-9)
+    assert again.dissipated == state.dissipated
+    np.testing.assert_array_equal(point._history, before)
+
+
+# ---------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Linear(0.0), "yield_stress must be positive"),
+        (lambda: Linear(20.0, -1.0), "modulus must not be negative .a film that softens"),
+        (lambda: Swift(100.0, 0.0, 0.2), "start must be positive"),
+        (lambda: Swift(100.0, 0.1, 1.2), "exponent must lie between 0 and 1"),
+        (lambda: Voce(20.0, 5.0, -1.0), "strain must be positive"),
+        (lambda: Table((0.0, 0.1), (20.0, 19.0)), "stress must not decrease"),
+        (lambda: Table((0.1, 0.2), (20.0, 21.0)), "plastic_strain must start at 0"),
+        (lambda: Table((0.0,), (20.0,)), "2 to 24 points"),
+        (lambda: CowperSymonds(-1.0, 5.0), "rate must be positive"),
+        (lambda: CowperSymonds(1.0, 0.5), "exponent must be 1 or more"),
+        (lambda: JohnsonCook(-0.1, 1.0), "factor must not be negative"),
+        (lambda: Plastic(FILM, Linear(1.0), (1.0, -0.5, 1.0)), "not closed and convex"),
+        (lambda: Plastic(FILM, 20.0, kinematic=-1.0), "hardening must be.*kinematic must not"),
+        (lambda: Plastic(3, Linear(1.0)), "elastic must be an Elastic or an Orthotropic"),
+        (lambda: Hencky(3), "elastic must be an Elastic or an Orthotropic"),
+        (lambda: Orthotropic(100.0, 400.0, 0.6, 50.0, 1e-9), "poisson must lie between"),
+        (lambda: Orthotropic(100.0, -4.0, 0.6, 0.0, 1e-9), "young_across.*shear must be"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_a_sentence(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()

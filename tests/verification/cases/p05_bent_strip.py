@@ -1,0 +1,87 @@
+"""P05 Bending of a strip beyond yield, and what is left when it is let go.
+
+Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may warp:
+
+    M / M_y = 3/2 [1 - (kappa_y/kappa)²/3],   M_y = sigma_y b t²/6,   kappa_y = 2 sigma_y/(E t),
+
+and the curvature that springs back is 12 M/(E b t³). In a wide strip, whose width is held, the
+limit is M_p 2/sqrt 3, M_p = 3/2 M_y.
+
+Source: closed form (beam theory). Two layers of nine Gauss points see the border of the elastic
+core between two of them: up to 1 % of the moment.
+"""
+
+import numpy as np
+
+from harness import Check
+from shellcut import Support
+from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.statics import Statics
+
+ID, TITLE, FAST = "P05", "Bent strip, springback", False
+
+E, YIELD, T, B, LENGTH = 1000.0, 1.0, 0.1, 0.5, 2.0
+HALF = Layer(Plastic(Elastic(E, 0.3, 1e-9), Linear(YIELD)), 0.5 * T)
+FILM = ShellMaterial([HALF, HALF], points_per_layer=9)
+POINTS = "eighteen points through the thickness"
+KAPPA_Y = 2.0 * YIELD / (E * T)
+M_Y = YIELD * B * T**2 / 6.0
+
+
+class Strip:
+    """A strip whose right end is turned about y, free to move along x."""
+
+    def __init__(self, wide: bool) -> None:
+        mesh = rectangle(LENGTH, B, n_x=8, n_y=1)
+        corner = np.flatnonzero(np.isclose(mesh.nodes[:, 1], mesh.nodes[:, 1].min()))
+        everyone = np.arange(mesh.n_node)
+        self.statics = Statics(
+            mesh,
+            FILM,
+            supports=[
+                Support("left", translation="xz", rotation="y"),
+                Support("right", translation="", rotation="y"),
+                Support(everyone if wide else corner, translation="y", rotation="x" * wide),
+            ],
+        )
+        self.mesh, self.angle = mesh, 0.0
+
+    def turn_to(self, curvature: float) -> float:
+        """Return the moment at a curvature [N·mm]."""
+        angle = curvature * LENGTH
+        share = self.mesh.nodes[:, 0] / LENGTH
+        spin = np.zeros((self.mesh.n_node, 3))
+        spin[:, 1] = (angle - self.angle) * share
+
+        def arc(a: float) -> np.ndarray:
+            x = self.mesh.nodes[:, 0]
+            k = max(abs(a) / LENGTH, 1e-12)
+            rise = (1.0 - np.cos(k * x)) / k
+            return np.stack([np.sin(k * x) / k, 0.0 * x, -np.sign(a) * rise], axis=1)
+
+        self.statics.move(arc(angle) - arc(self.angle), spin)
+        self.angle = angle
+        found = self.statics.load_steps([1.0])[-1]
+        return abs(float(found.reaction_moment[self.mesh.node_set("right"), 1].sum()))
+
+
+def checks() -> list[Check]:
+    rows = []
+    strip = Strip(wide=False)
+    for ratio in (0.8, 1.2, 1.6, 2.0, 3.0, 4.0):
+        moment = strip.turn_to(ratio * KAPPA_Y)
+        wanted = ratio if ratio < 1.0 else 1.5 * (1.0 - ratio**-2 / 3.0)
+        name = f"M/M_y at {ratio:g} kappa_y"
+        rows.append(Check(name, wanted, moment / M_Y, 0.015, POINTS))
+    less = strip.turn_to(3.7 * KAPPA_Y)
+    slope = (moment - less) / (0.3 * KAPPA_Y)
+    back = moment / slope
+    wanted = 12.0 * 1.5 * (1.0 - 4.0**-2 / 3.0) * M_Y / (E * B * T**3)
+    rows.append(Check("springback [1/mm]", wanted, back, 0.015, POINTS))
+    wide = Strip(wide=True)
+    for ratio in (1.0, 2.0, 4.0, 8.0, 12.0):
+        moment = wide.turn_to(ratio * KAPPA_Y)
+    limit = 1.5 * 2.0 / np.sqrt(3.0)
+    rows.append(Check("M/M_y of a wide strip, far", limit, moment / M_Y, 0.015, POINTS))
+    return rows
