@@ -70,6 +70,16 @@ def test_the_guillotine_is_in_order(size):
     assert found(guillotine(size)) == ()
 
 
+def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
+    film = shellcut.preset_film("ldpe", yield_stress=8.0, hardening_modulus=20.0)
+    (finding,) = found(guillotine(0.8, material=film))
+    assert finding.severity == "doubt"
+    assert "a crack needs 18 MPa" in finding.came
+    case = guillotine(0.8, material=film)
+    check_model(case.simulation, case.duration).say()
+    assert "distrust: a film must be able to carry the strength" in caplog.text
+
+
 NO_RUN_OF_THEIR_OWN = "Statics(", "sweep("
 CUTTING = [
     path.stem

@@ -29,8 +29,8 @@ class Ply(Section):
     preset: str | None = key(
         choice(*preset_names(layers=False)), _PRESET, default=None, unset="none"
     )
-    young: float = key(number("MPa"), "Young's modulus; along the film's direction if orthotropic")
-    poisson: float = key(number(), "Poisson's ratio of a pull along it")
+    young: float = key(number("MPa"), "Young's modulus")
+    poisson: float = key(number(), "Poisson's ratio")
     density: float = key(number("t/mm^3"), "reference density; 1 g/cm^3 is 1e-9 t/mm^3")
     thickness: float = key(number("mm"), "of the layer")
     law: str | None = key(
@@ -40,7 +40,10 @@ class Ply(Section):
         unset="elastic; plastic with a yield stress",
     )
     young_across: float | None = key(
-        number("MPa"), "modulus across the film's direction", default=None, unset="isotropic"
+        number("MPa"),
+        "modulus across the film's direction; young, poisson are then along it",
+        default=None,
+        unset="isotropic",
     )
     shear: float | None = key(
         number("MPa"), "shear modulus in the plane", default=None, unset="isotropic"
