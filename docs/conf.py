@@ -65,6 +65,7 @@ PAGES = {
     "Theory": [
         "theory/opening",
         "theory/shell",
+        "theory/yielding",
         "theory/time",
         "theory/cables",
         "theory/contact",
@@ -75,10 +76,12 @@ PAGES = {
         "theory/energy",
         "theory/statics",
         "theory/imprint",
+        "theory/yielding-cut",
     ],
     "What to trust": ["limits", "verification", "performance"],
     "Reference": [
         "model-keys",
+        "materials",
         "command-line",
         "api",
         "glossary",

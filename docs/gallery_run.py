@@ -18,6 +18,7 @@ QUICK = {
     "stretched_cut": [],
     "laminate": [],
     "vibration_modes": [],
+    "yielding_film": ["--size", "0.8", "--length", "12", "--angle", "30"],
     "torque_of_teeth": [
         "--inclinations",
         "50,70",
@@ -41,6 +42,7 @@ OWN_PICTURES = {
     "stretched_cut": ["work.png"],
     "laminate": ["stress.png"],
     "vibration_modes": ["modes.png"],
+    "yielding_film": ["edge.png"],
     "torque_of_teeth": ["torque_of_teeth.png"],
     "shape_of_the_law": ["shape_of_the_law.png"],
     "fit_a_curve": ["fit.png"],

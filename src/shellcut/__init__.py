@@ -24,7 +24,7 @@ from .mesh.film_file import read_film
 from .mesh.mesh import Mesh
 from .mesh.outline import mesh_from_outline
 from .mitc4.mesh_quality import mesh_quality
-from .model_file import ModelFileError, read_model
+from .model_file import ModelFileError, preset_film, read_model
 from .models import guillotine, opening_test, oscillating, trouser
 from .models.preview import preview
 from .models.warmup import warmup
@@ -102,6 +102,7 @@ __all__ = [
     "mesh_quality",
     "opening_test",
     "oscillating",
+    "preset_film",
     "preview",
     "read",
     "read_drawing",

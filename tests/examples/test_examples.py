@@ -159,6 +159,21 @@ def test_torque_of_teeth(run_example, tmp_path):
     assert (tmp_path / "table.csv").exists()
 
 
+@pytest.mark.slow  # compiles the kernels of a film that yields, and runs four cuts
+def test_yielding_film(run_example, tmp_path):
+    quick = "--size", "0.8", "--length", "10", "--angle", "12"
+    said = run_example("yielding_film.py", tmp_path, *quick)
+    plastic = [float(share) for share in re.findall(r"material ([\d.]+) %", said)]
+    assert len(plastic) == 2  # of the yielding films only
+    # 64 % and 41 % in longer cuts
+    assert min(plastic) > 20.0
+    for name in ("guillotine", "opening"):
+        for kind in ("elastic", "yielding"):
+            summary = figures(tmp_path / name / kind / "summary.json")
+            assert summary["imbalance_rel"] < 5e-3
+    assert (tmp_path / "edge.png").stat().st_size > 10_000
+
+
 @pytest.mark.slow
 def test_shape_of_the_law(run_example, tmp_path):
     said = run_example("shape_of_the_law.py", tmp_path, "--angle", "40", "--laws", "2")

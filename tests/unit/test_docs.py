@@ -49,6 +49,14 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
 
 
+def test_the_page_of_the_materials_is_that_of_the_presets(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    module = importlib.import_module("materials_page")
+    # else: python docs/materials_page.py
+    assert module.PAGE.read_text(encoding="utf-8") == module.page()
+    assert module.PICTURE.exists()
+
+
 def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     module = importlib.import_module("model_keys_page")

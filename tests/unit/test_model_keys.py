@@ -17,7 +17,7 @@ from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build
-from shellcut.model_file.film_sections import Homogeneous, Ply
+from shellcut.model_file.material_sections import Homogeneous, Laminate, Ply
 from shellcut.model_file.run_sections import Head, Output, SupportSection
 from shellcut.model_file.section_table import LISTS, SECTIONS
 from shellcut.model_file.writer import written
@@ -48,6 +48,30 @@ GIVEN = {
 }
 GIVEN_TO_STRIPS = {("motion", "straight"): {"speed": 100.0}}
 PLY = {"young": 1000.0, "poisson": 0.3, "density": 1e-9, "thickness": 0.03}
+YIELDS = {"yield_stress": 10.0}
+CURVE = {"hardening_strain": [0.0, 1.0], "hardening_stress": [1.0, 4.0]}
+SWIFT = {"swift_strength": 30.0, "swift_start": 0.01, "swift_exponent": 0.2}
+# What a key of a material needs beside it.
+BESIDE = {
+    "young_across": {"young_across": 900.0, "shear": 400.0},
+    "shear": {"young_across": 900.0, "shear": 400.0},
+    "hardening_modulus": YIELDS,
+    "saturation_gain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
+    "saturation_strain": {**YIELDS, "saturation_gain": 2.0, "saturation_strain": 0.1},
+    **dict.fromkeys(SWIFT, SWIFT),
+    **dict.fromkeys(CURVE, CURVE),
+    "r_values": YIELDS,
+    "kinematic_modulus": YIELDS,
+    "cowper_symonds_rate": {**YIELDS, "cowper_symonds_rate": 4.0, "cowper_symonds_exponent": 5.0},
+    "cowper_symonds_exponent": {
+        **YIELDS,
+        "cowper_symonds_rate": 4.0,
+        "cowper_symonds_exponent": 5.0,
+    },
+    "johnson_cook_rate": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
+    "johnson_cook_factor": {**YIELDS, "johnson_cook_rate": 4.0, "johnson_cook_factor": 0.1},
+    "angle_deg": {"young_across": 900.0, "shear": 400.0},
+}
 # Other values where a tenth more, one more, or the other choice would not do.
 VARIED = {
     "edge_angle_deg": 80.0,
@@ -87,7 +111,17 @@ VARIED = {
     "opening_a": 0.04,
     "ramp": 1e-4,
     "model": None,
+    "preset": "pet",
+    "law": "hencky",
+    "hardening_strain": [0.0, 0.5],
+    "hardening_stress": [1.0, 5.0],
+    "hardening_file": "curve.csv",
+    "swift_exponent": 0.3,
+    "machine_direction": [0.0, 1.0, 0.0],
 }
+
+
+FILMS = {kind for layout in SECTIONS.values() for kind in layout["material"]} - {Laminate}
 
 
 def cases():
@@ -96,14 +130,21 @@ def cases():
             for title, kinds in sections.items():
                 for kind in kinds:
                     for key in list(kind.keys()):
-                        if key not in ("layers", "n_x", "n_y", "quads"):  # the next tests
+                        # the films of the tears have the keys of the others
+                        if kind is not Homogeneous and kind in FILMS and key in BESIDE:
+                            continue
+                        if kind is Homogeneous and key in BESIDE and model != "opening":
+                            continue
+                        # the next tests, and of presets test_material_keys.py
+                        skipped = ["layers", "n_x", "n_y", "quads"]
+                        if key not in [*skipped, *(["preset"] if kind is Laminate else [])]:
                             yield pytest.param(
                                 model, title, kind, key, id=f"{model}-{title}-{kind.__name__}-{key}"
                             )
     for model in SECTIONS:
         for key in ("name", "directional", "precision", "threads"):
             yield pytest.param(model, "", Head, key, id=f"{model}-{key}")
-    for key in PLY:
+    for key in Ply.keys():  # noqa: SIM118
         yield pytest.param("opening", "material.layers", Ply, key, id=f"layers-{key}")
 
 
@@ -173,6 +214,7 @@ def files(tmp_path_factory):
     tooth_ring(n_teeth=2).write(tmp_path / "other.stl")
     for name in ("plate.dxf", "other.dxf"):
         (tmp_path / name).write_text("read by nothing but the digest")
+    (tmp_path / "curve.csv").write_text("strain [-],stress [MPa]\n0,10\n1,20\n")
     for name, z in (("motion", -1.0), ("other", -2.0)):
         (tmp_path / f"{name}.csv").write_text(f"time [ms], z [mm]\n0, 0\n1, {z}\n2, {2 * z}\n")
     return tmp_path
@@ -277,7 +319,11 @@ def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
         given = {"path": "free"}
     if key == "largest_speed" and "path" in kind.keys():  # noqa: SIM118
         given = {**given, "path": "free"}
+    if title.startswith("material") and key not in PLY:
+        given = {**given, **BESIDE.get(key, {})}
     other = other_value(kind, key)
+    if title.startswith("material") and key == "angle_deg":
+        other = 30.0
     if key == "file":
         other = "other" + given["file"][given["file"].rindex(".") :]
     if key == "width" and model == "oscillating":

@@ -9,6 +9,8 @@ import pytest
 from shellcut import CohesiveLaw, read_measured_curve, read_model, tensile
 from shellcut.command_line import main
 from shellcut.formats.errors import FileError
+from shellcut.material.nominal_stress import largest_nominal_stress
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.tensile.law import proposed_law
 
 # A bilinear film: modulus and hardening [MPa], yield 16 MPa at 0.8 %, strength at 40 %, then
@@ -46,6 +48,57 @@ def write(path, *curves, headings="strain {k} [%];stress {k} [MPa]", factor=100.
         lines.append(";".join(cells))
     path.write_text(bare + "\n".join(lines) + "\n")
     return path
+
+
+def swift(young, strength, start, exponent):
+    """Strain and stress [MPa] of a film that hardens by Swift's law, up to its largest force."""
+    plastic = np.append(0.0, np.geomspace(1e-5, exponent, 400))
+    true = strength * (start + plastic) ** exponent
+    elastic = np.linspace(0.0, true[0] / young, 60)[:-1]
+    logarithmic = np.append(elastic, plastic + true / young)
+    nominal = np.append(young * elastic, true) * np.exp(-logarithmic)
+    top = int(np.argmax(nominal)) + 1
+    return np.expm1(logarithmic[:top]), nominal[:top]
+
+
+class TestMaterial:
+    @pytest.mark.parametrize(
+        ("young", "strength", "start", "exponent"),
+        [(2000.0, 60.0, 0.01, 0.25), (5000.0, 150.0, 0.002, 0.2), (300.0, 30.0, 0.05, 0.4)],
+    )
+    def test_a_law_known_beforehand_is_recovered(self, tmp_path, young, strength, start, exponent):
+        curve = swift(young, strength, start, exponent)
+        test = tensile(write(tmp_path / "film.csv", curve))
+        test.write(tmp_path / "out")
+        text = (tmp_path / "out" / "material.toml").read_text()
+        (tmp_path / "cut.toml").write_text('model = "opening"\n' + text)
+        (layer,) = read_model(tmp_path / "cut.toml").sections["material"].made().layers
+        film = layer.material
+        assert film.elastic.young == pytest.approx(young, rel=0.01)
+        # the offset, 0.2 %, is what a test can tell from elastic strain; the table ends at the
+        # largest force, at a plastic strain of the exponent less the elastic one and the start
+        plastic = np.linspace(0.002, exponent - start - strength / young, 300)
+        wanted = strength * (start + plastic) ** exponent
+        assert film.hardening.stress(plastic) == pytest.approx(wanted, rel=0.02)
+        # and with it the largest nominal stress, at which the record ends
+        most = largest_nominal_stress(ShellMaterial([layer]), "uniaxial")
+        assert most.stress == pytest.approx(curve[1].max(), rel=0.01)
+
+    def test_noise_and_scatter_do_not_make_a_table_that_falls(self, tmp_path):
+        curves = [bilinear(noise=0.2, seed=k, scale=1.0 + 0.03 * k) for k in range(5)]
+        test = tensile(write(tmp_path / "film.csv", *curves), gauge_length=GAUGE)
+        test.write(tmp_path / "out")
+        text = (tmp_path / "out" / "material.toml").read_text()
+        (tmp_path / "cut.toml").write_text('model = "opening"\n' + text)
+        (layer,) = read_model(tmp_path / "cut.toml").sections["material"].made().layers
+        assert layer.material.hardening.first_yield == pytest.approx(16.0 * 1.06, rel=0.03)
+
+    def test_a_film_that_does_not_yield_has_none(self, tmp_path):
+        strain = np.linspace(0.0, 0.008, 50)
+        test = tensile(write(tmp_path / "film.csv", (strain, YOUNG * strain)))
+        assert test.directions[""].material() is None
+        test.write(tmp_path / "out")
+        assert not (tmp_path / "out" / "material.toml").exists()
 
 
 class TestClosedForm:
@@ -267,6 +320,7 @@ class TestCommand:
         assert "Young's modulus" in told
         assert "law: opening_u" in told
         names = ["hardening_CD.csv", "hardening_MD.csv", "law_CD.toml", "law_MD.toml"]
+        names += ["material_CD.toml", "material_MD.toml"]
         assert sorted(path.name for path in out.iterdir()) == [
             *names,
             "tensile.json",

@@ -15,6 +15,7 @@ from .path import Rows, check_path
 from .plausible import check_numbers
 from .steps import check_steps
 from .sweep import Sweep
+from .yielding import check_strength
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -105,6 +106,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     mesh, law = sim.mesh, sim.law
     support = sim.state.node.support[: mesh.n_node]
     yield from check_numbers(mesh, sim.material, law, sim.tool)
+    yield from check_strength(sim.material, law)
     if sim.tool is None:
         return
     yield from check_hold(mesh, support)

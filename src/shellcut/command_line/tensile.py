@@ -26,7 +26,7 @@ def add_to(commands: Any) -> None:
         help="modulus, yield, strength, hardening and a cohesive law from tensile tests",
         description="Evaluate tensile tests: modulus, yield, strength, strain at break, hardening "
         "curve, scatter, and a proposed cohesive law. With -o write OUT/tensile.json, "
-        "hardening.csv, law.toml and, with Matplotlib, tensile.png.",
+        "hardening.csv, material.toml, law.toml and, with Matplotlib, tensile.png.",
         epilog="example: shellcut tensile MD=md_1.csv MD=md_2.csv CD=cd_1.csv --gauge-length 50 "
         "-o film",
     )

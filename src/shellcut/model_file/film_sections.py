@@ -1,11 +1,9 @@
-"""Sections of the film: ``[membrane]``, its mesh, and ``[material]``."""
+"""Sections of the film's mesh, ``[membrane]``."""
 
 from __future__ import annotations
 
 from typing import Any, get_args
 
-from shellcut.material.elastic import Elastic
-from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.film_file import Triangles, read_film
 from shellcut.mesh.outline import mesh_from_outline
@@ -26,7 +24,6 @@ from .key import (
     polygon,
     polygons,
     section,
-    tables,
     whole,
 )
 
@@ -176,52 +173,3 @@ class FreeDrawnFilm(DrawnFilm):
 
     clamp: tuple[str, ...] = key(names, _CLAMP, default=())
     notch: float = key(number("mm"), _NOTCH, default=default_of(free_cut, "notch"))
-
-
-_YOUNG = "Young's modulus"
-_POISSON = "Poisson's ratio"
-_DENSITY = "reference density; 1 g/cm^3 is 1e-9 t/mm^3"
-_SHEAR = "factor on the transverse shear stiffness"
-_POINTS = "points through the thickness of each layer, 1 to 9"
-_ONCE = "integrated once, before the run"
-
-
-@section("material", of=ShellMaterial.homogeneous)
-class Homogeneous(Section):
-    """A single elastic layer."""
-
-    young: float = key(number("MPa"), _YOUNG)
-    poisson: float = key(number(), _POISSON)
-    density: float = key(number("t/mm^3"), _DENSITY)
-    thickness: float = key(number("mm"), "of the film")
-    shear_factor: float = key(number(), _SHEAR)
-    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
-
-
-@section("material.layers", of=Elastic)
-class Ply(Section):
-    """One layer, listed from the bottom to the top."""
-
-    young: float = key(number("MPa"), _YOUNG)
-    poisson: float = key(number(), _POISSON)
-    density: float = key(number("t/mm^3"), _DENSITY)
-    thickness: float = key(number("mm"), "of the layer")
-
-    def made(self) -> Layer:
-        """Return the layer."""
-        return Layer(super().made(), self.thickness)
-
-
-@section("material", sign="layers", of=ShellMaterial)
-class Laminate(Section):
-    """Layers through the thickness."""
-
-    shear_factor: float = key(number(), _SHEAR)
-    points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
-    layers: tuple[Ply, ...] = key(tables(Ply), "from the bottom to the top")
-
-    def made(self) -> ShellMaterial:
-        """Return the layers as a film."""
-        return ShellMaterial(
-            [ply.made() for ply in self.layers], self.shear_factor, self.points_per_layer
-        )

@@ -96,7 +96,7 @@ class Model:
             str(getattr(one, name))
             for one in self.all_sections()
             for name, key in one.keys().items()
-            if key.kind.is_file
+            if key.kind.is_file and getattr(one, name) is not None
         ]
 
     def changed_files(self) -> list[str]:
@@ -104,8 +104,12 @@ class Model:
         return [path for path, digest in self.recorded.items() if digest_of(path) != digest]
 
     def all_sections(self) -> Iterator[Section]:
-        """Yield every section, including those of lists."""
-        yield from self.sections.values()
+        """Yield every section, including those of lists and the tables in a section."""
+        for section in self.sections.values():
+            yield section
+            for name, key in section.keys().items():
+                if key.kind.tables is not None:
+                    yield from getattr(section, name)
         for several in self.lists.values():
             yield from several
 

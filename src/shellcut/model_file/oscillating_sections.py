@@ -25,8 +25,8 @@ from shellcut.models.oscillating import (
     film_before,
 )
 
-from .film_sections import Homogeneous
 from .key import Section, choice, default_of, key, number, section, whole
+from .material_sections import Homogeneous
 from .run_sections import Cohesive, ContactSection, Damping
 from .trouser_sections import TornFracture, again
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from .errors import ModelFileError, Problem, guess, listed
+from .presets import named_material
 from .run_sections import Head
 from .section_table import LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, beyond_all
@@ -24,14 +25,16 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
     """
     if not overrides:
         return source
+    source = named_material(source)
     values = {
         title: dict(table) if isinstance(table, dict) else table
         for title, table in source.values.items()
     }
     settings: dict[KeyPath, str] = {}
     problems = []
-    # The model first: it determines the available keys.
-    for name, value in sorted(overrides.items(), key=lambda pair: pair[0] != "model"):
+    # The model first: it determines the available keys. Then the film, which replaces others.
+    order = {"model": 0, "material": 1, "material.preset": 1, "preset": 1}
+    for name, value in sorted(overrides.items(), key=lambda pair: order.get(pair[0], 2)):
         if beyond := beyond_all({name: value}):
             problems.append(Problem(f"set {name}", f"the value {beyond}"))
             continue
@@ -42,7 +45,9 @@ def overridden(source: Source, overrides: Mapping[str, object]) -> Source:
         except ValueError as problem:
             problems.append(Problem(place, str(problem)))
             continue
-        if len(path) == 1:
+        if path == ("material", "preset"):
+            values["material"] = {"preset": value}
+        elif len(path) == 1:
             values[str(path[0])] = value
         else:
             title, key = str(path[0]), str(path[1])
@@ -81,6 +86,8 @@ def _path_of(name: str, model: str) -> KeyPath:
     head = Head.keys()
     if name in head:
         return (name,)
+    if name == "material":
+        return ("material", "preset")
     title, _, rest = name.partition(".")
     layout = SECTIONS.get(model, {})
     if rest:

@@ -16,6 +16,7 @@ from .errors import ModelFileError, Problem, guess, listed
 from .key import Key, Section
 from .model import Model
 from .overrides import overridden
+from .presets import named_material, with_presets
 from .run_sections import Head
 from .section_table import GONE, LISTS, SECTIONS, Kinds
 from .source import KeyPath, Source, parse
@@ -151,7 +152,7 @@ class _Reading:
     """One reading of a file; collects the problems."""
 
     def __init__(self, source: Source, *, try_out: bool = True) -> None:
-        self.source = source
+        self.source = with_presets(named_material(source))
         self._tries = try_out
         self.problems: list[Problem] = []
 

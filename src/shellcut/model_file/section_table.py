@@ -12,8 +12,6 @@ from .film_sections import (
     FreeFile,
     FreeOpeningDisc,
     FreeOutline,
-    Homogeneous,
-    Laminate,
     OpeningDisc,
     Outline,
     Rectangle,
@@ -21,6 +19,7 @@ from .film_sections import (
     StripFile,
 )
 from .key import Section
+from .material_sections import Homogeneous, Laminate
 from .oscillating_sections import (
     BandedStrip,
     Bar,

@@ -10,8 +10,8 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.models import trouser
 from shellcut.models.trouser import CHECK_EVERY, LAW, MASS_DAMPING, THICKNESS, trouser_strip
 
-from .film_sections import Homogeneous
 from .key import Key, Section, default_of, key, number, section, whole
+from .material_sections import Homogeneous
 from .run_sections import Cohesive, Damping
 
 

@@ -13,6 +13,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 
 from .figures import Figures
 from .law import falling_curve, proposed_law
+from .material_keys import material_section
 
 MEASURES = {
     "young": ("Young's modulus", "MPa"),
@@ -108,6 +109,11 @@ class Direction:
         each = np.array([np.interp(strain, one.plastic_strain, one.true_stress) for one in known])
         scatter = each.std(axis=0, ddof=1) if len(known) > 1 else np.full(_N_ROW, nan)
         return strain, each.mean(axis=0), scatter, len(known)
+
+    def material(self) -> str | None:
+        """Return ``[material]`` of a film that yields, None without a hardening curve."""
+        strain, stress, _, n = self.hardening()
+        return material_section(self.spread("young").mean, strain, stress, n) if n else None
 
     def sentences(self) -> list[str]:
         """Return what to know before the figures are used."""

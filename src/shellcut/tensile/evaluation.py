@@ -54,6 +54,10 @@ class TensileTest:
                 "a cut along one direction is opened across it: take the law of the specimens cut "
                 "across the blade's way"
             )
+            said.append(
+                "a material file holds one direction for all: where yield stresses differ, take "
+                "r_values, or the direction in which the film is pulled"
+            )
         return said
 
     def __str__(self) -> str:
@@ -96,7 +100,7 @@ class TensileTest:
         return {"offset": self.offset, "directions": found, "sentences": self.sentences()}
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write ``tensile.json``, and for each direction ``hardening.csv`` and ``law.toml``.
+        """Write ``tensile.json``, and a direction's ``hardening``, ``material`` and ``law``.
 
         Returns
         -------
@@ -118,6 +122,8 @@ class TensileTest:
                     for x, y, s in zip(strain, stress, np.nan_to_num(scatter), strict=True)
                 ]
                 written.append(_write(out / f"hardening{end}.csv", "\n".join(rows) + "\n"))
+            if section := one.material():
+                written.append(_write(out / f"material{end}.toml", section))
             if law := one.law():
                 lines = [f"# fracture energy {law.fracture_energy:.6g} N/mm, from tensile tests"]
                 lines += ["[cohesive]", *(f"{key} = {getattr(law, key):.6g}" for key in _LAW)]

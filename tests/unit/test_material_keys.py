@@ -1,0 +1,305 @@
+"""The keys of a film that yields: what they build, what they refuse, presets by name."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shellcut import read_model
+from shellcut.material import (
+    CowperSymonds,
+    Elastic,
+    Hencky,
+    JohnsonCook,
+    Linear,
+    Orthotropic,
+    Plastic,
+    ShellMaterial,
+    Swift,
+    Table,
+    Voce,
+)
+from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
+from shellcut.model_file import ModelFileError
+from shellcut.model_file.preset_film import preset_film
+from shellcut.model_file.presets import presets
+
+MODULI = Elastic(1678.0, 0.3, 1e-9)
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def material(**keys):
+    """The material of the packaged opening test with further keys."""
+    model = read_model("opening", {f"material.{name}": value for name, value in keys.items()})
+    (layer,) = model.sections["material"].made().layers
+    return layer.material
+
+
+@pytest.mark.parametrize(
+    ("keys", "wanted"),
+    [
+        ({}, MODULI),
+        ({"law": "elastic"}, MODULI),
+        ({"law": "hencky"}, Hencky(MODULI)),
+        (
+            {"young_across": 900.0, "shear": "400 MPa"},
+            Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9),
+        ),
+        (
+            {"young_across": 900.0, "shear": 400.0, "law": "hencky", "angle_deg": 30.0},
+            Hencky(Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, angle_deg=30.0)),
+        ),
+        ({"yield_stress": "20 MPa"}, Plastic(MODULI, Linear(20.0))),
+        ({"yield_stress": 20, "hardening_modulus": 5}, Plastic(MODULI, Linear(20.0, 5.0))),
+        (
+            {"yield_stress": 20, "saturation_gain": 8, "saturation_strain": 0.1},
+            Plastic(MODULI, Voce(20.0, 8.0, 0.1)),
+        ),
+        (
+            {"swift_strength": 40, "swift_start": 0.01, "swift_exponent": 0.2},
+            Plastic(MODULI, Swift(40.0, 0.01, 0.2)),
+        ),
+        (
+            {"hardening_strain": [0, 0.5, 1], "hardening_stress": [10, 20, 50]},
+            Plastic(MODULI, Table((0.0, 0.5, 1.0), (10.0, 20.0, 50.0))),
+        ),
+        (
+            {"yield_stress": 20, "r_values": [0.8, 1.2, 1.6], "angle_deg": 45.0},
+            Plastic(MODULI, Linear(20.0), (0.8, 1.2, 1.6), angle_deg=45.0),
+        ),
+        (
+            {"yield_stress": 20, "kinematic_modulus": 9.0},
+            Plastic(MODULI, Linear(20.0), kinematic=9.0),
+        ),
+        (
+            {"yield_stress": 20, "cowper_symonds_rate": 40, "cowper_symonds_exponent": 5},
+            Plastic(MODULI, Linear(20.0), rate=CowperSymonds(40.0, 5.0)),
+        ),
+        (
+            {"yield_stress": 20, "johnson_cook_rate": 1.0, "johnson_cook_factor": 0.02},
+            Plastic(MODULI, Linear(20.0), rate=JohnsonCook(factor=0.02, rate=1.0)),
+        ),
+    ],
+    ids=lambda one: "-".join(one) if isinstance(one, dict) else "",
+)
+def test_what_keys_build(keys, wanted):
+    assert material(**keys) == wanted
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        (
+            {"yield_stress": -1},
+            "set material.yield_stress=-1: [material]: yield_stress must be pos",
+        ),
+        ({"yield_stress": 1, "hardening_modulus": -2}, "[material]: hardening_modulus must not be"),
+        ({"law": "elastic", "r_values": [1, 1, 1]}, 'r_values belongs to law = "plastic", got law'),
+        ({"law": "plastic"}, 'law = "plastic" needs a hardening: yield_stress, or swift_strength'),
+        ({"law": "elastc"}, 'must be one of "elastic", "hencky", "plastic"'),
+        ({"yield_stres": 3}, "unknown key [material].yield_stres; did you mean yield_stress?"),
+        ({"swift_strength": 3}, "swift_start, swift_exponent must be given too, with swift_str"),
+        (
+            {"yield_stress": 3, "swift_strength": 3},
+            "yield_stress must be the only hardening, got swift_strength too",
+        ),
+        (
+            {"swift_strength": -1, "swift_start": 0.0, "swift_exponent": 0.2},
+            "swift_start must be positive, got 0.0",
+        ),
+        (
+            {"hardening_strain": [0, 1], "hardening_stress": [3, 2]},
+            "hardening_stress must not decrease",
+        ),
+        ({"hardening_strain": [0, 1]}, "hardening_stress must be given too, with hardening_strain"),
+        ({"hardening_modulus": 3}, "yield_stress must be given too"),
+        ({"saturation_gain": 3, "yield_stress": 1}, "saturation_strain must be given too"),
+        ({"yield_stress": 3, "r_values": [1, 1, -1]}, "r_values must be three positive numbers"),
+        ({"yield_stress": 3, "kinematic_modulus": -1}, "kinematic_modulus must not be negative"),
+        (
+            {"yield_stress": 3, "cowper_symonds_rate": 40, "cowper_symonds_exponent": 0.5},
+            "cowper_symonds_exponent must be 1 or more, got 0.5",
+        ),
+        (
+            {"yield_stress": 3, "cowper_symonds_rate": 40, "johnson_cook_rate": 1},
+            "cowper_symonds_rate and johnson_cook_rate must not both be given",
+        ),
+        ({"young_across": 900.0}, "young_across needs shear too"),
+        ({"young_across": -900.0, "shear": 3}, "young_across must be a positive modulus"),
+        ({"young_across": 90.0, "shear": 3, "poisson": 9}, "young over young_across"),
+        ({"angle_deg": 30.0}, "angle_deg turns the axes of young_across and r_values, got neither"),
+        ({"hardening_file": "nowhere.csv"}, "[material].hardening_file: there is no file"),
+    ],
+    ids=lambda one: "-".join(one) if isinstance(one, dict) else "",
+)
+def test_what_is_refused_with_the_name_of_the_key(keys, said):
+    with pytest.raises(ModelFileError) as refused:
+        material(**keys)
+    assert said in str(refused.value)
+
+
+def test_all_problems_are_told_together():
+    with pytest.raises(ModelFileError) as refused:
+        material(yield_stress=-1, hardening_modulus=-2, kinematic_modulus=-3, young=-4)
+    for key in ("yield_stress", "hardening_modulus", "kinematic_modulus", "young"):
+        assert f"[material]: {key} must" in str(refused.value)
+
+
+HARDENING = "# by hand\nplastic strain [%];true stress [kPa]\n0;10000\n5;20000\n80;50000\n"
+
+
+def test_a_table_from_a_file(tmp_path):
+    (tmp_path / "film.csv").write_text(HARDENING)
+    (tmp_path / "a.toml").write_text(
+        'model = "opening"\n[material]\nyoung = 200\nhardening_file = "film.csv"\n'
+        '[[loads]]\nkind = "pressure"\nvalue = 0.01\n'
+    )
+    model = read_model(tmp_path / "a.toml")
+    (layer,) = model.sections["material"].made().layers
+    assert layer.material.hardening == Table((0.0, 0.05, 0.8), (10.0, 20.0, 50.0))
+    assert model.files() == [str(tmp_path / "film.csv")]
+    # a run knows when it has changed since
+    model.write(tmp_path / "used.toml")
+    used = read_model(tmp_path / "used.toml")
+    assert used == model
+    assert used.changed_files() == []
+    (tmp_path / "film.csv").write_text(HARDENING.replace("50000", "60000"))
+    assert used.changed_files() == [str(tmp_path / "film.csv")]
+
+
+def test_the_file_of_a_layer_is_recorded_too(tmp_path):
+    (tmp_path / "film.csv").write_text(HARDENING)
+    (tmp_path / "a.toml").write_text(
+        'model = "opening"\n[[material.layers]]\npreset = "pet"\nhardening_file = "film.csv"\n'
+        '[[material.layers]]\npreset = "ldpe"\nthickness = "60 um"\n'
+    )
+    model = read_model(tmp_path / "a.toml")
+    assert model.files() == [str(tmp_path / "film.csv")]
+    film = model.sections["material"].made()
+    # the file stands in place of the preset's hardening
+    assert film.layers[0].material.hardening.stress_at == (10.0, 20.0, 50.0)
+    assert film.layers[0].material.elastic.young == presets()["pet"].keys["young"]
+    assert film.thickness == pytest.approx(0.083)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a [-],b [MPa]\n0,1\n1,2\n", "one heading must name the strain"),
+        ("strain [-],stress [mm]\n0,1\n1,2\n", "stress must"),
+        ("strain [s],stress [MPa]\n0,1\n1,2\n", "strains must have the unit - or %, got 's'"),
+        ("strain [-],stress [MPa]\n0.1,1\n1,2\n", "plastic_strain must start at 0"),
+        ("strain [-],stress [MPa]\n0,3\n1,2\n", "stress must not decrease"),
+    ],
+)
+def test_a_table_that_is_none(tmp_path, text, said):
+    (tmp_path / "film.csv").write_text(text)
+    with pytest.raises(ModelFileError) as refused:
+        material(hardening_file=str(tmp_path / "film.csv"))
+    assert "hardening_file" in str(refused.value)
+    assert said in str(refused.value)
+
+
+def test_a_long_table_is_thinned(tmp_path):
+    p = np.linspace(0.0, 1.0, 400)
+    sigma = 150.0 * (0.002 + p) ** 0.2
+    rows = "\n".join(f"{a},{b}" for a, b in zip(p, sigma, strict=True))
+    (tmp_path / "film.csv").write_text(f"strain [-],stress [MPa]\n{rows}\n")
+    found = material(hardening_file=str(tmp_path / "film.csv")).hardening
+    assert len(found.stress_at) == 24
+    assert found.stress(p) == pytest.approx(sigma, rel=5e-3)  # measured 2e-3, of 24 lines
+
+
+class TestPresets:
+    @pytest.mark.parametrize("name", presets())
+    def test_it_builds_and_names_its_source(self, name):
+        one = presets()[name]
+        film = preset_film(name)
+        assert film.thickness > 0.0
+        assert one.title
+        assert one.fit
+        assert len(one.sources) >= 1
+        for source in one.sources:
+            # who, and what was measured or given
+            assert len(source) > 60
+        page = (DOCS / "materials.md").read_text(encoding="utf-8")
+        for text in (one.title, one.fit, *one.sources):
+            assert text in page
+
+    @pytest.mark.parametrize("name", presets())
+    def test_its_curve_has_the_published_figures(self, name):
+        published = presets()[name].published
+        film = preset_film(name)
+        strain, stress = nominal_curve(film)
+        if "young" in published:
+            modulus = film.stretching_stiffness / film.thickness
+            assert modulus == pytest.approx(published["young"], rel=1e-12)
+            # and the curve starts with it
+            assert np.interp(1e-4, strain, stress) == pytest.approx(1e-4 * modulus, rel=2e-3)
+        for at, wanted in published["points"]:
+            # fits go through their points but for the digits of their parameters
+            assert np.interp(at, strain, stress) == pytest.approx(wanted, rel=2e-3)
+        if "yield_nominal" in published:
+            first = film.layers[0].material.hardening.first_yield
+            at_yield = first * math.exp(-first / published["young"])
+            assert at_yield == pytest.approx(published["yield_nominal"], rel=2e-3)
+        if "proof" in published:
+            # 0.2 % of plastic strain: the curve meets the line of the modulus moved by it
+            over = stress - published["young"] * (strain - 0.002)
+            meets = np.flatnonzero((over <= 0.0) & (strain > 0.002))[0]
+            assert stress[meets] == pytest.approx(published["proof"], rel=5e-3)
+        if "strength" in published:
+            most = largest_nominal_stress(film, "uniaxial")
+            assert most.stress == pytest.approx(published["strength"], rel=2e-3)
+
+    def test_the_film_of_the_paper_is_the_default(self):
+        assert preset_film("frangi2010") == ShellMaterial.homogeneous()
+
+    def test_the_laminate_is_of_the_others(self):
+        film = preset_film("foil_ldpe")
+        (ldpe,), (foil,) = preset_film("ldpe").layers, preset_film("aluminium_foil").layers
+        assert [one.material for one in film.layers] == [ldpe.material, foil.material]
+        assert film.thickness == pytest.approx(0.074)
+
+    @pytest.mark.parametrize("model", ["opening", "guillotine", "trouser", "oscillating", "free"])
+    def test_every_model_takes_one(self, model, tmp_path):
+        path = tmp_path / "free.toml"
+        path.write_text(
+            'model = "free"\n[membrane]\nmesh = "quick"\n'
+            "[motion]\nangle_deg = 5\nduration = 0.001\n"
+        )
+        film = {"material": "pet", "material.thickness": "12 um"}
+        found = read_model(path if model == "free" else model, film)
+        made = found.sections["material"].made()
+        assert made.thickness == 0.012
+        assert made.layers[0].material == preset_film("pet").layers[0].material
+
+    def test_it_replaces_the_film_of_a_file_and_is_written_back(self, tmp_path):
+        model = read_model("opening", {"material": "ldpe"})
+        assert model.sections["material"].thickness == 0.05  # of the preset, not 74 um of the file
+        model.write(tmp_path / "used.toml")
+        assert read_model(tmp_path / "used.toml") == model
+        assert 'preset = "ldpe"' in (tmp_path / "used.toml").read_text()
+        assert read_model("opening", {"material.preset": "ldpe"}) == model
+
+    def test_in_a_file_before_the_sections_or_in_one(self, tmp_path):
+        (tmp_path / "a.toml").write_text('model = "opening"\nmaterial = "pet"\n')
+        (tmp_path / "b.toml").write_text('model = "opening"\n[material]\npreset = "pet"\n')
+        a, b = read_model(tmp_path / "a.toml"), read_model(tmp_path / "b.toml")
+        assert a.sections["material"].made() == b.sections["material"].made() == preset_film("pet")
+
+    def test_an_unknown_name_is_refused(self, tmp_path):
+        with pytest.raises(ModelFileError, match='must be one of "frangi2010", "ldpe", "pet"'):
+            read_model("opening", {"material": "pett"})
+        (tmp_path / "a.toml").write_text('model = "opening"\nmaterial = "pett"\n')
+        with pytest.raises(ModelFileError, match=r"a.toml:2: .*preset must be one of"):
+            read_model(tmp_path / "a.toml")
+        with pytest.raises(ValueError, match=r"no film 'pett'; did you mean pet\?"):
+            preset_film("pett")
+
+    def test_another_law_drops_what_yields(self):
+        assert material(law="hencky") == Hencky(MODULI)
+        model = read_model("opening", {"material": "pet", "material.law": "hencky"})
+        (layer,) = model.sections["material"].made().layers
+        assert isinstance(layer.material, Hencky)

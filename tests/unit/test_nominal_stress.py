@@ -1,0 +1,143 @@
+"""What a film carries at most, against closed forms, and what the check says about it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks.yielding import check_strength
+from shellcut.material import (
+    Elastic,
+    Hencky,
+    Layer,
+    Linear,
+    Orthotropic,
+    Plastic,
+    ShellMaterial,
+    Swift,
+    Table,
+)
+from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
+
+# So stiff that its elastic strain, 1e-5, is below the tolerances of the rigid closed forms.
+RIGID = Elastic(3e7, 0.3, 1e-9)
+FINE = 1e-4  # round-off of the search: strains are sampled, the maximum is flat
+
+
+def film(*materials, thickness=0.05):
+    return ShellMaterial([Layer(one, thickness) for one in materials])
+
+
+@pytest.mark.parametrize("n", [0.1, 0.3, 0.8])
+@pytest.mark.parametrize(
+    ("pull", "factor"),
+    [
+        ("uniaxial", lambda n: 1.0),
+        ("plane strain", lambda n: (2.0 / math.sqrt(3.0)) ** (n + 1.0)),
+        ("equibiaxial", lambda n: 2.0**n),
+    ],
+)
+def test_considere_for_a_power_law(n, pull, factor):
+    # σ_y = K ε^n: largest at ε = n, K n^n exp(-n) times the factor of the state
+    most = largest_nominal_stress(film(Plastic(RIGID, Swift(300.0, 1e-9, n))), pull)
+    assert most.stress == pytest.approx(300.0 * n**n * math.exp(-n) * factor(n), rel=FINE)
+    # the maximum is flat: its place is known to the root of its height
+    assert math.log1p(most.strain) == pytest.approx(n, abs=0.01)
+
+
+def test_linear_hardening_has_its_maximum_where_slope_is_stress():
+    # σ = σ_0 + H p: at p = 1 - σ_0/H, H exp(-p)
+    most = largest_nominal_stress(film(Plastic(RIGID, Linear(20.0, 50.0))), "uniaxial")
+    assert most.stress == pytest.approx(50.0 * math.exp(-0.6), rel=FINE)
+    # kinematic hardening counts as much
+    split = Plastic(RIGID, Linear(20.0, 30.0), kinematic=20.0)
+    assert largest_nominal_stress(film(split), "uniaxial").stress == pytest.approx(
+        most.stress, rel=1e-12
+    )
+
+
+def test_without_hardening_it_is_the_yield_stress():
+    most = largest_nominal_stress(film(Plastic(RIGID, Linear(20.0))), "uniaxial")
+    assert most.stress == pytest.approx(20.0, rel=FINE)
+
+
+def test_hencky_carries_its_modulus_over_e():
+    most = largest_nominal_stress(film(Hencky(Elastic(100.0, 0.3, 1e-9))), "uniaxial")
+    assert most.stress == pytest.approx(100.0 / math.e, rel=FINE)
+
+
+def test_hill_across_and_along():
+    # METHOD2 9: σ_90/σ_0 for r = 0.8, 1.2, 1.6; nominal stress goes with its power n + 1
+    moduli = Orthotropic(3e7, 3e7, 0.3, 1e7, 1e-9)
+    sheet = film(Plastic(moduli, Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6)))
+    along = largest_nominal_stress(sheet, "uniaxial")
+    across = largest_nominal_stress(sheet, "uniaxial", across=True)
+    assert across.stress / along.stress == pytest.approx(1.17670**1.2, rel=FINE)
+    # turned by 90° the two change places
+    turned = film(Plastic(moduli, Swift(300.0, 1e-9, 0.2), (0.8, 1.2, 1.6), angle_deg=90.0))
+    assert largest_nominal_stress(turned, "uniaxial").stress == pytest.approx(
+        across.stress, rel=1e-12
+    )
+
+
+def test_elastic_films_keep_their_modulus():
+    for material in (Elastic(1000.0, 0.3, 1e-9), Orthotropic(1000.0, 500.0, 0.3, 300.0, 1e-9)):
+        strain, stress = nominal_curve(film(material))
+        assert np.interp(1e-4, strain, stress) == pytest.approx(0.1, rel=1e-3)
+    strain, stress = nominal_curve(film(Elastic(1000.0, 0.3, 1e-9)), "plane strain")
+    assert np.interp(1e-4, strain, stress) == pytest.approx(0.1 / 0.91, rel=1e-3)
+
+
+def test_a_laminate_is_the_sum_of_its_layers():
+    soft, hard = Plastic(RIGID, Linear(10.0, 40.0)), Plastic(RIGID, Swift(160.0, 1e-9, 0.25))
+    laminate = ShellMaterial([Layer(soft, 0.06), Layer(hard, 0.02)])
+    strain = np.linspace(1e-3, 2.0, 200_001)
+    p = np.log1p(strain)
+    wanted = (0.75 * (10.0 + 40.0 * p) + 0.25 * 160.0 * p**0.25) / (1.0 + strain)
+    most = largest_nominal_stress(laminate, "uniaxial")
+    assert most.stress == pytest.approx(wanted.max(), rel=FINE)
+
+
+LAW = CohesiveLaw()  # 18 MPa
+
+
+def test_a_film_that_cannot_reach_its_strength_is_doubted():
+    weak = film(Plastic(Elastic(200.0, 0.4, 1e-9), Linear(8.0, 20.0)))
+    (finding,) = check_strength(weak, LAW)
+    assert finding.severity == "doubt"
+    most = largest_nominal_stress(weak, "plane strain")
+    assert f"carries {most.stress:.3g} MPa at most (plane strain, at" in finding.came
+    assert "a crack needs 18 MPa" in str(finding)
+    assert "never parts, or parts only by the blade's rule" in str(finding)
+
+
+def test_a_film_that_yields_first_is_noted():
+    drawn = film(Plastic(Elastic(200.0, 0.4, 1e-9), Table((0.0, 1.2), (10.0, 90.0))))
+    (finding,) = check_strength(drawn, LAW)
+    assert finding.severity == "note"
+    strain, stress = nominal_curve(drawn, "plane strain")
+    reached = strain[np.argmax(stress >= 18.0)]
+    assert f"at {100 * reached:.0f} % strain" in finding.came
+
+
+def test_a_film_that_cracks_when_stretched_both_ways_only():
+    # equibiaxially 2^n of uniaxial, plane strain (2/√3)^(n+1): for n = 0.8 the first is 1.34 times
+    n = 0.8
+    between = 18.0 / (math.exp(-n) * n**n * 1.5)
+    sheet = film(Plastic(RIGID, Swift(between, 1e-9, n)))
+    (finding,) = check_strength(sheet, LAW)
+    assert finding.severity == "note"
+    assert "stretched both ways" in finding.remedy
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        ShellMaterial.homogeneous(),  # linear: as before
+        film(Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(60.0, 100.0))),  # yields far above
+    ],
+)
+def test_others_are_left_in_peace(sheet):
+    assert list(check_strength(sheet, LAW)) == []
+    assert list(check_strength(sheet, None)) == []
