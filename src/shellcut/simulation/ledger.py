@@ -46,6 +46,10 @@ class Ledger:
     """Penalty energy, the recoverable part of it."""
     contact_absorbed: float = 0.0
     """What absorbed jumps have taken up of it; negative: what they have given to the film."""
+    self_contact_work: float = 0.0
+    """Work that went into the contact of the film with itself."""
+    self_contact_stored: float = 0.0
+    """Penalty energy, the recoverable part of it."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -74,6 +78,7 @@ class Ledger:
             + self.cohesive_work
             + self.cohesive_start_work
             + self.contact_work
+            + self.self_contact_work
             + self.damping
         )
 
@@ -89,6 +94,7 @@ class Ledger:
             "material": self.material_dissipated,
             "cables": self.cohesive_work + self.cohesive_start_work,
             "contact": self.contact_work,
+            "self contact": self.self_contact_work,
             "damping": self.damping,
         }
 

@@ -14,12 +14,14 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
+from shellcut.fracture.quad_polygon import WHOLE, Polygon
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -34,8 +36,16 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
+from .film_terms import FilmTerm
 from .hooks import Hook, StopRun
-from .input_checks import negative, not_with_path, points_of_notch, without_partner
+from .input_checks import (
+    negative,
+    nodal_displacements,
+    nodal_velocities,
+    not_with_path,
+    points_of_notch,
+    without_partner,
+)
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .relaxation import find_rest
@@ -153,8 +163,8 @@ class Simulation:
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
         self.contact = None
+        edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
         if tool is not None:
-            edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
             aside = MERGE if fracture.path == "free" else 0.0
             self.contact = PenaltyContact(tool, contact, material, edge_length, aside)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
@@ -163,7 +173,12 @@ class Simulation:
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
         self._flanks = FlankPoints()
-        self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
+        self.self_contact: SelfContact | None = None
+        """Of the film with itself, if it is switched on."""
+        if contact.self_contact:
+            self.self_contact = SelfContact(contact, material, edge_length, self._part_of)
+        self._film_terms: list[FilmTerm] = [self.self_contact] if self.self_contact else []
+        self.time_step = StableStep(stepping or Stepping(), self.shell, touching, self._film_terms)
         self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
         self.state = self._state_at_start(velocity)
@@ -189,15 +204,7 @@ class Simulation:
         self.supports.initialise(state)
         if velocity is None:
             return state
-        velocity = np.asarray(velocity, float)
-        if velocity.shape != (mesh.n_node, 3):
-            raise ValueError(
-                f"velocity must have shape ({mesh.n_node}, 3), a row a node, got {velocity.shape}"
-            )
-        if not np.isfinite(velocity).all():
-            bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
-            raise ValueError(f"velocity must be finite, is not at nodes {bad}")
-        state.node.velocity_half[: mesh.n_node] = velocity
+        state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
         return state
 
     @property
@@ -245,6 +252,8 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
+        for term in self._film_terms:
+            term.add_forces(s).add_works(vars(book))
         if s.flank.count:
             self._flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
@@ -311,13 +320,7 @@ class Simulation:
         history = self.state.history
         before = n.x[: n.count].copy(), n.t[: n.count].copy(), history.copy()
         if displacement is not None:
-            moved = np.asarray(displacement, float)
-            if moved.shape != (n.count, 3) or not np.isfinite(moved).all():
-                raise ValueError(
-                    f"displacement must be finite and of shape (n_node, 3) = ({n.count}, 3), "
-                    f"got {moved.shape}"
-                )
-            n.x[: n.count] += moved
+            n.x[: n.count] += nodal_displacements(displacement, n.count)
         try:
             return find_rest(
                 self.state,
@@ -387,6 +390,8 @@ class Simulation:
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
         self.tool_terms.close(self.state, self.ledger)
+        for term in self._film_terms:
+            vars(self.ledger).update(term.stored(self.state))
         return self.ledger
 
     # ---------------------------------------------------------------- restart
@@ -409,6 +414,7 @@ class Simulation:
             "dt": self._dt,
             "balance": self._guard.saved(),
         }
+        saved |= {term.name: term.saved() for term in self._film_terms}
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
         return saved
@@ -433,6 +439,8 @@ class Simulation:
         self.tool_terms.restore(s, self.pose, saved["tool_terms"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
+        for term in self._film_terms:  # they ask the cracks which film is left
+            term.restore(s, saved[term.name])
 
     def _serve(self, hooks: Sequence[Hook]) -> bool:
         going = True
@@ -443,6 +451,10 @@ class Simulation:
                 except StopRun:
                     going = False
         return going
+
+    def _part_of(self, row: int) -> Polygon:
+        """Return the polygon of film that a row holds."""
+        return WHOLE if self.cracks is None else self.cracks.cuts.topology.polygon(row)
 
     def _place_tool(self) -> None:
         if self._pose_at is not None:
