@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import NodeTable, local_edge_length
 
@@ -59,7 +59,7 @@ class FilmLaw(NamedTuple):
             area_density=film.area_density,
         )
 
-    def stiffness(self, nodes: NodeTable, which: Floats) -> Floats:
+    def stiffness(self, nodes: NodeTable, which: Ints) -> Floats:
         """Return k of some nodes or flank points [N/mm], which : (n,)."""
         whole = self.area_density * local_edge_length(nodes.contact_area[which]) ** 2
         part = np.minimum(nodes.contact_mass[which] / whole, 1.0)

@@ -130,9 +130,9 @@ def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
     xi, eta, found = foot_on(p, q)
     inside = found
     for k in range(n):
-        l = (k + 1) % n
+        end = (k + 1) % n
         x0, y0 = point[row, k, 0], point[row, k, 1]
-        dx, dy = point[row, l, 0] - x0, point[row, l, 1] - y0
+        dx, dy = point[row, end, 0] - x0, point[row, end, 1] - y0
         inside = inside and dx * (eta - y0) - dy * (xi - x0) >= -_ON_EDGE
     if inside:
         r = sub(p, place_in(q, xi, eta))
@@ -141,12 +141,11 @@ def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
     for k in range(n):
         s, square, xi, eta = closest_on_edge(p, q, row, k, outline)
         if square < best.square:
-            l = (k + 1) % n
             beside = outline.open[row, k]
             if s <= 0.0:
                 beside = outline.open_at[row, k]
             elif s >= 1.0:
-                beside = outline.open_at[row, l]
+                beside = outline.open_at[row, (k + 1) % n]
             best = Closest(square, xi, eta, beside)
     return best
 
@@ -156,11 +155,10 @@ def closest_on_edge(
     p: Vec3, q: Corners, row: int, k: int, outline: Outline
 ) -> tuple[float, float, float, float]:
     """Return the place of an edge closest to p: its part of the way, distance² [mm²], xi, eta."""
-    l = (k + 1) % outline.n_edge[row]
-    point = outline.point
-    x0, y0, x1, y1 = point[row, k, 0], point[row, k, 1], point[row, l, 0], point[row, l, 1]
-    start, end = place_in(q, x0, y0), place_in(q, x1, y1)
-    way, r = sub(end, start), sub(p, start)
+    point, end = outline.point, (k + 1) % outline.n_edge[row]
+    x0, y0, x1, y1 = point[row, k, 0], point[row, k, 1], point[row, end, 0], point[row, end, 1]
+    start = place_in(q, x0, y0)
+    way, r = sub(place_in(q, x1, y1), start), sub(p, start)
     s = min(max(dot(r, way) / dot(way, way), 0.0), 1.0)
     off = add_scaled(r, -s, way)
     return s, dot(off, off), x0 + s * (x1 - x0), y0 + s * (y1 - y0)

@@ -29,7 +29,6 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State, local_edge_length
@@ -129,8 +128,8 @@ class SelfContact:
         """Add its forces at t_n to the nodal forces."""
         if self._is_out_of_date(state):
             self._search(state)
-        *found, self._walked = self._call.code(state.dt, self._walked, self._held)
-        self.forces = SelfContactForces(*found)
+        found = self._call.code(state.dt, self._walked, self._held)
+        self.forces, self._walked = SelfContactForces(*found[:5]), found[5]
         self.deepest = max(self.deepest, self.forces.deepest)
         self.n_looked += self.forces.n_looked
         return self.forces
@@ -184,7 +183,7 @@ class SelfContact:
     def _kept_presses(self, n_sheet: int) -> Presses:
         """Return room for the forces on all sheets, with those of the last evaluation."""
         last = None if self._tables is None else self._tables.presses
-        count = 0 if last is None else int(last.count[0])
+        count = 0 if last is None else int(last.n[0])
         room = max(n_sheet, count)
         presses = Presses(
             np.zeros((room, 5), np.int64), np.zeros((room, 5, 3)), np.array([count], np.int64)
@@ -223,7 +222,7 @@ class SelfContact:
         self._held = self._hold(self._tables)
 
     def _choose_points(self, state: State) -> None:
-        """Choose the points of a new topology: those near cracks and of pieces that nothing holds."""
+        """Choose the points of a new topology: near cracks, and of pieces that nothing holds."""
         n, quads = state.node, state.quads
         near = n.halved[: n.count].copy()
         for _ in range(_RINGS):
@@ -248,7 +247,7 @@ class SelfContact:
         }
         t = self._tables
         if t is not None:
-            count = int(t.presses.count[0])
+            count = int(t.presses.n[0])
             saved |= {
                 "pairs": t.pairs._asdict(),
                 "memory": t.memory._asdict(),
@@ -304,11 +303,10 @@ def _take_over(old: Pairs, was: Memory, new: Pairs, memory: Memory, state: State
     wanted = point * n_row + new.row
     at = order[np.minimum(np.searchsorted(key[order], wanted), key.size - 1)]
     common = np.flatnonzero(key[at] == wanted)
-    # Of several old sheets that have become one, the one that presses most.
-    for pair in common[np.argsort(was.force[of_old[at[common]]], kind="stable")].tolist():
-        sheet, before = of_new[pair], of_old[at[pair]]
-        for now, then in zip(memory, was, strict=True):
-            now[sheet] = then[before]
+    # Of several old sheets that have become one, the one that presses most: it is written last.
+    common = common[np.argsort(was.force[of_old[at[common]]], kind="stable")]
+    for name in Memory._fields:
+        getattr(memory, name)[of_new[common]] = getattr(was, name)[of_old[at[common]]]
 
 
 @kernel

@@ -64,7 +64,15 @@ def add_self_contact(
                 memory.side[sheet] = 0
                 continue
             way, off = way_out(
-                p, sheet, np.int64(memory.side[sheet]), law.thickness, near, x, quads, pairs, outline
+                p,
+                sheet,
+                int(memory.side[sheet]) + 0,
+                law.thickness,
+                near,
+                x,
+                quads,
+                pairs,
+                outline,
             )
             free = min(free, off)
             memory.side[sheet] = way.side
@@ -85,7 +93,7 @@ def add_self_contact(
             _press(count, pairs.node[i], force, way, quads, nodes, presses)
             count += 1
         waits.point[i] = walked + max(free - _AHEAD * step, 0.0)
-    presses.count[0] = count
+    presses.n[0] = count
     work += _work_of(presses, nodes, dt)
     return work, stored, count, deepest, n_looked, walked
 
@@ -127,7 +135,7 @@ def _forget(sheet: int, memory: Memory) -> None:
 def _work_of(presses: Presses, nodes: SelfNodes, dt: float) -> float:
     """Return half the work of forces over the last step [N·mm]."""
     work = 0.0
-    for i in range(presses.count[0]):
+    for i in range(presses.n[0]):
         for a in range(5):
             v = load(nodes.velocity_half, presses.node[i, a])
             f = presses.force[i, a, 0], presses.force[i, a, 1], presses.force[i, a, 2]

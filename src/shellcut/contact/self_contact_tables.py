@@ -76,7 +76,7 @@ class Presses(NamedTuple):
     node: Annotated[Ints, "(n_room, 5)"]
     force: Annotated[Floats, "(n_room, 5, 3)"]
     """[N]"""
-    count: Annotated[Ints, "(1,)"]
+    n: Annotated[Ints, "(1,)"]
     """How many points press."""
 
 

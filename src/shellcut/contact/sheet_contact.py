@@ -7,11 +7,11 @@ depth is
 
     D = min(h - s d, e)   over the film,   D <= 0 beside it,
 
-the way to the nearer of the two ways out: through the face, or through the edge. D is continuous,
-so the energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the
-shape functions at c; through the edge along m, the normal of the edge in the tangent plane, with
-the couple that turns m with the film (:func:`edge_shares`). Both leave momentum and angular momentum
-as they are, to round-off.
+the shorter of the two ways out: through the face, or through the edge. D is continuous, so the
+energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the shape
+functions at c; through the edge along m, the normal of the edge in the tangent plane, with the
+couple that turns m with the film (:func:`edge_shares`). Both leave momentum and angular momentum as
+they are, to round-off.
 
 Flanks that are born together lie edge to edge: e = 0, so D = 0 whatever h is. They part freely,
 meet again at e = 0 in the plane, and pass over each other as soon as they are h apart. Nothing has
@@ -177,7 +177,7 @@ def _way_to_edge(
             if not outline.open[row, k]:
                 continue
             q = corners_of(x, quads, row)
-            _, square, xi, eta = closest_on_edge(p, q, row, k, outline)
+            _, _, xi, eta = closest_on_edge(p, q, row, k, outline)
             n = normal_at(q, xi, eta)
             r = sub(p, place_in(q, xi, eta))
             above = dot(r, n)

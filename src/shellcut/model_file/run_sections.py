@@ -90,12 +90,13 @@ class Cohesive(Section):
 
 @section("contact", of=Contact)
 class ContactSection(Section):
-    """Penalty contact of the nodes with the tool."""
+    """Penalty contact with the tool, and of the film with itself."""
 
     penalty: float | None = key(
         number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
     )
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
+    self_contact: bool = key(flag, "whether film near cracks and loose pieces touch the film")
 
 
 @section("fracture", of=Fracture)

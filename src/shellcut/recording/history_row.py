@@ -25,6 +25,8 @@ _ENERGIES = (
     "contact_work",
     "contact_stored",
     "contact_absorbed",
+    "self_contact_work",
+    "self_contact_stored",
     "damping_stiffness",
     "damping_mass",
 )

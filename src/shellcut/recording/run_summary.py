@@ -65,6 +65,7 @@ def run_summary(
         "n_cable_broken": sim.cables.n_broken,
         "crack_length_mm": s.crack_length,
         **_of_the_tool(sim, unfelt),
+        **_of_self_contact(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
@@ -97,6 +98,18 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
         "unfelt_penetration_mm": unfelt,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
+    }
+
+
+def _of_self_contact(sim: Simulation) -> dict[str, float]:
+    """Return the figures of the film's contact with itself, none without it."""
+    if sim.self_contact is None:
+        return {}
+    return {
+        "self_contact_Nmm": sim.ledger.self_contact_work,
+        "self_contact_lost_Nmm": sim.ledger.self_contact_lost,
+        "self_contact_deepest_mm": sim.self_contact.deepest,
+        "n_self_contact_looked": sim.self_contact.n_looked,
     }
 
 

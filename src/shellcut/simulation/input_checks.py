@@ -35,7 +35,10 @@ def without_partner(
     if law is None and fracture is not None:
         yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
     if tool is None and contact is not None and not contact.self_contact:
-        yield "contact needs a tool to be in contact with: give tool and motion too"
+        yield (
+            "contact needs a tool to be in contact with: give tool and motion too, or "
+            "self_contact=True for that of the film with itself"
+        )
 
 
 def not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:

@@ -64,6 +64,11 @@ class Ledger:
         return self.damping_stiffness + self.damping_mass
 
     @property
+    def self_contact_lost(self) -> float:
+        """What the contact of the film with itself has taken and does not hold."""
+        return self.self_contact_work - self.self_contact_stored
+
+    @property
     def put_in(self) -> float:
         """Work of tool, loads and supports, and the energy at t = 0."""
         return self.tool_work + self.load_work + self.support_work + self.initial

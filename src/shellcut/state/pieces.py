@@ -45,7 +45,7 @@ class Pieces:
         of_node = np.full(n.count, -1)
         of_node[quads] = of_row[:, None]
         there = np.flatnonzero(of_node >= 0)
-        mass = np.bincount(of_node[there], weights=n.mass[there], minlength=count)
+        mass = np.asarray(np.bincount(of_node[there], n.mass[there], count), float)
         held = np.zeros(count, np.bool_)
         held[of_node[there[n.supported[there]]]] = True
         loose = ~held
