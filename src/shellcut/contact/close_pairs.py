@@ -15,7 +15,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.jit import BoundOnce, kernel
 
 # Cells over points, above which the cells are made larger: points that fly apart need few.
@@ -55,6 +55,8 @@ class Film(NamedTuple):
     quads: Annotated[Ints, "(n_row, 4)"]
     at: Annotated[Ints, "(n_node, n_most)"]
     """Rows at every node."""
+    dropped: Annotated[Bools, "(n_row,)"]
+    """Rows that have been taken out of the run."""
     n_at: Annotated[Ints, "(n_node,)"]
 
 
@@ -93,9 +95,9 @@ class CloseQuads:
         shape = (extent // size).astype(np.int64) + 1
         grid = low, size, shape
         first = np.zeros(int(shape.prod()) + 1, np.int64)
-        count = self._sort(film.x, film.quads, n_row, reach, *grid, first, np.zeros(0, np.int64))
+        count = self._sort(film, n_row, reach, *grid, first, np.zeros(0, np.int64))
         rows = np.empty(count, np.int64)
-        self._sort(film.x, film.quads, n_row, reach, *grid, first, rows)
+        self._sort(film, n_row, reach, *grid, first, rows)
         self._room = max(self._room, _ROOM * points.size)
         while True:
             found = np.empty((self._room, 3), np.int64)
@@ -124,8 +126,7 @@ def _in_sheets(points: Ints, found: Ints) -> Pairs:
 
 @kernel
 def _sort_into_cells(
-    x: Floats,
-    quads: Ints,
+    film: Film,
     n_row: int,
     reach: float,
     low: Floats,
@@ -138,13 +139,14 @@ def _sort_into_cells(
 
     With room for them, rows : (n,), write them there cell by cell, ascending.
     """
+    x, quads = film.x, film.quads
     fill = rows.shape[0] > 0
     if not fill:
         first[:] = 0
     begin, stop = np.zeros(3, np.int64), np.zeros(3, np.int64)
     place = first.copy()
     for row in range(n_row):
-        outside = False
+        outside = film.dropped[row]
         for c in range(3):
             lowest = highest = x[quads[row, 0], c]
             for a in range(1, 4):

@@ -168,7 +168,8 @@ class SelfContact:
         if not self._known.is_of(state):
             self._choose_points(state)
         outline, n = self._outline.of(state), state.node
-        film = Film(n.x, state.quad.nodes, n.quads, n.n_quad_at)
+        quad = state.quad
+        film = Film(n.x, quad.nodes, n.quads, quad.dropped, n.n_quad_at)
         reach = self.law.thickness + self._margin
         pairs = self._close.find(self._points, self._rings, film, state.n_quad, reach)
         memory = Memory.blank(len(pairs.first_pair) - 1)

@@ -10,6 +10,7 @@ from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import (
     CablePlaces,
     Candidates,
+    DropLoose,
     Fracture,
     Measure,
     Path,
@@ -124,6 +125,10 @@ class FractureSection(Section):
         number("mm/s"),
         "of cracks through quads that no blade drives",
         unset="one quad in check_every steps",
+    )
+    drop_loose: str = key(
+        choice(*get_args(DropLoose)),
+        "take pieces that nothing holds out of the run when they are clear of film and tool",
     )
 
 

@@ -27,6 +27,7 @@ _ENERGIES = (
     "contact_absorbed",
     "self_contact_work",
     "self_contact_stored",
+    "dropped",
     "damping_stiffness",
     "damping_mass",
 )

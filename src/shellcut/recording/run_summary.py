@@ -11,6 +11,7 @@ from shellcut.arrays import Floats
 from shellcut.results.energy_balance import largest_shares, trusted_rows
 from shellcut.results.steady_window import steady_figures
 from shellcut.simulation.simulation import Simulation
+from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
 
@@ -66,6 +67,7 @@ def run_summary(
         "crack_length_mm": s.crack_length,
         **_of_the_tool(sim, unfelt),
         **_of_self_contact(sim),
+        **_of_pieces(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
@@ -111,6 +113,16 @@ def _of_self_contact(sim: Simulation) -> dict[str, float]:
         "self_contact_deepest_mm": sim.self_contact.deepest,
         "n_self_contact_looked": sim.self_contact.n_looked,
     }
+
+
+def _of_pieces(sim: Simulation) -> dict[str, float]:
+    """Return how many pieces of the film are loose, and what was taken out; none without cracks."""
+    if sim.cracks is None:
+        return {}
+    figures: dict[str, float] = {"n_loose": Pieces.of(sim.state).n_loose}
+    if sim.state.n_dropped:
+        figures |= {"n_dropped": sim.state.n_dropped, "dropped_Nmm": sim.ledger.dropped}
+    return figures
 
 
 def _peaks(history: Mapping[str, Floats], r: AnyResistance) -> dict[str, float]:

@@ -7,11 +7,13 @@ it keeps from step to step. Terms that touch the tool are :class:`.tool_terms.To
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from shellcut.arrays import Floats, Ints
 from shellcut.state import State
+
+from .ledger import Ledger
 
 
 class FilmForces(Protocol):
@@ -57,3 +59,37 @@ class FilmTerm(Protocol):
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`; ``state`` is restored already."""
         ...
+
+
+class FilmTerms:
+    """The terms of a simulation that touch no tool, in the order of their evaluation."""
+
+    def __init__(self, terms: Sequence[FilmTerm]) -> None:
+        self._terms = tuple(terms)
+
+    def __iter__(self) -> Iterator[FilmTerm]:
+        return iter(self._terms)
+
+    @property
+    def n_search(self) -> int:
+        """How often they have searched for what they may hold."""
+        return sum(term.n_search for term in self._terms) if self._terms else 0
+
+    def add_forces(self, state: State, ledger: Ledger) -> None:
+        """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
+        for term in self._terms:
+            term.add_forces(state).add_works(vars(ledger))
+
+    def close(self, state: State, ledger: Ledger) -> None:
+        """Bring the entries of the ledger that are functions of the state up to t_n."""
+        for term in self._terms:
+            vars(ledger).update(term.stored(state))
+
+    def saved(self) -> dict[str, Any]:
+        """Return what the terms keep, by their names."""
+        return {term.name: term.saved() for term in self._terms}
+
+    def restore(self, state: State, saved: Mapping[str, Any]) -> None:
+        """Take over :meth:`saved`; ``state`` is restored already."""
+        for term in self._terms:
+            term.restore(state, saved[term.name])

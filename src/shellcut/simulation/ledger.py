@@ -50,6 +50,8 @@ class Ledger:
     """Work that went into the contact of the film with itself."""
     self_contact_stored: float = 0.0
     """Penalty energy, the recoverable part of it."""
+    dropped: float = 0.0
+    """Kinetic and strain energy of pieces that have been taken out of the run."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -84,6 +86,7 @@ class Ledger:
             + self.cohesive_start_work
             + self.contact_work
             + self.self_contact_work
+            + self.dropped
             + self.damping
         )
 
@@ -100,6 +103,7 @@ class Ledger:
             "cables": self.cohesive_work + self.cohesive_start_work,
             "contact": self.contact_work,
             "self contact": self.self_contact_work,
+            "dropped": self.dropped,
             "damping": self.damping,
         }
 

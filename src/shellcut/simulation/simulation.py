@@ -21,7 +21,6 @@ from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
-from shellcut.fracture.quad_polygon import WHOLE, Polygon
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
 from shellcut.loads.symmetry_plane import put_directors_into_planes
@@ -36,8 +35,8 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
-from .film_terms import FilmTerm
-from .hooks import Hook, StopRun
+from .film_terms import FilmTerms
+from .hooks import Hook, serve
 from .input_checks import (
     negative,
     nodal_displacements,
@@ -48,6 +47,7 @@ from .input_checks import (
 )
 from .instability import StabilityGuard
 from .ledger import Ledger
+from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
 from .tool_terms import ToolTerm, ToolTerms
@@ -173,18 +173,23 @@ class Simulation:
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
         self._flanks = FlankPoints()
+
+        self.state = self._state_at_start(velocity)
+        self.cracks, self._loose = None, None
+        if law is not None:
+            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool, motion)
+            if fracture.drop_loose == "clear":
+                self._loose = LoosePieces(
+                    self.shell, self.cracks, self.contact, edge_length, damping_alpha
+                )
         self.self_contact: SelfContact | None = None
         """Of the film with itself, if it is switched on."""
         if contact.self_contact:
-            self.self_contact = SelfContact(contact, material, edge_length, self._part_of)
-        self._film_terms: list[FilmTerm] = [self.self_contact] if self.self_contact else []
+            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
+            self.self_contact = SelfContact(contact, material, edge_length, part_of)
+        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching, self._film_terms)
         self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
-
-        self.state = self._state_at_start(velocity)
-        self.cracks = None
-        if law is not None:
-            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool, motion)
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
@@ -202,9 +207,8 @@ class Simulation:
         mesh, state = self.mesh, initial_state(self.mesh)
         self.shell.initialise(state)
         self.supports.initialise(state)
-        if velocity is None:
-            return state
-        state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
+        if velocity is not None:
+            state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
         return state
 
     @property
@@ -241,6 +245,8 @@ class Simulation:
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
+        if self._loose is not None:
+            self._mass_damping -= self._loose.drop_due(s, self.ledger, 0.5 * (s.dt + dt_next))
         self._guard.check_balance(s, self.ledger)
         self._dt = dt_next
         self._between_steps = True
@@ -252,8 +258,7 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
-        for term in self._film_terms:
-            term.add_forces(s).add_works(vars(book))
+        self._film_terms.add_forces(s, book)
         if s.flank.count:
             self._flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
@@ -371,10 +376,10 @@ class Simulation:
         if not until >= self.state.time - self.state.dt:
             raise ValueError(f"until must not lie before now, {self.state.time} s, got {until!r}")
         try:
-            going = self._serve(hooks)
+            going = serve(self, hooks)
             while going and self.state.time < until:
                 self.step()
-                going = self._serve(hooks)
+                going = serve(self, hooks)
         finally:
             for hook in hooks:
                 hook.close()
@@ -390,8 +395,7 @@ class Simulation:
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
         self.tool_terms.close(self.state, self.ledger)
-        for term in self._film_terms:
-            vars(self.ledger).update(term.stored(self.state))
+        self._film_terms.close(self.state, self.ledger)
         return self.ledger
 
     # ---------------------------------------------------------------- restart
@@ -414,7 +418,7 @@ class Simulation:
             "dt": self._dt,
             "balance": self._guard.saved(),
         }
-        saved |= {term.name: term.saved() for term in self._film_terms}
+        saved |= self._film_terms.saved()
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
         return saved
@@ -439,22 +443,7 @@ class Simulation:
         self.tool_terms.restore(s, self.pose, saved["tool_terms"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
-        for term in self._film_terms:  # they ask the cracks which film is left
-            term.restore(s, saved[term.name])
-
-    def _serve(self, hooks: Sequence[Hook]) -> bool:
-        going = True
-        for hook in hooks:
-            if hook.due(self):
-                try:
-                    hook(self)
-                except StopRun:
-                    going = False
-        return going
-
-    def _part_of(self, row: int) -> Polygon:
-        """Return the polygon of film that a row holds."""
-        return WHOLE if self.cracks is None else self.cracks.cuts.topology.polygon(row)
+        self._film_terms.restore(s, saved)  # they ask the cracks which film is left
 
     def _place_tool(self) -> None:
         if self._pose_at is not None:

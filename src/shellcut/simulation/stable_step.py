@@ -35,7 +35,7 @@ from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
-from .film_terms import FilmTerm
+from .film_terms import FilmTerms
 from .tool_terms import ToolTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
@@ -95,10 +95,10 @@ class StableStep:
         stepping: Stepping,
         shell: MITC4Shell,
         tool_terms: Sequence[ToolTerm],
-        film_terms: Sequence[FilmTerm] = (),
+        film_terms: FilmTerms | None = None,
     ) -> None:
         self.stepping = stepping
-        self._shell, self._film_terms = shell, tuple(film_terms)
+        self._shell, self._film_terms = shell, film_terms or FilmTerms(())
         self._tool_terms = tuple(tool_terms)
         self._n_search = 0
         self._next = 0
@@ -113,7 +113,7 @@ class StableStep:
         if self.stepping.fixed is not None:
             return self.stepping.fixed
         due = state.step >= self._next
-        searched = sum(term.n_search for term in self._film_terms) if self._film_terms else 0
+        searched = self._film_terms.n_search
         if due or searched != self._n_search or not self._topology.is_of(state):
             self._n_search = searched
             self._topology.take(state)
