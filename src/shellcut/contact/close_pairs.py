@@ -55,8 +55,8 @@ class Film(NamedTuple):
     quads: Annotated[Ints, "(n_row, 4)"]
     at: Annotated[Ints, "(n_node, n_most)"]
     """Rows at every node."""
-    dropped: Annotated[Bools, "(n_row,)"]
-    """Rows that have been taken out of the run."""
+    absent: Annotated[Bools, "(n_row,)"]
+    """Rows that are no partners."""
     n_at: Annotated[Ints, "(n_node,)"]
 
 
@@ -146,7 +146,7 @@ def _sort_into_cells(
     begin, stop = np.zeros(3, np.int64), np.zeros(3, np.int64)
     place = first.copy()
     for row in range(n_row):
-        outside = film.dropped[row]
+        outside = film.absent[row]
         for c in range(3):
             lowest = highest = x[quads[row, 0], c]
             for a in range(1, 4):

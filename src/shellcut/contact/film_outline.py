@@ -9,6 +9,10 @@ An edge on a side of the quad is *closed* if the film goes on there, and *open* 
 rim, at a notch, at a flank. Quads that hang together along a side share both its nodes, so a side
 is closed if and only if another row has both. Edges on flanks are open. A corner of the polygon is
 open if an open edge ends there, be it that of another quad.
+
+Slivers are left out, as is film that has been taken out of the run: for contact the film ends where
+they begin. The nodes of a sliver swing by more than it is wide, and turn it any way; nobody could
+say what is over it.
 """
 
 from __future__ import annotations
@@ -29,6 +33,9 @@ each to the next lies, -1 for a flank."""
 _WHOLE: Part = (((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), (0, 1, 2, 3))
 
 
+SLIVER = 0.2
+"""Part of a quad: rows that hold less are left out."""
+
 # Of a coordinate, from which on a point lies at the end of a side.
 _AT_CORNER = 1.0 - 1e-9
 
@@ -46,6 +53,8 @@ class Outline(NamedTuple):
     """Whether the film ends at the edge."""
     open_at: Annotated[Bools, "(n_row, n_most)"]
     """Whether the film ends at the point."""
+    absent: Annotated[Bools, "(n_row,)"]
+    """Whether a row is left out."""
 
 
 class FilmOutline:
@@ -78,6 +87,8 @@ class FilmOutline:
             for row in cut.tolist():
                 self._write(row, self._part_of(row))
         q, n, outline = state.quad, state.node, self._outline
+        count = state.n_quad
+        outline.absent[:count] = q.dropped[:count] | (q.share[:count] < SLIVER)
         self._mark(changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_rim, outline)
         self._known.take(state)
         return outline
@@ -115,6 +126,7 @@ def _of_whole_quads(n_row: int, n_most: int) -> Outline:
         side=np.full((n_row, n_most), -1),
         open=np.zeros((n_row, n_most), np.bool_),
         open_at=np.zeros((n_row, n_most), np.bool_),
+        absent=np.zeros(n_row, np.bool_),
     )
     outline.point[:, :4] = points
     outline.side[:, :4] = sides
@@ -140,7 +152,7 @@ def _mark_open(
                 a, b = quads[row, on], quads[row, (on + 1) % 4]
                 for j in range(n_at[a]):
                     other = at[a, j]
-                    if other != row:
+                    if other != row and not outline.absent[other]:
                         for c in range(4):
                             if quads[other, c] == b:
                                 is_open[row, k] = False
@@ -155,7 +167,7 @@ def _mark_open(
                 other = at[node, j]
                 for k in range(outline.n_edge[other]):
                     on = side[other, k]
-                    if on >= 0 and is_open[other, k]:
+                    if on >= 0 and is_open[other, k] and not outline.absent[other]:
                         ends = quads[other, on] == node or quads[other, (on + 1) % 4] == node
                         at_rim[node] = at_rim[node] or ends
     for i in range(rows.shape[0]):

@@ -108,6 +108,7 @@ class SelfContact:
         self._known = KnownTopology()
         self._points: Ints = np.zeros(0, np.int64)
         self._rings: Ints = np.zeros(0, np.int64)
+        self._film_nodes: Ints = np.zeros(0, np.int64)
         self._x_then = np.zeros((0, 3))
         self._walked = 0.0
         self._tables: SelfContactTables | None = None
@@ -160,7 +161,7 @@ class SelfContact:
         if state.step % _LOOK_EVERY:
             return False
         n = state.node
-        way, speed = self._farthest(state.n_node, n.x, self._x_then, n.velocity_half)
+        way, speed = self._farthest(self._film_nodes, n.x, self._x_then, n.velocity_half)
         return bool(2.0 * (way + _LOOK_EVERY * state.dt * speed) > self._margin)
 
     def _search(self, state: State) -> None:
@@ -168,8 +169,7 @@ class SelfContact:
         if not self._known.is_of(state):
             self._choose_points(state)
         outline, n = self._outline.of(state), state.node
-        quad = state.quad
-        film = Film(n.x, quad.nodes, n.quads, quad.dropped, n.n_quad_at)
+        film = Film(n.x, state.quad.nodes, n.quads, outline.absent, n.n_quad_at)
         reach = self.law.thickness + self._margin
         pairs = self._close.find(self._points, self._rings, film, state.n_quad, reach)
         memory = Memory.blank(len(pairs.first_pair) - 1)
@@ -206,14 +206,20 @@ class SelfContact:
         n, f, quads = state.node, state.flank, state.quad.nodes
         flank = np.full(len(n.x), -1)
         flank[f.node[: f.count]] = np.arange(f.count)
-        moving = np.concatenate([pairs.node, quads[np.unique(pairs.row)].ravel().astype(np.int64)])
+        # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
+        listed = np.zeros(len(quads), np.bool_)
+        listed[pairs.row] = True
+        near = np.zeros(len(n.x), np.bool_)
+        near[quads[listed]] = True
+        near[f.node[: f.count]] = listed[f.row[: f.count]]
+        near[pairs.node] = True
         self._tables = SelfContactTables(
             law=self.law,
             pairs=pairs,
             stiffness=self.law.stiffness(n, pairs.node),
             memory=memory,
             waits=waits or Waits(np.zeros(len(pairs.node)), np.zeros(len(pairs.row))),
-            moving=np.unique(moving),
+            moving=self._film_nodes[near[self._film_nodes]],
             outline=outline,
             quads=quads,
             nodes=SelfNodes(**{name: getattr(n, name) for name in SelfNodes._fields}),
@@ -229,6 +235,9 @@ class SelfContact:
         for _ in range(_RINGS):
             near[quads[near[quads].any(axis=1)]] = True
         near |= Pieces.of(state).loose_nodes(state)
+        film = n.real[: n.count].copy()
+        film[state.flank.node[: state.flank.count]] = True
+        self._film_nodes = np.flatnonzero(film)
         self._points = np.flatnonzero(near & n.real[: n.count])
         beside = self.law.thickness / local_edge_length(n.contact_area[self._points])
         self._rings = 1 + beside.astype(np.int64)
@@ -311,10 +320,11 @@ def _take_over(old: Pairs, was: Memory, new: Pairs, memory: Memory, state: State
 
 
 @kernel
-def _farthest(n_node: int, x: Floats, then: Floats, velocity: Floats) -> tuple[float, float]:
-    """Return how far a node has moved at most, and the largest speed."""
+def _farthest(nodes: Ints, x: Floats, then: Floats, velocity: Floats) -> tuple[float, float]:
+    """Return how far some nodes have moved at most, and their largest speed."""
     way = speed = 0.0
-    for n in range(n_node):
+    for i in range(nodes.shape[0]):
+        n = nodes[i]
         moved = fast = 0.0
         for c in range(3):
             moved += (x[n, c] - then[n, c]) ** 2
