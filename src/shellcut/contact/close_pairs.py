@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 
 # Cells over points, above which the cells are made larger: points that fly apart need few.
 _MOST_CELLS = 64
@@ -124,6 +124,16 @@ def _in_sheets(points: Ints, found: Ints) -> Pairs:
     )
 
 
+@inline
+def _extent(x: Floats, quads: Ints, row: int, c: int) -> tuple[float, float]:
+    """Return the least and the largest coordinate c of a row's nodes [mm]."""
+    lowest = highest = x[quads[row, 0], c]
+    for a in range(1, 4):
+        here = x[quads[row, a], c]
+        lowest, highest = min(lowest, here), max(highest, here)
+    return lowest, highest
+
+
 @kernel
 def _sort_into_cells(
     film: Film,
@@ -148,10 +158,7 @@ def _sort_into_cells(
     for row in range(n_row):
         outside = film.absent[row]
         for c in range(3):
-            lowest = highest = x[quads[row, 0], c]
-            for a in range(1, 4):
-                here = x[quads[row, a], c]
-                lowest, highest = min(lowest, here), max(highest, here)
+            lowest, highest = _extent(x, quads, row, c)
             one = (lowest - reach - low[c]) / size
             two = (highest + reach - low[c]) / size
             if not (one < shape[c] and two >= 0.0):  # nor if it is not finite
@@ -226,10 +233,7 @@ def _find(
             row = rows[j]
             apart = False
             for c in range(3):
-                lowest = highest = x[quads[row, 0], c]
-                for a in range(1, 4):
-                    here = x[quads[row, a], c]
-                    lowest, highest = min(lowest, here), max(highest, here)
+                lowest, highest = _extent(x, quads, row, c)
                 apart = apart or x[n, c] < lowest - reach or x[n, c] > highest + reach
             for a in range(4):
                 apart = apart or stamp[quads[row, a]] == i
