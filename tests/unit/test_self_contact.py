@@ -357,6 +357,46 @@ def test_flanks_born_together_do_not_lock(path):
     assert force[True] == pytest.approx(force[False], rel=5e-3)
 
 
+def test_flanks_of_a_cut_that_is_closed_again_do_not_overlap():
+    """A sheet cut in two along its middle, both halves pushed together in the plane."""
+    mesh = rectangle(3.0, 2.0, n_x=6, n_y=4)
+    line = np.flatnonzero(np.abs(mesh.nodes[:, 1]) < 1e-9)
+    film = mesh.cut(line[np.argsort(mesh.nodes[line, 0])])
+    y = film.nodes[:, 1]
+    centre = film.nodes[film.quads].mean(axis=1)
+    upper = np.unique(film.quads[centre[:, 1] > 0.0])
+    lower = np.setdiff1d(np.arange(film.n_node), upper)
+    # At its ends the cut meets the rim: the way out is along the cut there.
+    inside = np.abs(film.nodes[:, 0] - 1.5) < 1.4
+    gap = {}
+    for on in (False, True):
+        sim = sc.Simulation(
+            film,
+            sc.ShellMaterial.homogeneous(),
+            supports=[
+                sc.Support(np.flatnonzero(y > 0.99), "xyz", "", velocity={"y": lambda _: -500.0}),
+                sc.Support(np.flatnonzero(y < -0.99), "xyz", "", velocity={"y": lambda _: 500.0}),
+            ],
+            contact=ON if on else None,
+        )
+        while sim.state.time < 2e-5:  # 0.02 mm of way: a strain of 1 %
+            sim.step()
+        x = sim.state.node.x[: film.n_node, 1]
+        gap[on] = x[upper[inside[upper]]].min() - x[lower[inside[lower]]].max()
+        book = sim.close_ledger()
+        assert abs(book.imbalance) < 5e-3 * book.support_work
+    assert gap[False] == pytest.approx(-0.02, rel=0.02)
+    assert sim.self_contact.forces.n_touching == 14
+    # At rest E h b (0.02 - D) / 2 = K f(D), with K = 0.625 E h of five halves of nodes on either
+    # flank, E h / 8 a whole one. Measured 1 % less: the film swings, and gives way sideways.
+    ways = np.linspace(0.0, 0.02, 20001)
+    pressed = [0.625 * smoothed(way, sim.self_contact.law.smoothing_depth) for way in ways]
+    wanted = ways[np.argmin(np.abs(np.array(pressed) - 1.5 * (0.02 - ways)))]
+    assert sim.self_contact.forces.deepest == pytest.approx(wanted, rel=0.05)
+    assert -gap[True] < 1.05 * sim.self_contact.forces.deepest
+    assert book.self_contact_stored > 0.0
+
+
 def test_the_halves_of_a_split_node_keep_side_and_energy():
     state, term, x, first = touching([0.13, 0.07, 0.9 * H])
     away = np.zeros_like(x)

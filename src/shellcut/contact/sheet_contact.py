@@ -148,7 +148,8 @@ def way_out(
         if over > 0.0:
             none = Way(0.0, row, place.xi, place.eta, n, 0.0, 1 if above > 0.0 else -1)
         return none, sqrt(within * within + over * over)
-    if abs(above) < _OVER * distance:  # beyond a closed side
+    on_surface = distance <= _ON_SURFACE * thickness  # where the way to the point tells nothing
+    if abs(above) < _OVER * distance and not on_surface:  # beyond a closed side
         return none, max(distance - thickness, 0.0)
     now = 1 if above > 0.0 else -1
     if distance >= thickness and side * now >= 0:
@@ -160,7 +161,7 @@ def way_out(
         # It came through the edge unless its side is known.
         return Way(*edge[:6], side), 0.0
     out = scale(float(known), n)
-    if distance > _ON_SURFACE * thickness:
+    if not on_surface:
         out = scale(known * now / distance, r)
     return Way(through_face, row, place.xi, place.eta, out, 0.0, known), 0.0
 
