@@ -21,6 +21,7 @@ def test_sums_take_each_entry_once():
     names = (
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
         *("cohesive_work", "cohesive_start_work", "contact_work"),
+        *("self_contact_work", "dropped"),
         *("damping_stiffness", "damping_mass"),
     )
     assert ledger.taken_up == sum(getattr(ledger, n) for n in names)

@@ -84,15 +84,19 @@ class Contact:
         :mod:`shellcut.contact.settings`.
     smoothing : float
         g_M as a fraction of the thickness; reduced for a thin tool.
+    self_contact : bool
+        Whether film near cracks and loose pieces also touch the film
+        (:mod:`shellcut.contact.self_contact`).
 
     Examples
     --------
     >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25)
+    Contact(penalty=20000.0, smoothing=0.25, self_contact=False)
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
+    self_contact: bool = False
 
     def __post_init__(self) -> None:
         problems = [

@@ -85,6 +85,11 @@ class Cracks:
         elif self.edges is not None:
             self.edges.run(state, pose)
 
+    def forget(self, state: State) -> None:
+        """Give up the tips in film that has been taken out; those along edges are held then."""
+        if self.free is not None:
+            self.free.forget(state)
+
     def saved(self) -> dict[str, Any]:
         """Return what has been cut, and where the cracks end."""
         saved: dict[str, Any] = {"cuts": self.cuts.saved()}

@@ -51,6 +51,7 @@ StressPlace: TypeAlias = Literal["mid", "top", "bottom", "largest", "nominal"]
 Candidates: TypeAlias = Literal["tips", "all"]
 Path: TypeAlias = Literal["free", "imprint", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
+DropLoose: TypeAlias = Literal["never", "clear"]
 
 _ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "equilibrium_start"
 _ONLY_THROUGH_QUADS = "anisotropy", "cable_places", "largest_speed"
@@ -93,6 +94,9 @@ class Fracture:
     largest_speed : float, optional
         Of cracks through the quads that no blade drives [mm/s]; by default one quad in
         ``check_every`` steps, which is mostly less than the Rayleigh speed of the film.
+    drop_loose : {"never", "clear"}
+        Whether pieces that nothing holds are taken out of the run once they are clear of the rest
+        and of the tool (:mod:`shellcut.simulation.loose_pieces`).
 
     Examples
     --------
@@ -113,6 +117,7 @@ class Fracture:
     anisotropy: Anisotropy | None = None
     cable_places: CablePlaces = "ends"
     largest_speed: float | None = None
+    drop_loose: DropLoose = "never"
 
     def __post_init__(self) -> None:
         problems = []
@@ -121,6 +126,7 @@ class Fracture:
             ("candidates", Candidates),
             ("stress_place", StressPlace),
             ("cable_places", CablePlaces),
+            ("drop_loose", DropLoose),
         ):
             if getattr(self, name) not in (allowed := get_args(choices)):
                 problems.append(f"{name} must be one of {allowed}, got {getattr(self, name)!r}")

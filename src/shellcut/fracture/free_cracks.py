@@ -319,6 +319,15 @@ class FreeCracks:
         joined = self._path.to_an_end(state, row, place, way, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]
 
+    def forget(self, state: State) -> None:
+        """Give up the tips in film that has been taken out of the run."""
+        gone, there = state.quad.dropped, []
+        for tip in self.tips:
+            ahead = [row for row, _ in self._path.rows_ahead(tip)]
+            if not gone[ahead].any():
+                there.append(tip)
+        self.tips = there
+
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
         at = np.zeros((len(self.tips), rows.shape[1]))

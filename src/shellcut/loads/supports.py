@@ -229,7 +229,8 @@ class SupportSet:
         before; virtual nodes it does not hold.
         """
         n_mesh, n, quad = len(self._directors), state.node, state.quad
-        copies = n_mesh + np.flatnonzero(n.supported[n_mesh : n.count])
+        held = n.supported[n_mesh : n.count] & n.real[n_mesh : n.count]
+        copies = n_mesh + np.flatnonzero(held)
         rows = n.quads[copies, 0]
         corner = np.argmax(quad.nodes[rows] == copies[:, None], axis=1)
         of = self._quads[quad.parent[rows], corner]

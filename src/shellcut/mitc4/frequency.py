@@ -161,6 +161,11 @@ class QuadFrequencies:
             self._row[-1] = len(self._strain)
             self._strain = np.concatenate([self._strain, self._strain[self._row[row]][None]])
 
+    def drop(self, rows: Ints) -> None:
+        """Take rows that are out of the run for ones so soft that they never limit the step."""
+        self._evaluated[rows] *= _SOFT
+        self.squared[rows] *= _SOFT
+
     def saved(self) -> dict[str, Any]:
         """Return the last evaluations: the bounds depend on when each was made."""
         return {
@@ -197,6 +202,9 @@ class QuadFrequencies:
 
 
 _PIECE = 1024
+
+# Factor on omega² of a quad that has been taken out.
+_SOFT = 1e-6
 
 
 def growth_rates(material: ShellMaterial) -> tuple[float, float]:

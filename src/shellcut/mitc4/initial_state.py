@@ -85,6 +85,7 @@ def initial_state(mesh: Mesh) -> State:
             share=np.ones(mesh.n_quad),
             mass_share=np.ones(mesh.n_quad),
             centre=np.full((mesh.n_quad, 4), 0.25),
+            dropped=np.zeros(mesh.n_quad, np.bool_),
         ),
         strain=np.zeros((0, 0, 0)),
         strain_before=np.zeros((0, 0, 0)),

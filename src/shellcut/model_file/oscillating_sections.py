@@ -117,7 +117,7 @@ class BarWay(Section):
 
 @section("contact", of=Contact)
 class SoftContact(ContactSection):
-    """Penalty contact of the nodes with the tool."""
+    """Penalty contact with the tool, and of the film with itself."""
 
     penalty: float = again(ContactSection, "penalty", PENALTY)
 

@@ -10,6 +10,7 @@ from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import (
     CablePlaces,
     Candidates,
+    DropLoose,
     Fracture,
     Measure,
     Path,
@@ -90,12 +91,13 @@ class Cohesive(Section):
 
 @section("contact", of=Contact)
 class ContactSection(Section):
-    """Penalty contact of the nodes with the tool."""
+    """Penalty contact with the tool, and of the film with itself."""
 
     penalty: float | None = key(
         number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
     )
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
+    self_contact: bool = key(flag, "whether film near cracks and loose pieces touch the film")
 
 
 @section("fracture", of=Fracture)
@@ -123,6 +125,10 @@ class FractureSection(Section):
         number("mm/s"),
         "of cracks through quads that no blade drives",
         unset="one quad in check_every steps",
+    )
+    drop_loose: str = key(
+        choice(*get_args(DropLoose)),
+        "take pieces that nothing holds out of the run when they are clear of film and tool",
     )
 
 

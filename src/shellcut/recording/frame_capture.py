@@ -24,7 +24,10 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 # Node arrays that a frame needs and that change during the run; only these are copied.
-_OF_NODES = ("x", "t", "velocity_half", "supported", "halved", "origin", "quads", "n_quad_at")
+_OF_NODES = (
+    *("x", "t", "velocity_half", "supported", "halved", "real", "origin"),
+    *("quads", "n_quad_at"),
+)
 _OF_CABLES = ("ends", "status", "joint", "traction", "opening")
 
 _Table = TypeVar("_Table", NodeTable, CableTable, QuadTable)
@@ -51,7 +54,7 @@ class Exposure:
             s,
             node=_copied(s.node, _OF_NODES),
             cable=_copied(s.cable, _OF_CABLES),
-            quad=_copied(s.quad, ("nodes",)),
+            quad=_copied(s.quad, ("nodes", "dropped")),
             history=s.history.copy(),
         )
         cuts = None if sim.cracks is None else sim.cracks.cuts
@@ -68,17 +71,21 @@ class Exposure:
             self._shell.face_stresses(s),
             self._shell.history_means(s),
         )
+        there = ~s.quad.dropped[: s.n_quad]  # what has been taken out is not shown
+        stress, principal = faces.stress[there], faces.principal[there]
+        film = _whole_film(s) if self._drawn is None else _cut_film(s, self._drawn)
+        film["quads"] = film["quads"][there]
         return Frame(
             time=s.time,
-            **(_whole_film(s) if self._drawn is None else _cut_film(s, self._drawn)),
-            quad_stress=faces.stress[:, 0],
-            quad_stress_top=faces.stress[:, 1],
-            quad_stress_bottom=faces.stress[:, 2],
-            quad_principal=faces.principal[:, 0],
-            quad_principal_top=faces.principal[:, 1],
-            quad_principal_bottom=faces.principal[:, 2],
-            quad_thickness=faces.thickness,
-            quad_history=history,
+            **film,
+            quad_stress=stress[:, 0],
+            quad_stress_top=stress[:, 1],
+            quad_stress_bottom=stress[:, 2],
+            quad_principal=principal[:, 0],
+            quad_principal_top=principal[:, 1],
+            quad_principal_bottom=principal[:, 2],
+            quad_thickness=faces.thickness[there],
+            quad_history={name: numbers[there] for name, numbers in history.items()},
             **_cables(s),
             **_placed(self._tool, self._pose),
             **self._figures,
@@ -87,6 +94,7 @@ class Exposure:
 
 def _whole_film(state: State) -> dict[str, Any]:
     n = state.n_node
+    flanks = open_edge_copies(state).astype(np.int64)
     return {
         "points": state.node.x[:n],
         "reference": state.node.X[:n],
@@ -94,7 +102,7 @@ def _whole_film(state: State) -> dict[str, Any]:
         "velocity": state.node.velocity_half[:n],
         "quads": state.quads.astype(np.int64),
         "held": state.node.supported[:n],
-        "crack_edges": open_edge_copies(state).astype(np.int64),
+        "crack_edges": flanks[state.node.real[flanks].all(axis=(1, 2))],
     }
 
 

@@ -25,6 +25,9 @@ _ENERGIES = (
     "contact_work",
     "contact_stored",
     "contact_absorbed",
+    "self_contact_work",
+    "self_contact_stored",
+    "dropped",
     "damping_stiffness",
     "damping_mass",
 )

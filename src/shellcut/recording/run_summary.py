@@ -11,6 +11,7 @@ from shellcut.arrays import Floats
 from shellcut.results.energy_balance import largest_shares, trusted_rows
 from shellcut.results.steady_window import steady_figures
 from shellcut.simulation.simulation import Simulation
+from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
 
@@ -65,6 +66,8 @@ def run_summary(
         "n_cable_broken": sim.cables.n_broken,
         "crack_length_mm": s.crack_length,
         **_of_the_tool(sim, unfelt),
+        **_of_self_contact(sim),
+        **_of_pieces(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
         **_peaks(history, r),
     }
@@ -98,6 +101,28 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
         "unfelt_penetration_mm": unfelt,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
     }
+
+
+def _of_self_contact(sim: Simulation) -> dict[str, float]:
+    """Return the figures of the film's contact with itself, none without it."""
+    if sim.self_contact is None:
+        return {}
+    return {
+        "self_contact_Nmm": sim.ledger.self_contact_work,
+        "self_contact_lost_Nmm": sim.ledger.self_contact_lost,
+        "self_contact_deepest_mm": sim.self_contact.deepest,
+        "n_self_contact_looked": sim.self_contact.n_looked,
+    }
+
+
+def _of_pieces(sim: Simulation) -> dict[str, float]:
+    """Return how many pieces of the film are loose, and what was taken out; none without cracks."""
+    if sim.cracks is None:
+        return {}
+    figures: dict[str, float] = {"n_loose": Pieces.of(sim.state).n_loose}
+    if sim.state.n_dropped:
+        figures |= {"n_dropped": sim.state.n_dropped, "dropped_Nmm": sim.ledger.dropped}
+    return figures
 
 
 def _peaks(history: Mapping[str, Floats], r: AnyResistance) -> dict[str, float]:

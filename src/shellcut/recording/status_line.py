@@ -84,6 +84,8 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         **({"material": ledger.material_dissipated} if ledger.material_dissipated else {}),
         "cohesive": ledger.cohesive_work + ledger.cohesive_start_work,
         "contact": ledger.contact_work,
+        **({"self contact": ledger.self_contact_work} if ledger.self_contact_work else {}),
+        **({"dropped": ledger.dropped} if ledger.dropped else {}),
         "damping": ledger.damping,
         "ext": ledger.put_in,
     }

@@ -100,6 +100,9 @@ class Gathered:
             figures["contact_Nmm"] = float(h["contact_work"][-1])
         if driver == "tool" and "contact_absorbed" in h:  # runs of older versions lack it
             figures["contact_absorbed_Nmm"] = float(h["contact_absorbed"][-1])
+        itself = h.get("self_contact_work", np.zeros(0))
+        if itself.any():
+            figures["self_contact_lost_Nmm"] = float((itself - h["self_contact_stored"])[-1])
         return figures
 
     @property

@@ -229,6 +229,21 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
     )
 
 
+def _self_contact(figures: Figures) -> Iterator[Line]:
+    lost = _share_of_work(figures, "self_contact_lost_Nmm")
+    if lost is None:
+        return
+    did = "lost" if lost >= 0.0 else "gave the film"
+    share, limit = _percent(abs(lost)), _percent(GIVEN_LIMIT)
+    yield _judged(
+        abs(lost) <= GIVEN_LIMIT,
+        f"Contact of the film with itself {did} {share} of the tool's work (limit {limit}).",
+        f"Contact of the film with itself {did} {share} of the tool's work, more than {limit}: "
+        "its parts hit each other so fast that a step is too long for it. Use a smaller "
+        "Stepping.safety.",
+    )
+
+
 def _penetration(figures: Figures) -> Iterator[Line]:
     depth = figures.get("deepest_penetration_mm")
     half = figures.get("tool_half_thickness_mm")
@@ -355,6 +370,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _damping,
     _contact,
     _absorbed,
+    _self_contact,
     _penetration,
     _unfelt,
     _nothing_cut,

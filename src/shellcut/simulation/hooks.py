@@ -7,7 +7,7 @@ run ends after all hooks of that step have been served.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -140,3 +140,15 @@ class Sampler:
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""
+
+
+def serve(sim: Simulation, hooks: Sequence[Hook]) -> bool:
+    """Call the hooks that are due; return whether the run goes on."""
+    going = True
+    for hook in hooks:
+        if hook.due(sim):
+            try:
+                hook(sim)
+            except StopRun:
+                going = False
+    return going

@@ -34,8 +34,11 @@ def without_partner(
         yield "tool and motion go together: give both or none"
     if law is None and fracture is not None:
         yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
-    if tool is None and contact is not None:
-        yield "contact needs a tool to be in contact with: give tool and motion too"
+    if tool is None and contact is not None and not contact.self_contact:
+        yield (
+            "contact needs a tool to be in contact with: give tool and motion too, or "
+            "self_contact=True for that of the film with itself"
+        )
 
 
 def not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
@@ -67,3 +70,25 @@ def points_of_notch(points: Sequence[npt.ArrayLike]) -> Floats:
         said = ", ".join(repr(point) for point in points[:4])
         raise ValueError(f"a notch needs two different points in mm or more, got {said}")
     return np.array(every)
+
+
+def nodal_velocities(velocity: Floats, n_node: int) -> Floats:
+    """Return velocities of all nodes, shape (n_node, 3) [mm/s]; refuse those that are none."""
+    given = np.asarray(velocity, float)
+    if given.shape != (n_node, 3):
+        raise ValueError(f"velocity must have shape ({n_node}, 3), a row a node, got {given.shape}")
+    if not np.isfinite(given).all():
+        bad = np.flatnonzero(~np.isfinite(given).all(axis=1))[:5].tolist()
+        raise ValueError(f"velocity must be finite, is not at nodes {bad}")
+    return given
+
+
+def nodal_displacements(displacement: Floats, n_node: int) -> Floats:
+    """Return displacements of all nodes, shape (n_node, 3) [mm]; refuse those that are none."""
+    moved = np.asarray(displacement, float)
+    if moved.shape != (n_node, 3) or not np.isfinite(moved).all():
+        raise ValueError(
+            f"displacement must be finite and of shape (n_node, 3) = ({n_node}, 3), "
+            f"got {moved.shape}"
+        )
+    return moved

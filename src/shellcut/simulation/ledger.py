@@ -46,6 +46,12 @@ class Ledger:
     """Penalty energy, the recoverable part of it."""
     contact_absorbed: float = 0.0
     """What absorbed jumps have taken up of it; negative: what they have given to the film."""
+    self_contact_work: float = 0.0
+    """Work that went into the contact of the film with itself."""
+    self_contact_stored: float = 0.0
+    """Penalty energy, the recoverable part of it."""
+    dropped: float = 0.0
+    """Kinetic and strain energy of pieces that have been taken out of the run."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -58,6 +64,11 @@ class Ledger:
     def damping(self) -> float:
         """Dissipated by both dampings."""
         return self.damping_stiffness + self.damping_mass
+
+    @property
+    def self_contact_lost(self) -> float:
+        """What the contact of the film with itself has taken and does not hold."""
+        return self.self_contact_work - self.self_contact_stored
 
     @property
     def put_in(self) -> float:
@@ -74,6 +85,8 @@ class Ledger:
             + self.cohesive_work
             + self.cohesive_start_work
             + self.contact_work
+            + self.self_contact_work
+            + self.dropped
             + self.damping
         )
 
@@ -89,6 +102,8 @@ class Ledger:
             "material": self.material_dissipated,
             "cables": self.cohesive_work + self.cohesive_start_work,
             "contact": self.contact_work,
+            "self contact": self.self_contact_work,
+            "dropped": self.dropped,
             "damping": self.damping,
         }
 

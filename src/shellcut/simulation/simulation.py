@@ -14,6 +14,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.crack_path import MERGE
@@ -34,10 +35,19 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
-from .hooks import Hook, StopRun
-from .input_checks import negative, not_with_path, points_of_notch, without_partner
+from .film_terms import FilmTerms
+from .hooks import Hook, serve
+from .input_checks import (
+    negative,
+    nodal_displacements,
+    nodal_velocities,
+    not_with_path,
+    points_of_notch,
+    without_partner,
+)
 from .instability import StabilityGuard
 from .ledger import Ledger
+from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
 from .tool_terms import ToolTerm, ToolTerms
@@ -153,8 +163,8 @@ class Simulation:
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
         self.contact = None
+        edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
         if tool is not None:
-            edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
             aside = MERGE if fracture.path == "free" else 0.0
             self.contact = PenaltyContact(tool, contact, material, edge_length, aside)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
@@ -163,13 +173,23 @@ class Simulation:
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
         self._flanks = FlankPoints()
-        self.time_step = StableStep(stepping or Stepping(), self.shell, touching)
-        self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
 
         self.state = self._state_at_start(velocity)
-        self.cracks = None
+        self.cracks, self._loose = None, None
         if law is not None:
             self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool, motion)
+            if fracture.drop_loose == "clear":
+                self._loose = LoosePieces(
+                    self.shell, self.cracks, self.contact, edge_length, damping_alpha
+                )
+        self.self_contact: SelfContact | None = None
+        """Of the film with itself, if it is switched on."""
+        if contact.self_contact:
+            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
+            self.self_contact = SelfContact(contact, material, edge_length, part_of)
+        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+        self.time_step = StableStep(stepping or Stepping(), self.shell, touching, self._film_terms)
+        self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
         self.ledger = Ledger()
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
@@ -187,17 +207,8 @@ class Simulation:
         mesh, state = self.mesh, initial_state(self.mesh)
         self.shell.initialise(state)
         self.supports.initialise(state)
-        if velocity is None:
-            return state
-        velocity = np.asarray(velocity, float)
-        if velocity.shape != (mesh.n_node, 3):
-            raise ValueError(
-                f"velocity must have shape ({mesh.n_node}, 3), a row a node, got {velocity.shape}"
-            )
-        if not np.isfinite(velocity).all():
-            bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))[:5].tolist()
-            raise ValueError(f"velocity must be finite, is not at nodes {bad}")
-        state.node.velocity_half[: mesh.n_node] = velocity
+        if velocity is not None:
+            state.node.velocity_half[: mesh.n_node] = nodal_velocities(velocity, mesh.n_node)
         return state
 
     @property
@@ -234,6 +245,8 @@ class Simulation:
         self._forces()  # 4 forces at t_{n+1}
         dt_next = self.time_step.next(s)
         self._kick(s.dt, dt_next)  # 5 velocities at t_{n+3/2}
+        if self._loose is not None:
+            self._mass_damping -= self._loose.drop_due(s, self.ledger, 0.5 * (s.dt + dt_next))
         self._guard.check_balance(s, self.ledger)
         self._dt = dt_next
         self._between_steps = True
@@ -245,6 +258,7 @@ class Simulation:
         book.damping_stiffness += damping
         book.material_dissipated += dissipated
         self.tool_terms.add_forces(s, self.pose, book)
+        self._film_terms.add_forces(s, book)
         if s.flank.count:
             self._flanks.hand_on_forces(s)
         self._guard.check_strain(s, book)
@@ -311,13 +325,7 @@ class Simulation:
         history = self.state.history
         before = n.x[: n.count].copy(), n.t[: n.count].copy(), history.copy()
         if displacement is not None:
-            moved = np.asarray(displacement, float)
-            if moved.shape != (n.count, 3) or not np.isfinite(moved).all():
-                raise ValueError(
-                    f"displacement must be finite and of shape (n_node, 3) = ({n.count}, 3), "
-                    f"got {moved.shape}"
-                )
-            n.x[: n.count] += moved
+            n.x[: n.count] += nodal_displacements(displacement, n.count)
         try:
             return find_rest(
                 self.state,
@@ -368,10 +376,10 @@ class Simulation:
         if not until >= self.state.time - self.state.dt:
             raise ValueError(f"until must not lie before now, {self.state.time} s, got {until!r}")
         try:
-            going = self._serve(hooks)
+            going = serve(self, hooks)
             while going and self.state.time < until:
                 self.step()
-                going = self._serve(hooks)
+                going = serve(self, hooks)
         finally:
             for hook in hooks:
                 hook.close()
@@ -387,6 +395,7 @@ class Simulation:
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
         self.tool_terms.close(self.state, self.ledger)
+        self._film_terms.close(self.state, self.ledger)
         return self.ledger
 
     # ---------------------------------------------------------------- restart
@@ -409,6 +418,7 @@ class Simulation:
             "dt": self._dt,
             "balance": self._guard.saved(),
         }
+        saved |= self._film_terms.saved()
         if self.cracks is not None:
             saved["cracks"] = self.cracks.saved()
         return saved
@@ -433,16 +443,7 @@ class Simulation:
         self.tool_terms.restore(s, self.pose, saved["tool_terms"])
         if self.cracks is not None:
             self.cracks.restore(s, saved["cracks"])
-
-    def _serve(self, hooks: Sequence[Hook]) -> bool:
-        going = True
-        for hook in hooks:
-            if hook.due(self):
-                try:
-                    hook(self)
-                except StopRun:
-                    going = False
-        return going
+        self._film_terms.restore(s, saved)  # they ask the cracks which film is left
 
     def _place_tool(self) -> None:
         if self._pose_at is not None:

@@ -35,6 +35,7 @@ from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
+from .film_terms import FilmTerms
 from .tool_terms import ToolTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
@@ -94,9 +95,12 @@ class StableStep:
         stepping: Stepping,
         shell: MITC4Shell,
         tool_terms: Sequence[ToolTerm],
+        film_terms: FilmTerms | None = None,
     ) -> None:
         self.stepping = stepping
-        self._shell, self._tool_terms = shell, tuple(tool_terms)
+        self._shell, self._film_terms = shell, film_terms or FilmTerms(())
+        self._tool_terms = tuple(tool_terms)
+        self._n_search = 0
         self._next = 0
         self._topology = KnownTopology()
         self._dt = 0.0
@@ -109,7 +113,9 @@ class StableStep:
         if self.stepping.fixed is not None:
             return self.stepping.fixed
         due = state.step >= self._next
-        if due or not self._topology.is_of(state):
+        searched = self._film_terms.n_search
+        if due or searched != self._n_search or not self._topology.is_of(state):
+            self._n_search = searched
             self._topology.take(state)
             copies = state.n_quad - self._known.size
             self._known = np.append(self._known, np.zeros(copies, np.bool_))
@@ -161,7 +167,7 @@ class StableStep:
         """Return the safe step without the safety factor [s]; nothing of this look is kept."""
         frequencies = self._shell.frequencies
         before = copy.deepcopy(frequencies.saved())
-        whole = StableStep(Stepping(safety=1.0), self._shell, self._tool_terms)
+        whole = StableStep(Stepping(safety=1.0), self._shell, self._tool_terms, self._film_terms)
         safe = whole.next(state)
         frequencies.restore(before)
         return safe
@@ -179,6 +185,7 @@ class StableStep:
             "dt": self._dt,
             "free": self._free,
             "known": self._known,
+            "n_search": self._n_search,
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -186,7 +193,7 @@ class StableStep:
         self._next = saved["next"]
         self._topology.restore(saved["revision"])
         self._dt, self._free = saved["dt"], saved["free"]
-        self._known = saved["known"].copy()
+        self._known, self._n_search = saved["known"].copy(), saved["n_search"]
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
@@ -236,6 +243,7 @@ class StableStep:
         n = state.node
         # The last term first: the order of a sum is part of the result.
         held = [term.stiffness(state) for term in reversed(self._tool_terms)]
+        held += [term.stiffness(state) for term in self._film_terms]
         nodes = np.concatenate([ids for ids, _ in held])
         stiffness = np.concatenate([of_nodes for _, of_nodes in held])
         if state.flank.count:

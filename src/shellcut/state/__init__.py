@@ -7,6 +7,7 @@ from .film import SplitRecord, State
 from .known_topology import KnownTopology
 from .tables import (
     BROKEN,
+    DROPPED,
     JOINTED,
     NOT_MET,
     NOTCH,
@@ -23,6 +24,7 @@ from .tables import (
 
 __all__ = [
     "BROKEN",
+    "DROPPED",
     "JOINTED",
     "NOTCH",
     "NOT_MET",

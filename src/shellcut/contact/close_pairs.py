@@ -1,0 +1,262 @@
+"""Search for the quads close to some points of the film: pairs for its contact with itself.
+
+All quads are sorted into the cells of a grid around the points, each into every cell that its box,
+wider by the reach, touches; a point then looks into its own cell. What hangs together with a point
+is no partner of it: quads with a node that is within ``rings`` sides of the point, counted along
+the film and not across cracks.
+
+The partners of a point fall into *sheets*: quads that hang together by common nodes. A point
+between two flaps has two sheets as partners, and touches each by itself.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.jit import BoundOnce, inline, kernel
+
+# Cells over points, above which the cells are made larger: points that fly apart need few.
+_MOST_CELLS = 64
+
+# Pairs that room is made for at first, over the points.
+_ROOM = 16
+
+
+class Pairs(NamedTuple):
+    """Points and the quads close to them, sheet by sheet."""
+
+    node: Annotated[Ints, "(n_point,)"]
+    """Those of the points that have partners, ascending."""
+    first_sheet: Annotated[Ints, "(n_point_1,)"]
+    """First sheet of every point, and the end."""
+    first_pair: Annotated[Ints, "(n_sheet_1,)"]
+    """First pair of every sheet, and the end."""
+    row: Annotated[Ints, "(n_pair,)"]
+    """Quad or copy of every pair, ascending within a sheet."""
+
+    @property
+    def sheet_of_pair(self) -> Ints:
+        """Sheet of every pair, shape (n_pair,)."""
+        return np.repeat(np.arange(len(self.first_pair) - 1), np.diff(self.first_pair))
+
+    @property
+    def node_of_sheet(self) -> Ints:
+        """Point of every sheet, shape (n_sheet,)."""
+        return np.repeat(self.node, np.diff(self.first_sheet))
+
+
+class Film(NamedTuple):
+    """Positions and connectivity of the film, as the search takes them."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    quads: Annotated[Ints, "(n_row, 4)"]
+    at: Annotated[Ints, "(n_node, n_most)"]
+    """Rows at every node."""
+    absent: Annotated[Bools, "(n_row,)"]
+    """Rows that are no partners."""
+    n_at: Annotated[Ints, "(n_node,)"]
+
+
+class CloseQuads:
+    """Finds the quads close to points."""
+
+    def __init__(self) -> None:
+        self._sort = BoundOnce(_sort_into_cells)
+        self._find = BoundOnce(_find)
+        self._room = 0
+
+    def find(self, points: Ints, rings: Ints, film: Film, n_row: int, reach: float) -> Pairs:
+        """Return the pairs of points and quads closer than ``reach`` by their boxes.
+
+        Parameters
+        ----------
+        points : ndarray of int, shape (n,)
+            Nodes, ascending.
+        rings : ndarray of int, shape (n,)
+            Sides along the film within which nothing is a partner, at least 1.
+        film : Film
+            Of a state.
+        n_row : int
+            Rows in use.
+        reach : float
+            [mm]
+        """
+        places = film.x[points]
+        if not points.size or not np.isfinite(places).all():
+            return _NONE
+        low = places.min(axis=0)
+        extent = places.max(axis=0) - low
+        size = 2.0 * reach
+        while np.prod(extent // size + 1.0) > _MOST_CELLS * (points.size + 16):
+            size *= 1.5
+        shape = (extent // size).astype(np.int64) + 1
+        grid = low, size, shape
+        first = np.zeros(int(shape.prod()) + 1, np.int64)
+        count = self._sort(film, n_row, reach, *grid, first, np.zeros(0, np.int64))
+        rows = np.empty(count, np.int64)
+        self._sort(film, n_row, reach, *grid, first, rows)
+        self._room = max(self._room, _ROOM * points.size)
+        while True:
+            found = np.empty((self._room, 3), np.int64)
+            n = self._find(points, rings, film, reach, *grid, first, rows, found)
+            if n <= self._room:
+                return _in_sheets(points, found[:n])
+            self._room = 2 * n
+
+
+_NONE = Pairs(np.zeros(0, np.int64), *(np.zeros(1, np.int64),) * 2, np.zeros(0, np.int64))
+
+
+def _in_sheets(points: Ints, found: Ints) -> Pairs:
+    """Return pairs from rows (place of the point, sheet, row), in the order of the points."""
+    point, sheet, row = found[np.lexsort((found[:, 2], found[:, 1], found[:, 0]))].T
+    new = np.flatnonzero(np.diff(point, prepend=-1) | np.diff(sheet, prepend=-1))
+    at = point[new]
+    listed, first_sheet = np.unique(at, return_index=True)
+    return Pairs(
+        node=points[listed],
+        first_sheet=np.append(first_sheet, at.size),
+        first_pair=np.append(new, point.size),
+        row=np.ascontiguousarray(row),
+    )
+
+
+@inline
+def _extent(x: Floats, quads: Ints, row: int, c: int) -> tuple[float, float]:
+    """Return the least and the largest coordinate c of a row's nodes [mm]."""
+    lowest = highest = x[quads[row, 0], c]
+    for a in range(1, 4):
+        here = x[quads[row, a], c]
+        lowest, highest = min(lowest, here), max(highest, here)
+    return lowest, highest
+
+
+@kernel
+def _sort_into_cells(
+    film: Film,
+    n_row: int,
+    reach: float,
+    low: Floats,
+    size: float,
+    shape: Ints,
+    first: Ints,
+    rows: Ints,
+) -> int:
+    """Return how often rows go into cells, counted in first : (n_cell + 1,).
+
+    With room for them, rows : (n,), write them there cell by cell, ascending.
+    """
+    x, quads = film.x, film.quads
+    fill = rows.shape[0] > 0
+    if not fill:
+        first[:] = 0
+    begin, stop = np.zeros(3, np.int64), np.zeros(3, np.int64)
+    place = first.copy()
+    for row in range(n_row):
+        outside = film.absent[row]
+        for c in range(3):
+            lowest, highest = _extent(x, quads, row, c)
+            one = (lowest - reach - low[c]) / size
+            two = (highest + reach - low[c]) / size
+            if not (one < shape[c] and two >= 0.0):  # nor if it is not finite
+                outside = True
+                break
+            begin[c] = int(max(one, 0.0))
+            stop[c] = int(min(two, shape[c] - 1.0)) + 1
+        if outside:
+            continue
+        for i in range(begin[0], stop[0]):
+            for j in range(begin[1], stop[1]):
+                for k in range(begin[2], stop[2]):
+                    cell = (i * shape[1] + j) * shape[2] + k
+                    if fill:
+                        rows[place[cell]] = row
+                        place[cell] += 1
+                    else:
+                        first[cell + 1] += 1
+    if not fill:
+        for cell in range(first.shape[0] - 1):
+            first[cell + 1] += first[cell]
+    return int(first[first.shape[0] - 1])
+
+
+@kernel
+def _find(
+    points: Ints,
+    rings: Ints,
+    film: Film,
+    reach: float,
+    low: Floats,
+    size: float,
+    shape: Ints,
+    first: Ints,
+    rows: Ints,
+    found: Ints,
+) -> int:
+    """Write (place of the point, sheet, row) of every pair to found : (n, 3); return their number.
+
+    The number is right also where there is no room for all. first, rows : of the cells.
+    """
+    x, quads, at, n_at = film.x, film.quads, film.at, film.n_at
+    stamp = np.full(x.shape[0], -1, np.int64)  # point whose rings a node is in
+    owner = np.full(x.shape[0], -1, np.int64)  # pair that a node was met by ...
+    of_point = np.full(x.shape[0], -1, np.int64)  # ... of this point
+    near = np.empty(4096, np.int64)
+    leader = np.empty(4096, np.int64)
+    partner = np.empty(4096, np.int64)
+    count = 0
+    for i in range(points.shape[0]):
+        n = points[i]
+        # The nodes within the rings.
+        near[0], n_near, begin = n, 1, 0
+        stamp[n] = i
+        for _ in range(rings[i]):
+            end = n_near
+            for k in range(begin, end):
+                for j in range(n_at[near[k]]):
+                    for a in range(4):
+                        node = quads[at[near[k], j], a]
+                        if stamp[node] != i and n_near < near.shape[0]:
+                            stamp[node] = i
+                            near[n_near] = node
+                            n_near += 1
+            begin = end
+        cell = 0
+        for c in range(3):
+            k = min(max(int((x[n, c] - low[c]) / size), 0), shape[c] - 1)
+            cell = cell * shape[c] + k
+        n_pair = 0
+        for j in range(first[cell], first[cell + 1]):
+            row = rows[j]
+            apart = False
+            for c in range(3):
+                lowest, highest = _extent(x, quads, row, c)
+                apart = apart or x[n, c] < lowest - reach or x[n, c] > highest + reach
+            for a in range(4):
+                apart = apart or stamp[quads[row, a]] == i
+            if apart or n_pair == partner.shape[0]:
+                continue
+            # Pairs with a common node are of one sheet: the first of them leads it.
+            partner[n_pair], leader[n_pair] = row, n_pair
+            for a in range(4):
+                node = quads[row, a]
+                if of_point[node] != i:
+                    of_point[node], owner[node] = i, n_pair
+                one, two = n_pair, owner[node]
+                while leader[one] != one:
+                    one = leader[one]
+                while leader[two] != two:
+                    two = leader[two]
+                leader[max(one, two)] = min(one, two)
+            n_pair += 1
+        for k in range(n_pair):
+            one = k
+            while leader[one] != one:
+                one = leader[one]
+            if count < found.shape[0]:
+                found[count, 0], found[count, 1], found[count, 2] = i, one, partner[k]
+            count += 1
+    return count

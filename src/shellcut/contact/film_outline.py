@@ -1,0 +1,193 @@
+"""The film that each quad or copy holds, as a polygon, and where that film ends.
+
+Contact of the film with itself asks two things of a quad: whether a point lies over its film, and
+how far it is from there to the next edge of the film. A whole quad is the square of its four sides;
+a copy of a cut quad holds a convex polygon of it (:mod:`shellcut.fracture.quad_polygon`), some
+edges of which lie on flanks of the crack.
+
+An edge on a side of the quad is *closed* if the film goes on there, and *open* if it ends: at the
+rim, at a notch, at a flank. Quads that hang together along a side share both its nodes, so a side
+is closed if and only if another row has both. Edges on flanks are open. A corner of the polygon is
+open if an open edge ends there, be it that of another quad.
+
+Slivers are left out, as is film that has been taken out of the run: for contact the film ends where
+they begin. The nodes of a sliver swing by more than it is wide, and turn it any way; nobody could
+say what is over it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.state import KnownTopology, State
+
+Part = tuple[tuple[tuple[float, float], ...], tuple[int, ...]]
+"""Points (xi, eta) of a polygon, counter-clockwise, and the side of the quad on which the edge from
+each to the next lies, -1 for a flank."""
+
+_WHOLE: Part = (((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), (0, 1, 2, 3))
+
+
+SLIVER = 0.2
+"""Part of a quad: rows that hold less are left out."""
+
+# Of a coordinate, from which on a point lies at the end of a side.
+_AT_CORNER = 1.0 - 1e-9
+
+
+class Outline(NamedTuple):
+    """Polygons of all rows, as kernels take them; good for one topology."""
+
+    n_edge: Annotated[Ints, "(n_row,)"]
+    """Number of points and edges of the polygon."""
+    point: Annotated[Floats, "(n_row, n_most, 2)"]
+    """xi, eta of its points."""
+    side: Annotated[Ints, "(n_row, n_most)"]
+    """Side of the quad on which the edge from a point lies, -1 for a flank."""
+    open: Annotated[Bools, "(n_row, n_most)"]
+    """Whether the film ends at the edge."""
+    open_at: Annotated[Bools, "(n_row, n_most)"]
+    """Whether the film ends at the point."""
+    absent: Annotated[Bools, "(n_row,)"]
+    """Whether a row is left out."""
+
+
+class FilmOutline:
+    """Keeps the outline of a film up to date from cut to cut.
+
+    Parameters
+    ----------
+    part_of : Callable, optional
+        Returns the polygon of a row; without one no quad is ever cut.
+    """
+
+    def __init__(self, part_of: Callable[[int], Part] | None = None) -> None:
+        self._part_of = part_of
+        self._known = KnownTopology()
+        self._outline = _of_whole_quads(0, 4)
+        self._at_rim = np.zeros(0, np.bool_)
+        self._mark = BoundOnce(_mark_open)
+
+    def of(self, state: State) -> Outline:
+        """Return the outline of the film as it is now."""
+        if self._known.is_of(state):
+            return self._outline
+        first = self._known.revision < 0
+        changed = self._known.changed_quads(state)
+        if first:
+            changed = np.arange(state.n_quad)
+        self._make_room(state)
+        cut = changed[state.quad.share[changed] < 1.0]
+        if self._part_of is not None:
+            for row in cut.tolist():
+                self._write(row, self._part_of(row))
+        q, n, outline = state.quad, state.node, self._outline
+        count = state.n_quad
+        outline.absent[:count] = q.dropped[:count] | (q.share[:count] < SLIVER)
+        self._mark(changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_rim, outline)
+        self._known.take(state)
+        return outline
+
+    def _make_room(self, state: State) -> None:
+        """Give every row of the state's tables a place; new ones are whole to begin with."""
+        rows, nodes = len(state.quad.nodes), len(state.node.x)
+        old = self._outline
+        if len(old.n_edge) < rows:
+            self._outline = _of_whole_quads(rows, old.point.shape[1])
+            for new, before in zip(self._outline, old, strict=True):
+                new[: len(before)] = before
+        if self._at_rim.size < nodes:
+            self._at_rim = np.concatenate([self._at_rim, np.zeros(nodes - self._at_rim.size, bool)])
+
+    def _write(self, row: int, part: Part) -> None:
+        points, sides = part
+        most = self._outline.point.shape[1]
+        if len(points) > most:
+            wider = _of_whole_quads(len(self._outline.n_edge), 2 * most)
+            for new, before in zip(wider, self._outline, strict=True):
+                new[tuple(slice(0, length) for length in before.shape)] = before
+            self._outline = wider
+        outline, n = self._outline, len(points)
+        outline.n_edge[row] = n
+        outline.point[row, :n] = points
+        outline.side[row, :n] = sides
+
+
+def _of_whole_quads(n_row: int, n_most: int) -> Outline:
+    points, sides = _WHOLE
+    outline = Outline(
+        n_edge=np.full(n_row, 4),
+        point=np.zeros((n_row, n_most, 2)),
+        side=np.full((n_row, n_most), -1),
+        open=np.zeros((n_row, n_most), np.bool_),
+        open_at=np.zeros((n_row, n_most), np.bool_),
+        absent=np.zeros(n_row, np.bool_),
+    )
+    outline.point[:, :4] = points
+    outline.side[:, :4] = sides
+    return outline
+
+
+@kernel
+def _mark_open(
+    rows: Ints, quads: Ints, at: Ints, n_at: Ints, at_rim: Bools, outline: Outline
+) -> None:
+    """Write which edges and points of the polygons of some rows are open.
+
+    rows : (n,), ascending.  quads : (n_row, 4), node ids.  at, n_at : rows at every node.  at_rim :
+    (n_node,), whether the film ends at a node, written for the nodes of the rows.
+    """
+    point, side, is_open, open_at = outline.point, outline.side, outline.open, outline.open_at
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        for k in range(outline.n_edge[row]):
+            on = side[row, k]
+            is_open[row, k] = True
+            if on >= 0:
+                a, b = quads[row, on], quads[row, (on + 1) % 4]
+                for j in range(n_at[a]):
+                    other = at[a, j]
+                    if other != row and not outline.absent[other]:
+                        for c in range(4):
+                            if quads[other, c] == b:
+                                is_open[row, k] = False
+    for i in range(rows.shape[0]):
+        for a in range(4):
+            at_rim[quads[rows[i], a]] = False
+    for i in range(rows.shape[0]):
+        # The rows at these nodes that have not changed end where they did: they are asked, too.
+        for a in range(4):
+            node = quads[rows[i], a]
+            for j in range(n_at[node]):
+                other = at[node, j]
+                for k in range(outline.n_edge[other]):
+                    on = side[other, k]
+                    if on >= 0 and is_open[other, k] and not outline.absent[other]:
+                        ends = quads[other, on] == node or quads[other, (on + 1) % 4] == node
+                        at_rim[node] = at_rim[node] or ends
+    for i in range(rows.shape[0]):
+        for k in range(outline.n_edge[rows[i]]):
+            open_at[rows[i], k] = True  # an end of a flank, unless it is a corner
+        for a in range(4):
+            node = quads[rows[i], a]
+            for j in range(n_at[node]):
+                other = at[node, j]
+                for k in range(outline.n_edge[other]):
+                    corner = _corner_of(point[other, k, 0], point[other, k, 1])
+                    if corner >= 0 and quads[other, corner] == node:
+                        open_at[other, k] = at_rim[node]
+
+
+@inline
+def _corner_of(xi: float, eta: float) -> int:
+    """Return the corner of the parametric square at a point, -1 if there is none."""
+    if abs(xi) < _AT_CORNER or abs(eta) < _AT_CORNER:
+        return -1
+    if eta < 0.0:
+        return 0 if xi < 0.0 else 1
+    return 3 if xi < 0.0 else 2

@@ -1,0 +1,101 @@
+"""The pieces of a film: what hangs together, and which of it nothing holds.
+
+Quads that share a node are one piece; cables do not count. A piece is *held* if a support holds
+one of its nodes, and *loose* if none does. In a film that nothing holds at all the heaviest piece
+is the film itself, and the others are loose. So a film made of several pieces has none that is
+loose as long as each of them is held. What has been taken out of the run is not loose any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.numerics.jit import kernel
+
+from .film import State
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The pieces of a film at some moment, numbered by their first quad.
+
+    Examples
+    --------
+    >>> quads = np.array([[0, 1, 2, 3], [4, 5, 6, 7], [5, 8, 9, 6]])
+    >>> _piece_of_rows(quads, 10).tolist()
+    [0, 1, 1]
+    """
+
+    of_row: Ints
+    """Piece of every quad and copy, shape (n_quad,)."""
+    loose: Bools
+    """Whether a piece is loose, shape (n_piece,)."""
+    mass: Floats
+    """Of every piece [t], shape (n_piece,)."""
+
+    @classmethod
+    def of(cls, state: State) -> Pieces:
+        """Return the pieces of the film as it is now."""
+        n, quads = state.node, state.quads
+        of_row = _piece_of_rows(quads, n.count)
+        count = int(of_row.max(initial=-1)) + 1
+        of_node = np.full(n.count, -1)
+        of_node[quads] = of_row[:, None]
+        there = np.flatnonzero(of_node >= 0)
+        mass = np.asarray(np.bincount(of_node[there], n.mass[there], count), float)
+        held = np.zeros(count, np.bool_)
+        held[of_node[there[n.supported[there]]]] = True
+        dropped = np.zeros(count, np.bool_)
+        dropped[of_row[state.quad.dropped[: state.n_quad]]] = True
+        loose = ~held & ~dropped
+        if loose.any() and not (held & ~dropped).any():
+            loose[int(np.argmax(np.where(loose, mass, 0.0)))] = False
+        return cls(of_row, loose, mass)
+
+    @property
+    def n_loose(self) -> int:
+        """Number of loose pieces."""
+        return int(self.loose.sum())
+
+    def loose_nodes(self, state: State) -> Bools:
+        """Return which nodes belong to a loose piece, flank points included, shape (n_node,)."""
+        found = np.zeros(state.n_node, np.bool_)
+        found[state.quads[self.loose[self.of_row]]] = True
+        f = state.flank
+        found[f.node[: f.count]] = self.loose[self.of_row[f.row[: f.count]]]
+        return found
+
+
+@kernel
+def _piece_of_rows(quads: Ints, n_node: int) -> Ints:
+    """Return the piece of every row of quads : (n_quad, 4), numbered by first appearance."""
+    first = np.full(n_node, -1, np.int64)  # row that a node was met by first
+    leader = np.arange(quads.shape[0])
+    for row in range(quads.shape[0]):
+        for a in range(4):
+            node = quads[row, a]
+            if first[node] < 0:
+                first[node] = row
+            one, two = row, first[node]
+            while leader[one] != one:
+                leader[one] = leader[leader[one]]
+                one = leader[one]
+            while leader[two] != two:
+                leader[two] = leader[leader[two]]
+                two = leader[two]
+            leader[max(one, two)] = min(one, two)
+    count = 0
+    piece = np.empty(quads.shape[0], np.int64)
+    for row in range(quads.shape[0]):
+        if leader[row] == row:
+            piece[row] = count
+            count += 1
+        else:
+            one = row
+            while leader[one] != one:
+                one = leader[one]
+            piece[row] = piece[one]
+    return piece

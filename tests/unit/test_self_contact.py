@@ -1,0 +1,442 @@
+"""Contact of the film with itself: forces, momentum, energy, history, restart and cost."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from naive.contact import smoothed
+from naive.self_contact import closest_in, depth_in_plate
+from shellcut.contact.film_outline import FilmOutline
+from shellcut.contact.quad_distance import closest_place, corners_of
+from shellcut.contact.self_contact import SelfContact
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.jit import kernel
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+
+H = 0.074
+ON = sc.Contact(self_contact=True)
+
+
+def two_pieces(gap, turn=20.0, tilt=0.0):
+    """A large piece in z = 0 and a smaller one, turned and moved by ``gap`` from its middle."""
+    one = rectangle(3.0, 2.0, n_x=6, n_y=4)
+    two = rectangle(2.0, 1.4, n_x=5, n_y=4)
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    a, b = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    rotation = np.array([[1, 0, 0], [0, a, -b], [0, b, a]]) @ [[c, -s, 0], [s, c, 0], [0, 0, 1]]
+    middle = one.nodes.mean(axis=0)
+    moved = (two.nodes - two.nodes.mean(axis=0)) @ rotation.T + middle + gap
+    nodes = np.concatenate([one.nodes, moved])
+    return sc.Mesh.from_arrays(nodes, np.concatenate([one.quads, two.quads + one.n_node])), one
+
+
+def thrown(gap, velocity, *, thickness=H, **options):
+    """Two free pieces that fly against each other at ``velocity`` each."""
+    mesh, one = two_pieces(gap)
+    v = np.tile(-np.asarray(velocity, float), (mesh.n_node, 1))
+    v[: one.n_node] *= -1.0
+    return sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(thickness=thickness),
+        contact=ON,
+        velocity=v,
+        damping_alpha=0.0,
+        damping_beta=0.0,
+        **options,
+    )
+
+
+def momenta(sim):
+    """Momentum and angular momentum at the last half step."""
+    n = sim.state.node
+    m, v = n.mass[: n.count, None], n.velocity_half[: n.count]
+    spin = n.inertia[: n.count, None] * n.spin_half[: n.count]
+    return (m * v).sum(axis=0), (m * np.cross(n.x[: n.count], v) + spin).sum(axis=0)
+
+
+# ------------------------------------------------------------------ geometry
+
+
+@kernel
+def _closest(p, x, quads, row, outline):
+    return closest_place((p[0], p[1], p[2]), corners_of(x, quads, row), row, outline)
+
+
+SQUARE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+PART = ((-1.0, -1.0), (0.2, -1.0), (0.6, 0.4), (-1.0, 1.0))
+
+
+@pytest.mark.parametrize(("polygon", "warped"), [(SQUARE, True), (PART, False)])
+def test_the_closest_place_of_the_film_of_a_quad(polygon, warped):
+    """Sides are straight however warped the quad is; flanks on quads that are parallelograms."""
+    rng = np.random.default_rng(3)
+    mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
+    state = initial_state(mesh)
+    state.quad.share[0] = 0.5
+    outline = FilmOutline(lambda row: (polygon, (0, -1, -1, 3))).of(state)
+    quad, flat = mesh.quads[0], mesh.nodes[mesh.quads[0]]
+    for _ in range(16):
+        map_ = np.eye(3) + 0.3 * rng.normal(size=(3, 3))
+        corners = flat + 0.1 * rng.normal(size=(4, 3)) if warped else flat @ map_
+        x = np.zeros((4, 3))
+        x[quad] = corners
+        p = corners.mean(axis=0) + rng.normal(size=3) * [0.6, 0.6, 0.2]
+        found = _closest(p, x, mesh.quads.astype(np.int32), 0, outline)
+        # The twin's search ends on grids of 1e-3 along the rim: its square is the error.
+        assert np.sqrt(found.square) == pytest.approx(closest_in(p, corners, polygon), abs=1e-5)
+
+
+def test_edges_are_open_at_rim_and_cut_and_where_a_node_splits():
+    mesh = rectangle(4.0, 2.0, n_x=4, n_y=2)
+    line = [int(np.argmin(np.hypot(mesh.nodes[:, 0] - x, mesh.nodes[:, 1]))) for x in range(3)]
+    state = initial_state(mesh.cut(line))
+    outline = FilmOutline().of(state)
+    centre = state.node.X[state.quads].mean(axis=1)
+    for row in range(8):
+        for k in range(4):
+            a, b = state.quads[row, k], state.quads[row, (k + 1) % 4]
+            middle = 0.5 * (state.node.X[a] + state.node.X[b])
+            rim = abs(middle[1]) > 0.9 or middle[0] in (0.0, 4.0)
+            cut = middle[1] == 0.0 and middle[0] < 2.0
+            assert outline.open[row, k] == (rim or cut)
+    # The tip is the end of an open edge also of the quads ahead of it.
+    ahead = np.flatnonzero((centre[:, 0] > 2.0) & (centre[:, 0] < 3.0))
+    at_tip = np.hypot(*(state.node.X[state.quads[ahead]] - [2.0, 0.0, 0.0])[..., :2].T).T == 0.0
+    assert outline.open_at[ahead, :4][at_tip].all()
+
+
+# ------------------------------------------------------------------ forces
+
+
+def touching(gap, tilt=0.0, warp=0.0):
+    """State and term of two pieces, the second anywhere; nothing moves."""
+    mesh, one = two_pieces((0.0, 0.0, 5.0), tilt=tilt)
+    material = sc.ShellMaterial.homogeneous(thickness=H)
+    state = initial_state(mesh)
+    MITC4Shell(mesh, material, damping_beta=0.0).initialise(state)
+    term = SelfContact(ON, material, 0.5)
+    rng = np.random.default_rng(1)
+    x = mesh.nodes + warp * rng.normal(size=mesh.nodes.shape)
+    x[one.n_node :] += np.asarray(gap) - [0.0, 0.0, 5.0]
+    return state, term, x, one.n_node
+
+
+def evaluated(state, term, x):
+    """Forces of the term with the nodes at x, after a look at them from where they came."""
+    n = state.node
+    n.x[: n.count] = x
+    n.force_rows[:] = 0.0
+    found = term.add_forces(state)
+    return n.force[: n.count].copy(), found
+
+
+def approached(state, term, x, away):
+    """Bring the nodes from x + away to x, so that sides are known."""
+    for part in (1.0, 0.5, 0.25):
+        evaluated(state, term, x + part * away)
+        term._known.revision = -1  # search anew, as something may have come near
+    return evaluated(state, term, x)
+
+
+CASES = {
+    "face": ([0.13, 0.07, 0.9 * H], [0.0, 0.0, 0.5], 0.0),
+    "from below": ([0.13, 0.07, -0.8 * H], [0.0, 0.0, -0.5], 0.0),
+    "tilted": ([0.13, 0.07, 0.18], [0.0, 0.0, 0.6], 12.0),
+    "edges in plane": ([2.405, 0.1, 0.3 * H], [0.5, 0.0, 0.0], 0.0),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("warp", [0.0, 0.01])
+def test_forces_are_minus_the_gradient_of_the_stored_energy(case, warp):
+    gap, way, tilt = CASES[case]
+    state, term, x, first = touching(gap, tilt, warp)
+    away = np.zeros_like(x)
+    away[first:] = way
+    force, found = approached(state, term, x, away)
+    assert found.n_touching > 0
+    assert found.stored > 0.0
+    scale = np.abs(force).max()
+    # Sum of forces and of moments: momentum is kept exactly.
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-13 * scale)
+    np.testing.assert_allclose(np.cross(x, force).sum(axis=0), 0.0, atol=1e-11 * scale)
+    rng = np.random.default_rng(2)
+    for _ in range(4):
+        moved = rng.normal(size=x.shape)
+        eps = 1e-7
+        energies = [evaluated(state, term, x + sign * eps * moved)[1].stored for sign in (1, -1)]
+        slope = (energies[0] - energies[1]) / (2.0 * eps)
+        power = float((force * moved).sum())
+        # A difference of second order; at an edge of a warped quad its turning to first order.
+        tolerance = 1e-5 if warp == 0.0 or "plane" not in case else 0.05
+        assert -slope == pytest.approx(power, rel=tolerance, abs=1e-6 * scale)
+
+
+def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
+    state, term, x, first = touching([0.0, 0.0, 5.0])
+    low, high = x[:first].min(axis=0), x[:first].max(axis=0)
+    rng = np.random.default_rng(7)
+    node = first  # a corner of the second piece, the rest of which is far above
+    seen = set()
+    for _ in range(60):
+        edge = rng.integers(3)
+        p = rng.uniform(low, high)
+        p[2] = rng.uniform(-1.2, 1.2) * H
+        if edge == 0:
+            p[0] = high[0] - rng.uniform(-0.5, 1.0) * H
+        elif edge == 1:
+            p[1] = low[1] + rng.uniform(-0.5, 1.0) * H
+        place = x.copy()
+        term._known.revision = -1
+        term._tables = None
+        evaluated(state, term, place)  # far away: no side is known
+        start = place.copy()
+        start[node] = p + H * np.array([0.0, 0.0, 3.0] if edge == 2 else [2.0, -2.0, 0.0])
+        term._known.revision = -1
+        evaluated(state, term, start)
+        side = 1 if edge == 2 else 0
+        term._tables.memory.side[:] = side
+        place[node] = p
+        force, _ = evaluated(state, term, place)
+        depth, out = depth_in_plate(p, low, high, H, side)
+        k = term._tables.stiffness[np.searchsorted(term._tables.pairs.node, node)]
+        wanted = k * smoothed(depth, term.law.smoothing_depth) * out
+        np.testing.assert_allclose(force[node], wanted, atol=1e-9 * k)
+        seen.add((int(np.argmax(np.abs(out))), depth > 0.0))
+    assert {(0, True), (1, True), (2, True), (0, False)} <= seen
+
+
+# ------------------------------------------------------------------ runs
+
+
+@pytest.mark.parametrize(
+    ("gap", "velocity", "steps"),
+    [((0.13, 0.07, 0.4), (0.0, 0.0, 3000.0), 700), ((3.0, 0.1, 0.01), (3000.0, 0.0, 0.0), 700)],
+    ids=["face to face", "edge to edge"],
+)
+def test_pieces_thrown_at_each_other_keep_momentum_and_energy(gap, velocity, steps):
+    sim = thrown(gap, velocity)
+    before, energy = momenta(sim), sim.ledger.initial
+    touched = 0
+    for _ in range(steps):
+        sim.step()
+        touched += sim.self_contact.forces.n_touching > 0
+    assert touched > 10
+    assert sim.self_contact.forces.n_touching == 0
+    book = sim.close_ledger()
+    assert book.self_contact_stored == 0.0
+    # What the contact took in and does not hold is lost. Measured 1.2e-4 and 5e-5: the trapezoidal
+    # rule on a force that sets in within some ten steps.
+    assert abs(book.self_contact_work) < 1e-3 * energy
+    assert abs(book.kinetic + book.strain - energy) < 1e-3 * energy
+    # They have bounced: the large piece flies back.
+    n, first = sim.state.node, 35
+    mean = n.mass[:first] @ n.velocity_half[:first] / n.mass[:first].sum()
+    assert mean @ np.asarray(velocity) < 0.0
+    scale = n.mass[: n.count].sum() * 3000.0
+    for now, then in zip(momenta(sim), before, strict=True):
+        np.testing.assert_allclose(now, then, atol=1e-13 * 3.0 * scale)  # round-off
+
+
+def test_a_film_thinner_than_the_depth_is_not_passed():
+    # 30 m/s: 6 thicknesses deep. The side from which the points came is remembered.
+    sim = thrown((0.13, 0.07, 1.0), (0.0, 0.0, 15000.0), thickness=0.005)
+    for _ in range(400):
+        sim.step()
+    assert sim.self_contact.deepest > 2.0 * 0.005
+    z = sim.state.node.x[: sim.mesh.n_node, 2]
+    assert z[35:].mean() > z[:35].mean() + 0.5
+
+
+def folded(on, **options):
+    """A tongue, cut free on three sides, swings round its hinge onto the sheet."""
+    size, h = 0.25, 0.02
+    mesh = rectangle(6.0, 3.0, size=size)
+
+    def node(x, y):
+        return int(np.argmin(np.hypot(mesh.nodes[:, 0] - x, mesh.nodes[:, 1] - y)))
+
+    along, across = np.arange(3.0, 5.01, size), np.arange(-0.5, 0.51, size)
+    line = [node(x, -0.75) for x in along] + [node(5.0, y) for y in across]
+    film = mesh.cut(np.array([*line, *(node(x, 0.75) for x in along[::-1])]))
+    centre = film.nodes[film.quads].mean(axis=1)
+    of_tongue = (np.abs(centre[:, 0] - 4.0) < 1.0) & (np.abs(centre[:, 1]) < 0.75)
+    tongue = np.unique(film.quads[of_tongue])
+    v = np.zeros_like(film.nodes)
+    v[tongue, 2] = 1e4 * (film.nodes[tongue, 0] - 3.0)
+    rim = film.nodes_where(lambda x, y, z: np.maximum(abs(x - 3.0) / 3.0, abs(y) / 1.5) > 0.999)
+    sim = sc.Simulation(
+        film,
+        sc.ShellMaterial.homogeneous(young=500.0, thickness=h),
+        supports=[sc.Support.clamped(rim)],
+        contact=ON if on else None,
+        velocity=v,
+        **options,
+    )
+    return sim, tongue
+
+
+def lowest_over_the_sheet(sim, tongue):
+    """Height of the tongue's lowest node behind the hinge over the sheet there."""
+    x = sim.state.node.x[: sim.mesh.n_node]
+    sheet = np.setdiff1d(np.arange(sim.mesh.n_node), tongue)
+    behind = tongue[x[tongue, 0] < 2.6]
+    if not behind.size:
+        return np.inf
+    off = np.linalg.norm(x[behind, None, :2] - x[None, sheet, :2], axis=2)
+    return float((x[behind, 2] - x[sheet[off.argmin(axis=1)], 2]).min())
+
+
+def test_a_flap_that_folds_onto_the_sheet_does_not_pass():
+    least = {}
+    for on in (False, True):
+        sim, tongue = folded(on)
+        least[on] = np.inf
+        while sim.state.time < 6e-4:
+            sim.step()
+            if sim.state.step % 20 == 0:
+                least[on] = min(least[on], lowest_over_the_sheet(sim, tongue))
+        book = sim.close_ledger()
+        assert abs(book.imbalance) < 5e-3 * book.initial
+    h = sim.material.thickness
+    assert least[False] < -20.0 * h  # without contact it swings through
+    assert least[True] > 0.0
+    assert book.self_contact_work > 0.0
+
+
+def test_same_bits_over_threads_and_a_restart(tmp_path):
+    def go(sim, steps):
+        for _ in range(steps):
+            sim.step()
+        n = sim.state.node
+        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
+
+    # Restarted while a point touches, between two searches.
+    whole = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
+    wanted = go(whole, 200)
+    other = go(thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0), threads=2), 200)
+    first = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
+    while not first.self_contact.forces.n_touching:
+        first.step()
+    go(first, 3)
+    save_checkpoint(first, tmp_path / "half.h5")
+    again = thrown((0.13, 0.07, 0.2), (0.0, 0.0, 3000.0))
+    load_checkpoint(again, tmp_path / "half.h5")
+    resumed = go(again, 200 - first.state.step)
+    for x, v, book in (other, resumed):
+        np.testing.assert_array_equal(x, wanted[0])
+        np.testing.assert_array_equal(v, wanted[1])
+        assert book == wanted[2]
+    assert again.self_contact.n_looked == whole.self_contact.n_looked
+    assert wanted[2].self_contact_work != 0.0
+
+
+@pytest.mark.parametrize("path", ["edges", "free"])
+def test_flanks_born_together_do_not_lock(path):
+    force, looked = {}, {}
+    for on in (False, True):
+        case = sc.guillotine(
+            0.8,
+            length=9.6,
+            width=6.4,
+            contact=sc.Contact(self_contact=on),
+            fracture=sc.Fracture(path=path),
+        )
+        sim = case.simulation
+        sim.run(case.duration)
+        force[on] = sim.ledger.tool_work
+        if on:
+            looked = sim.self_contact
+            assert abs(sim.close_ledger().self_contact_work) < 1e-4 * sim.ledger.tool_work
+            # A handful of points at the tip, of all those at the cut.
+            assert looked.n_looked < 8 * sim.state.step
+            assert looked.n_search < 0.05 * sim.state.step
+    # Work of the whole cut; measured equal to 5 digits.
+    assert force[True] == pytest.approx(force[False], rel=5e-3)
+
+
+def test_flanks_of_a_cut_that_is_closed_again_do_not_overlap():
+    """A sheet cut in two along its middle, both halves pushed together in the plane."""
+    mesh = rectangle(3.0, 2.0, n_x=6, n_y=4)
+    line = np.flatnonzero(np.abs(mesh.nodes[:, 1]) < 1e-9)
+    film = mesh.cut(line[np.argsort(mesh.nodes[line, 0])])
+    y = film.nodes[:, 1]
+    centre = film.nodes[film.quads].mean(axis=1)
+    upper = np.unique(film.quads[centre[:, 1] > 0.0])
+    lower = np.setdiff1d(np.arange(film.n_node), upper)
+    # At its ends the cut meets the rim: the way out is along the cut there.
+    inside = np.abs(film.nodes[:, 0] - 1.5) < 1.4
+    gap = {}
+    for on in (False, True):
+        sim = sc.Simulation(
+            film,
+            sc.ShellMaterial.homogeneous(),
+            supports=[
+                sc.Support(np.flatnonzero(y > 0.99), "xyz", "", velocity={"y": lambda _: -500.0}),
+                sc.Support(np.flatnonzero(y < -0.99), "xyz", "", velocity={"y": lambda _: 500.0}),
+            ],
+            contact=ON if on else None,
+        )
+        while sim.state.time < 2e-5:  # 0.02 mm of way: a strain of 1 %
+            sim.step()
+        x = sim.state.node.x[: film.n_node, 1]
+        gap[on] = x[upper[inside[upper]]].min() - x[lower[inside[lower]]].max()
+        book = sim.close_ledger()
+        assert abs(book.imbalance) < 5e-3 * book.support_work
+    assert gap[False] == pytest.approx(-0.02, rel=0.02)
+    assert sim.self_contact.forces.n_touching == 14
+    # At rest E h b (0.02 - D) / 2 = K f(D), with K = 0.625 E h of five halves of nodes on either
+    # flank, E h / 8 a whole one. Measured 1 % less: the film swings, and gives way sideways.
+    ways = np.linspace(0.0, 0.02, 20001)
+    pressed = [0.625 * smoothed(way, sim.self_contact.law.smoothing_depth) for way in ways]
+    wanted = ways[np.argmin(np.abs(np.array(pressed) - 1.5 * (0.02 - ways)))]
+    assert sim.self_contact.forces.deepest == pytest.approx(wanted, rel=0.05)
+    assert -gap[True] < 1.05 * sim.self_contact.forces.deepest
+    assert book.self_contact_stored > 0.0
+
+
+def test_the_halves_of_a_split_node_keep_side_and_energy():
+    state, term, x, first = touching([0.13, 0.07, 0.9 * H])
+    away = np.zeros_like(x)
+    away[first:] = [0.0, 0.0, 0.5]
+    _, before = approached(state, term, x, away)
+    node = int(term._tables.presses.node[0, 0])
+    assert node >= first
+    half = state.node.append_copy(node)
+    n = state.node
+    n.mass[[node, half]] *= 0.5
+    n.contact_mass[[node, half]] *= 0.5
+    n.halved[[node, half]] = True
+    n.origin[half] = n.origin[node]
+    state.revision += 1
+    term._known.restore(state.revision - 1, state)
+    force, after = evaluated(state, term, np.vstack([x, x[node]]))
+    assert after.n_touching == before.n_touching + 1
+    assert after.stored == pytest.approx(before.stored, rel=1e-12)
+    np.testing.assert_allclose(force[node], force[half], rtol=1e-12)
+
+
+def test_film_inside_film_at_first_sight_does_not_press_until_it_has_parted():
+    state, term, x, first = touching([0.13, 0.07, 0.5 * H])
+    force, found = evaluated(state, term, x)
+    assert found.n_touching > 0
+    assert found.stored == 0.0
+    assert not force.any()
+    up, down = x.copy(), x.copy()
+    up[first:, 2] += 0.3 * H
+    down[first:, 2] -= 0.1 * H
+    assert evaluated(state, term, down)[1].stored > 0.0  # deeper than at first
+    assert evaluated(state, term, up)[1].stored == 0.0
+    # The gap has grown: back where it was it presses now.
+    assert evaluated(state, term, x)[1].stored > 0.0
+
+
+def test_contact_without_a_tool_says_what_it_may_be():
+    with pytest.raises(ValueError, match="self_contact=True"):
+        sc.Simulation(
+            rectangle(1.0, 1.0, size=0.5),
+            sc.ShellMaterial.homogeneous(),
+            contact=sc.Contact(),
+        )
