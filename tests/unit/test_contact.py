@@ -433,7 +433,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
             )
         ]
         forces, result = evaluate(contact, state)
-        lasts, within = contact._tables.table.near.lasts, contact._tables.table.near.within
+        lasts, within = contact.tables.table.near.lasts, contact._tables.table.near.within
         remembered += np.count_nonzero(within & (lasts > 0.0))
         after = [
             state.node.contact_side.copy(),

@@ -2,8 +2,8 @@
 
 A node inside the tool by the depth g gets the force +k f(g) n, n the outward normal of the tool
 there, and the tool gets the opposite (the minus in the paper: it prints the force on the cutter); k
-and f are in :mod:`shellcut.contact.settings`. The faces are frictionless; adhesion acts in the
-joints of the cables.
+and f are in :mod:`shellcut.contact.settings`. Friction on the faces is a term of its own
+(:mod:`shellcut.contact.coulomb_friction`); adhesion acts in the joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then
 (:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
@@ -148,7 +148,8 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self._lookups = Lookups.none_yet(self.near.ids)
         self._pose: Pose | None = None
-        self._tables: ContactTables | None = None
+        self.tables: ContactTables | None = None
+        """What the kernel takes, anew with each list."""
         self._hold = Holder()
         self._call = BoundOnce(_add_contact_forces)
         self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
@@ -162,7 +163,7 @@ class PenaltyContact:
         if self.near.renew(state, pose):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
-        found = self._call.code(pose, before, state.dt, self._tables, wrench)
+        found = self._call.code(pose, before, state.dt, self.tables, wrench)
         self.forces = ContactForces(wrench, *found)
         self.deepest = max(self.deepest, self.forces.deepest)
         return self.forces
@@ -236,7 +237,7 @@ class PenaltyContact:
             nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
-        self._tables = self._hold(tables)
+        self.tables = self._hold(tables)
 
 
 @inline
@@ -417,6 +418,7 @@ def _add_contact_forces(
         moved = load(nodes.velocity_half, n)
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
+            near.closest[i, 1] = triangle  # of the tooth that friction acts on
         normals = surface.pseudo_normals
         outward = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
         g = dot(sub(q, p), outward)

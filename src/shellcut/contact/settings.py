@@ -84,15 +84,19 @@ class Contact:
         :mod:`shellcut.contact.settings`.
     smoothing : float
         g_M as a fraction of the thickness; reduced for a thin tool.
+    friction : float
+        Coefficient mu of Coulomb friction between the film and the tool's faces, see
+        :mod:`shellcut.contact.coulomb_friction`; 0 for none.
 
     Examples
     --------
     >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25)
+    Contact(penalty=20000.0, smoothing=0.25, friction=0.0)
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         problems = [
@@ -100,6 +104,10 @@ class Contact:
             for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
             if value is not None and not (math.isfinite(value) and value > 0)
         ]
+        if not (math.isfinite(self.friction) and self.friction >= 0):
+            problems.append(
+                f"friction must be a coefficient of 0 (none) or more, got {self.friction!r}"
+            )
         if problems:
             raise ValueError("; ".join(problems))
 

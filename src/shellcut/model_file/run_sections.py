@@ -96,6 +96,7 @@ class ContactSection(Section):
         number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
     )
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
+    friction: float = key(number(), "Coulomb coefficient of the tool's faces; 0 for none")
 
 
 @section("fracture", of=Fracture)

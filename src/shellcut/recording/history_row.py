@@ -25,6 +25,9 @@ _ENERGIES = (
     "contact_work",
     "contact_stored",
     "contact_absorbed",
+    "friction_work",
+    "friction_stored",
+    "friction_dissipated",
     "damping_stiffness",
     "damping_mass",
 )

@@ -84,6 +84,7 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         **({"material": ledger.material_dissipated} if ledger.material_dissipated else {}),
         "cohesive": ledger.cohesive_work + ledger.cohesive_start_work,
         "contact": ledger.contact_work,
+        **({"friction": ledger.friction_work} if ledger.friction_work else {}),
         "damping": ledger.damping,
         "ext": ledger.put_in,
     }

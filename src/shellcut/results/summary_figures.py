@@ -34,6 +34,7 @@ LABELS = {
     "damping_Nmm": "damping",
     "contact_Nmm": "contact",
     "contact_absorbed_Nmm": "of it, taken by absorbed jumps",
+    "friction_dissipated_Nmm": "dissipated by friction",
     "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
     "dW_dtheta_Nmm": f"tool's work per radian{_STEADY}",
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",

@@ -1,6 +1,6 @@
 """The ledger: where the work has gone.
 
-    tool + loads + supports  =  kinetic + strain + material + cohesive + contact + damping
+    tool + loads + supports  =  kinetic + strain + material + cohesive + contact + friction + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
@@ -46,6 +46,12 @@ class Ledger:
     """Penalty energy, the recoverable part of it."""
     contact_absorbed: float = 0.0
     """What absorbed jumps have taken up of it; negative: what they have given to the film."""
+    friction_work: float = 0.0
+    """Work that went into the friction from both sides, nodes and tool."""
+    friction_stored: float = 0.0
+    """Energy of its springs, the recoverable part of it."""
+    friction_dissipated: float = 0.0
+    """What slip has dissipated of it; stored and dissipated make up the work."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -74,6 +80,7 @@ class Ledger:
             + self.cohesive_work
             + self.cohesive_start_work
             + self.contact_work
+            + self.friction_work
             + self.damping
         )
 
@@ -89,6 +96,7 @@ class Ledger:
             "material": self.material_dissipated,
             "cables": self.cohesive_work + self.cohesive_start_work,
             "contact": self.contact_work,
+            "friction": self.friction_work,
             "damping": self.damping,
         }
 

@@ -1,0 +1,34 @@
+"""Which terms make up the contact of a film with a tool, from its settings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.contact.coulomb_friction import CoulombFriction
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.settings import Contact
+from shellcut.fracture.crack_path import MERGE
+from shellcut.fracture.criterion import Fracture
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.tool import Tool
+
+from .tool_terms import ToolTerm
+
+
+def contact_terms(
+    tool: Tool | None, settings: Contact, mesh: Mesh, film: ShellMaterial, fracture: Fracture
+) -> tuple[PenaltyContact | None, list[ToolTerm]]:
+    """Return the contact of the nodes, and all terms in the order of their evaluation.
+
+    Without a tool there are none.
+    """
+    if tool is None:
+        return None, []
+    edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
+    aside = MERGE if fracture.path == "free" else 0.0
+    contact = PenaltyContact(tool, settings, film, edge_length, aside)
+    terms: list[ToolTerm] = [contact]
+    if settings.friction > 0.0:
+        terms.append(CoulombFriction(contact, settings.friction))
+    return contact, terms
