@@ -12,6 +12,10 @@ relative to the tool. Outside, this is the distance from the surface: until then
 touch it and is skipped. Inside, it is half of the amount by which the other triangles are farther
 than the closest: until then that one stays the closest.
 
+*Depth and normal* are those of the tool with its convex edges rounded
+(:mod:`shellcut.tool.rounded_depth`), so that the force is continuous, the gradient of a potential,
+as a node slides from face to face.
+
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node created inside the wedge by a split would take the nearer one, with a loaded spring. So a node
 keeps a side, +1 or -1 by the flank labels of the tool, chosen at its first contact: on or near the
@@ -50,6 +54,7 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
 
@@ -135,6 +140,7 @@ class PenaltyContact:
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
+        self._around = ConvexNeighbours.of(tool)
         self._undecided = _UNDECIDED + crack_aside
         self._round_off = _ROUND_OFF * float(np.abs(tool.vertices).max())
         corners = [
@@ -230,6 +236,7 @@ class PenaltyContact:
                 round_off=self._round_off,
                 triangle_body=self.tool.triangle_body,
                 segments=self._edges.segments,
+                around=self._around,
                 undecided=self._undecided,
             ),
             law=self.law,
@@ -335,18 +342,18 @@ def _take_side(
 
 @always_inline
 def _impact(
-    n: int, p: Vec3, g: float, outward: Vec3, dt: float, pose_before: Pose, tables: ContactTables
-) -> tuple[bool, float]:
-    """Write the depth g of node n; return whether it has hit the surface, and its way in [mm]."""
+    n: int, p: Vec3, g: float, dt: float, pose_before: Pose, tables: ContactTables
+) -> tuple[bool, Vec3]:
+    """Write the depth g of node n; return whether it has hit the surface, and its way back [mm]."""
     nodes, noticed = tables.nodes, tables.law.noticed
-    way = 0.0
+    way = (0.0, 0.0, 0.0)
     change = g - nodes.contact_depth[n]
     impact = abs(change) > noticed
     if impact:
         moved = load(nodes.velocity_half, n)
         was = to_body(combine(1.0, load(nodes.x, n), -dt, moved), pose_before)
-        way = dot(sub(was, p), outward)
-        if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
+        way = sub(was, p)
+        if change > noticed + norm(way):  # more than node and tool have moved
             nodes.contact_offset[n] += change
             impact = False
     nodes.contact_depth[n] = g
@@ -419,10 +426,8 @@ def _add_contact_forces(
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
             near.closest[i, 1] = triangle  # of the tooth that friction acts on
-        normals = surface.pseudo_normals
-        outward = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
-        g = dot(sub(q, p), outward)
-        impact, way = _impact(n, p, g, outward, dt, pose_before, tables)
+        g, outward = rounded_depth(p, q, triangle, side[n], law.rounding, tool.grid, tool.around)
+        impact, back = _impact(n, p, g, dt, pose_before, tables)
         n_inside += 1
         deepest = max(deepest, g)
         stiffness = nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
@@ -431,12 +436,12 @@ def _add_contact_forces(
         energy = stiffness * smoothed_integral(loaded, g_m)
         direction = turn(outward, pose)
         if impact and dt > 0.0 and not nodes.supported[n]:
-            before = dot(old, direction)
+            way = dot(back, outward)
             pushed = -dot(load(nodes.force, n), direction)
-            spent = nodes.contact_work[n]
-            most = largest_rebound(spent, before, way, pushed, nodes.contact_mass[n], dt)
+            spent = nodes.contact_work[n] + 0.5 * dot(old, turn(back, pose))
+            most = largest_rebound(spent, way, pushed, nodes.contact_mass[n], dt)
             magnitude = min(magnitude, most)
-            nodes.contact_work[n] += 0.5 * (before + magnitude) * way
+            nodes.contact_work[n] = spent + 0.5 * magnitude * way
         else:
             nodes.contact_work[n] = energy
         stored += energy
