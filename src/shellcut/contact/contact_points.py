@@ -3,7 +3,7 @@
 The nodes of the film feel the faces of the tool; a corner or an edge of the tool that comes down
 between nodes would go through. So these push: the convex corners of the surface, those of a smooth
 one (a ball) too, and points along convex edges that turn by more than ``LEAST_TURN``, no farther
-apart than half an edge of the film. Where they are closer than a quarter of an edge, as on a
+apart than half an edge of the film. Where they are closer than 0.4 of an edge, as on a
 surface finer than the film, some are left out; sharper ones stay.
 
 A *cutting edge* does not push: it is perfectly sharp, and what it meets is cut, or is about to be
@@ -25,11 +25,15 @@ from shellcut.tool.tool import Tool
 LEAST_TURN = np.radians(10.0)
 """Convex edges push that turn by more than this; flatter ones are lines between facets."""
 
-SPACING, CLOSEST = 0.5, 0.25
+SPACING, CLOSEST = 0.5, 0.4
 """Largest and least distance of points along edges, over an edge length of the film."""
 
-# Turn of an edge from which on it counts as concave.
-_CONCAVE = np.radians(-0.5)
+# Turn of an edge from which on it counts as concave; at the corner of a flank that is hollow, of
+# facets, besides a part of the largest turn there.
+_CONCAVE, _HOLLOW = np.radians(-0.5), 0.05
+
+# Cosine of the angle between the normals of points that may press on the film together.
+_SAME_WAY = 0.5
 
 # Missing to 2 pi in the angles around a convex corner, at least.
 _PEAKED = 1e-4
@@ -44,6 +48,8 @@ class ContactPoints(NamedTuple):
     """Mean unit normal of the surface there."""
     body: Annotated[Ints, "(n_point,)"]
     """Tooth of each."""
+    share: Annotated[Floats, "(n_point,)"]
+    """Stiffness of each over that of a node of the film, less the more of them press together."""
 
 
 def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
@@ -70,6 +76,7 @@ def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
         place=np.ascontiguousarray(place[kept]),
         outward=np.ascontiguousarray(outward[kept]),
         body=np.ascontiguousarray(bodies[kept]),
+        share=_shares(place[kept], outward[kept], edge_length),
     )
 
 
@@ -93,7 +100,7 @@ def _corners(tool: Tool, surface: Surface, cutting: Bools) -> tuple[Ints, Floats
     angles = np.zeros(tool.n_vertex)
     np.add.at(angles, tool.triangles, np.arctan2(sine, (one * two).sum(axis=2)))
     cuts = np.bincount(np.append(lo[cutting], hi[cutting]), minlength=tool.n_vertex)
-    convex = (least > _CONCAVE) & (2.0 * np.pi - angles > _PEAKED)
+    convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - angles > _PEAKED)
     pushes = np.flatnonzero(convex & (cuts < 2))
     return pushes, most[pushes]
 
@@ -130,6 +137,23 @@ def _vertex_normals(tool: Tool) -> Floats:
     normals = np.zeros_like(tool.vertices)
     np.add.at(normals, tool.triangles, angle[:, :, None] * tool.triangle_normals[:, None, :])
     return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
+def _shares(place: Floats, outward: Floats, reach: float) -> Floats:
+    """Return one over the number of points at each that may press on a node of the film together.
+
+    A point at a distance counts 1 - distance / reach, as the shape function of the node between
+    them falls off; those that face another way press on other film, or not at all.
+    """
+    crowd = np.ones(len(place))
+    if len(place) > 1:
+        pairs = scipy.spatial.cKDTree(place).query_pairs(reach, output_type="ndarray")
+        a, b = pairs[np.lexsort(pairs.T[::-1])].T
+        weight = 1.0 - np.linalg.norm(place[a] - place[b], axis=1) / reach
+        weight *= (outward[a] * outward[b]).sum(axis=1) > _SAME_WAY
+        np.add.at(crowd, a, weight)
+        np.add.at(crowd, b, weight)
+    return np.asarray(1.0 / crowd)
 
 
 def _spread(place: Floats, sharpness: Floats, closest: float) -> Ints:

@@ -92,16 +92,20 @@ class Contact:
     friction : float
         Coefficient mu of Coulomb friction between the film and the tool's faces, see
         :mod:`shellcut.contact.coulomb_friction`; 0 for none.
+    tool_points : bool
+        Whether corners and edges of the tool push the film between its nodes, see
+        :mod:`shellcut.contact.point_contact`.
 
     Examples
     --------
     >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25, friction=0.0)
+    Contact(penalty=20000.0, smoothing=0.25, friction=0.0, tool_points=True)
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
     friction: float = 0.0
+    tool_points: bool = True
 
     def __post_init__(self) -> None:
         problems = [

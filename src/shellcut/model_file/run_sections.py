@@ -97,6 +97,7 @@ class ContactSection(Section):
     )
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
     friction: float = key(number(), "Coulomb coefficient of the tool's faces; 0 for none")
+    tool_points: bool = key(flag, "whether the tool's corners and edges push between nodes")
 
 
 @section("fracture", of=Fracture)

@@ -6,6 +6,7 @@ import numpy as np
 
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.point_contact import PointContact
 from shellcut.contact.settings import Contact
 from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.criterion import Fracture
@@ -14,6 +15,9 @@ from shellcut.mesh.mesh import Mesh
 from shellcut.tool.tool import Tool
 
 from .tool_terms import ToolTerm
+
+# Quantile of the quads' areas that the distance of the tool's points follows: those of the path.
+_FINER = 0.25
 
 
 def contact_terms(
@@ -31,4 +35,7 @@ def contact_terms(
     terms: list[ToolTerm] = [contact]
     if settings.friction > 0.0:
         terms.append(CoulombFriction(contact, settings.friction))
+    if settings.tool_points:
+        finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
+        terms.append(PointContact(contact, finer))
     return contact, terms
