@@ -119,7 +119,9 @@ def test_a_moving_tool_and_node_agree_with_a_plain_return_mapping():
     for k in range(1, 60):
         before, pose = pose, Pose.of(*motion.pose(k * DT * 100))
         x = state.node.x[0].copy()
-        to = pose.to_space(before.to_body(x[None]) + rng.uniform(-1, 1, (1, 3)) * [2e-2, 1e-4, 2e-2])
+        to = pose.to_space(
+            before.to_body(x[None]) + rng.uniform(-1, 1, (1, 3)) * [2e-2, 1e-4, 2e-2]
+        )
         f, pressed, result = step(state, contact, friction, to[0] - x, pose, entries, dt=DT * 100)
         n = pose.rotation.T @ pressed / np.linalg.norm(pressed)
         d = pose.to_body(state.node.x[:1])[0] - before.to_body(x[None])[0]
@@ -195,7 +197,9 @@ def test_a_restart_goes_on_bit_for_bit(whole, tmp_path):
         again.step()
     assert asdict(again.close_ledger()) == asdict(whole.close_ledger())
     for name in ("x", "friction_spring", "friction_force"):
-        np.testing.assert_array_equal(getattr(again.state.node, name), getattr(whole.state.node, name))
+        np.testing.assert_array_equal(
+            getattr(again.state.node, name), getattr(whole.state.node, name)
+        )
 
 
 def test_a_split_node_takes_the_spring_along():

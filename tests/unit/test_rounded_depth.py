@@ -1,4 +1,4 @@
-"""The depth under rounded convex edges: continuous forces around every edge and corner of a tooth."""
+"""The depth under rounded convex edges: continuous forces around edges and corners of a tooth."""
 
 import numpy as np
 import pytest

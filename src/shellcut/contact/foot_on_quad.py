@@ -80,7 +80,9 @@ def foot_on_quad(p: Vec3, quad: QuadSurface) -> tuple[float, float]:
     best_xi, best_eta, least = xi, eta, -1.0
     if abs(xi) > 1.0:
         best_xi = 1.0 if xi > 0.0 else -1.0
-        best_eta = _along(p, add_scaled(quad.c, best_xi, quad.a), add_scaled(quad.b, best_xi, quad.d))
+        best_eta = _along(
+            p, add_scaled(quad.c, best_xi, quad.a), add_scaled(quad.b, best_xi, quad.d)
+        )
         away = sub(p, point_of(quad, best_xi, best_eta))
         least = dot(away, away)
     if abs(eta) > 1.0:

@@ -405,7 +405,7 @@ def _add_contact_forces(
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
-    surface, g_m = tool.grid.surface, law.smoothing_depth
+    g_m = law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
     work = stored = absorbed = deepest = 0.0

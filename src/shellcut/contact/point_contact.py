@@ -2,38 +2,40 @@
 
 Nodes feel the tool's faces; a corner of the tool that comes down between nodes feels the film here.
 A point k of the tool (:mod:`shellcut.contact.contact_points`) has the foot s on the closest quad of
-the film, d = x_k - s its way there. The side of the film on which it first comes near, facing it, is
-its own; when it has passed the film by g = |d| it presses with k_p f(g) along d/|d|,
+the film, d = x_k - s its way there. The side of the film on which it first comes near, facing it,
+is its own; when it has passed the film by g = |d| it presses with k_p f(g) along d/|d|,
 
     force on node a of the quad:  N_a k_p f(g) d/|d|,        minus the sum, at s, on the tool,
 
-with the shape functions N_a at the foot. As g is the distance from the surface that the quads
-span, this is the gradient of the potential k_p ∫f, in the nodes as in the tool: the foot is where
-the distance is stationary. f is that of the nodes (:mod:`shellcut.contact.settings`), k_p the
-stiffness of a node there over the number of points that may press on its quads together: a single
-tip is as stiff as a node, and so are all points of a ball that are on one node's quads.
+with the shape functions N_a at the foot. As g is the distance from the surface that the quads span,
+this is the gradient of the potential k_p ∫f, in the nodes as in the tool: the foot is where the
+distance is stationary. f is that of the nodes (:mod:`shellcut.contact.settings`), k_p the stiffness
+of a node there over the number of points that may press on its quads together: a single tip is as
+stiff as a node, and so are all points of a ball that are on one node's quads.
 
 *Whom it leaves alone.* Film at a crack: quads with a node on a flank, and cut ones. There the blade
-is between the flanks, a corner of it that laps a little over a quad did not come through its face,
-and what holds the flanks apart are the nodes on the blade's faces. A point that slips off the rim, or whose
-film is cut, lets go; what its spring held is booked as absorbed. A point more than ``CAPTURE`` of
-an edge away has passed the film elsewhere (through a cut).
+is between the flanks; a corner of it that laps a little over a quad did not come through its face,
+and what holds the flanks apart are the nodes on the blade's faces. A point that slips off the rim,
+or whose film is cut, lets go; what its spring held is booked as absorbed. A point more than
+``CAPTURE`` of an edge away has passed the film elsewhere (through a cut).
 
 *Stiffness.* A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh
 a mean). Until the next look at the step a point moves by a quarter of an edge at most, so N_a is
 taken as 1.25 - distance over edge length there, from 0 to 1.
 
 *Search.* Pairs of points and quads closer than ``_MARGIN`` edges are listed, among the quads at the
-nodes near the tool, until points and nodes may have moved by half of that.
+nodes near the tool, until points and nodes may have moved by half of what that is more than the
+capture; the other half is for nodes that are not listed.
 """
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
@@ -52,7 +54,7 @@ from .foot_on_quad import (
 )
 from .penalty_contact import PenaltyContact
 from .point_tables import PointFilm, PointPairs, PointSprings, PointTables, pairs_near
-from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
+from .settings import node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
 """Distance from the film beyond which a point does not touch it, over the local edge length."""
@@ -143,9 +145,7 @@ class PointContact:
         pairs, n = self._pairs, state.node
         of = np.repeat(np.arange(pairs.point.size), np.diff(pairs.first))
         nodes = state.quads[pairs.quad].astype(np.int64)
-        both = np.unique(
-            np.stack([np.repeat(pairs.point[of], 4), nodes.ravel()], axis=1), axis=0
-        )
+        both = np.unique(np.stack([np.repeat(pairs.point[of], 4), nodes.ravel()], axis=1), axis=0)
         point, node = both[:, 0], both[:, 1]
         area = n.contact_area[node]
         place = self._pose.to_space(self.points.place[point])
@@ -233,7 +233,9 @@ def _quad_of(q: int, film: PointFilm) -> QuadSurface:
 
 
 @inline
-def _closest_quad(i: int, p: tuple[float, float, float], tables: PointTables) -> tuple[int, float, float]:
+def _closest_quad(
+    i: int, p: tuple[float, float, float], tables: PointTables
+) -> tuple[int, float, float]:
     """Return the quad closest to p among those listed for the i-th point, xi and eta; -1 for none.
 
     Quads that are farther than a point can touch are passed over.
@@ -328,9 +330,7 @@ def _add_point_forces(
 
 
 @inline
-def _power(
-    k: int, f: tuple[float, float, float], springs: PointSprings, film: PointFilm
-) -> float:
+def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
     """Return the power of force f of point k on its nodes [N·mm/s]."""
     power = 0.0
     for c in range(4):
@@ -352,4 +352,4 @@ def _farthest(
     for i in range(nodes.shape[0]):
         way = sub(load(x, nodes[i]), load(before, i))
         far = max(far, dot(way, way))
-    return np.sqrt(shift) + radius * np.sqrt(turned) + np.sqrt(far)
+    return sqrt(shift) + radius * sqrt(turned) + sqrt(far)

@@ -205,9 +205,7 @@ def smoothed_integral(g: float, g_m: float) -> float:
 
 
 @inline
-def largest_rebound(
-    put_in: float, way: float, pushed: float, mass: float, dt: float
-) -> float:
+def largest_rebound(put_in: float, way: float, pushed: float, mass: float, dt: float) -> float:
     """Return the largest contact force that gives a node no more energy than it has put in [N].
 
     Let way' = way + (pushed - f) dt²/m be the way of the node into the face over the next step if

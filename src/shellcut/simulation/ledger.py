@@ -1,6 +1,7 @@
 """The ledger: where the work has gone.
 
-    tool + loads + supports  =  kinetic + strain + material + cohesive + contact + friction + damping
+    tool + loads + supports
+        =  kinetic + strain + material + cohesive + contact + friction + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and

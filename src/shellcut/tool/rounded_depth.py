@@ -60,13 +60,13 @@ _BESIDE = 1e-12
 
 _MOST_ROUNDS = 16
 
-# Sine of the turn of an edge that is more than a line between facets, 5 deg; and how far beside it a
-# triangle may reach above the plane of the other, over its size and the sine of the turn.
+# Sine of the turn of an edge that is more than a line between facets, 5 deg; and how far beside it
+# a triangle may reach above the plane of the other, over its size and the sine of the turn.
 _VISIBLE, _HOLLOW = 0.087, 0.25
 
 
 class ConvexNeighbours(NamedTuple):
-    """Triangles around each triangle across convex edges, whose planes may bound the solid there."""
+    """Triangles across the convex edges of each, whose planes may bound the solid there."""
 
     start: Annotated[Ints, "(n_triangle + 1,)"]
     """First entry of each triangle, and the end."""
