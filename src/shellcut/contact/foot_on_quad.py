@@ -15,6 +15,9 @@ from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, norm, scale,
 
 _NEWTON_STEPS = 5
 
+# Of the square: steps below this are no more than round-off.
+_CONVERGED = 1e-12
+
 
 class QuadSurface(NamedTuple):
     """Coefficients of a bilinear quad."""
@@ -72,9 +75,10 @@ def foot_on_quad(p: Vec3, quad: QuadSurface) -> tuple[float, float]:
         if whole <= 0.0:  # far off, where the foot is none
             break
         f1, f2 = dot(r, one), dot(r, two)
-        xi += (h22 * f1 - h12 * f2) / whole
-        eta += (h11 * f2 - h12 * f1) / whole
-        xi, eta = min(max(xi, -2.0), 2.0), min(max(eta, -2.0), 2.0)
+        on, up = (h22 * f1 - h12 * f2) / whole, (h11 * f2 - h12 * f1) / whole
+        xi, eta = min(max(xi + on, -2.0), 2.0), min(max(eta + up, -2.0), 2.0)
+        if abs(on) + abs(up) < _CONVERGED:
+            break
     if abs(xi) <= 1.0 and abs(eta) <= 1.0:
         return xi, eta
     best_xi, best_eta, least = xi, eta, -1.0

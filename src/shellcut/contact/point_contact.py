@@ -23,9 +23,11 @@ or whose film is cut, lets go; what its spring held is booked as absorbed. A poi
 a mean). Until the next look at the step a point moves by a quarter of an edge at most, so N_a is
 taken as 1.25 - distance over edge length there, from 0 to 1.
 
-*Search.* Pairs of points and quads closer than ``_MARGIN`` edges are listed, among the quads at the
-nodes near the tool, until points and nodes may have moved by half of what that is more than the
-capture; the other half is for nodes that are not listed.
+*Search.* Pairs of points and quads closer than the capture and ``_SLACK`` edges are listed, among
+the quads at the nodes near the tool, until points and nodes may have moved by half of the slack;
+the other half is for nodes that are not listed. A listed point that is h above the film is looked
+at again when it may have come down, at ``_PER_STEP`` of an edge a step (film that springs back at
+100 m/s moves by that), and every ``_REST`` steps in any case.
 """
 
 from __future__ import annotations
@@ -63,12 +65,16 @@ CAPTURE = 0.5
 # passes the film edgeways does not push it.
 _FACING = 0.3
 
-# Of the list of pairs, over the edge length; larger than CAPTURE by what may move until it is made
-# anew.
-_MARGIN = 1.0
+# Of the list of pairs, over the edge length: what points and film may move until it is made anew;
+# and the number of pairs that it has room for at first.
+_SLACK, _ROOM = 0.6, 512
 
 # Steps between two checks of how far points and nodes have moved.
 _LOOK_EVERY = 5
+
+# Steps for which a point that does not press is not looked at, at most; and how far points and film
+# come together in a step at most, over the edge length.
+_REST, _PER_STEP = 8, 0.03
 
 # Reach of a point in the bound on the step beyond its own shape functions, over the edge length.
 _SOON = 0.25
@@ -109,12 +115,12 @@ class PointContact:
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self.name = "points"
-        self._contact, self._margin = contact, _MARGIN * edge_length
+        self._contact, self._slack = contact, _SLACK * edge_length
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
         self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
         self._springs = PointSprings.at_rest(len(self.points.place))
-        self._pairs = PointPairs.none()
+        self._pairs = PointPairs.none(len(self.points.place), _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
         self._listed: Ints = np.zeros(0, np.int64)
         self._x_listed: Floats = np.zeros((0, 3))
@@ -131,7 +137,7 @@ class PointContact:
         if self._is_old(state, pose):
             self._list(state, pose)
         wrench = np.zeros_like(self.forces.wrench)
-        found = self._call.code(pose, state.dt, self._tables, wrench)
+        found = self._call.code(pose, state.dt, state.step, self._tables, wrench)
         self.forces = PointForces(wrench, *found)
         return self.forces
 
@@ -142,11 +148,10 @@ class PointContact:
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
-        pairs, n = self._pairs, state.node
-        of = np.repeat(np.arange(pairs.point.size), np.diff(pairs.first))
-        nodes = state.quads[pairs.quad].astype(np.int64)
-        both = np.unique(np.stack([np.repeat(pairs.point[of], 4), nodes.ravel()], axis=1), axis=0)
-        point, node = both[:, 0], both[:, 1]
+        n = state.node
+        of, quad = self._pairs.listed()
+        both = np.unique(of[:, None] * n.count + state.quads[quad])
+        point, node = np.divmod(both, n.count)
         area = n.contact_area[node]
         place = self._pose.to_space(self.points.place[point])
         away = np.linalg.norm(n.x[node] - place, axis=1) / local_edge_length(area)
@@ -187,7 +192,7 @@ class PointContact:
             return False
         before, x, radius = self._listed_pose, state.node.x, self._radius
         moved = self._way(pose, before, radius, self._listed, x, self._x_listed)
-        return bool(moved > 0.5 * (_MARGIN - CAPTURE) / _MARGIN * self._margin)
+        return bool(moved > 0.5 * self._slack)
 
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
@@ -197,16 +202,19 @@ class PointContact:
         cut = (state.quad.share[: state.n_quad] < 1.0) | n.halved[quads].any(axis=1)
         whole = np.flatnonzero(near[quads].any(axis=1) & ~cut)
         pressing = np.flatnonzero(self._springs.force.any(axis=1))
-        self._pairs = pairs_near(
-            pose.to_space(self.points.place), n.x[quads[whole]], whole, self._margin, pressing
-        )
-        self._listed = np.unique(quads[self._pairs.quad]).astype(np.int64)
+        margin = CAPTURE * local_edge_length(n.contact_area[quads[whole]].max(axis=1)) + self._slack
+        place, corners = pose.to_space(self.points.place), n.x[quads[whole]]
+        found = pairs_near(place, corners, whole, margin, pressing)
+        kept, self._pairs = self._pairs, self._pairs.fill(*found)
+        self._listed = np.unique(quads[found[2]]).astype(np.int64)
         self._x_listed, self._listed_pose = n.x[self._listed].copy(), pose
-        left = np.ones(len(self.points.place), np.bool_)
-        left[self._pairs.point] = False
+        left = np.ones(len(place), np.bool_)
+        left[found[0]] = False
         self._springs.side[left] = 0
+        self._springs.due[:] = state.step
+        if self._pairs is not kept or not self._known.is_of(state):
+            self._collect(state)
         self._known.take(state)
-        self._collect(state)
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""
@@ -247,8 +255,10 @@ def _closest_quad(
         quad = _quad_of(q, film)
         away = sub(p, quad.c)
         reach = norm(quad.a) + norm(quad.b) + norm(quad.d)
-        size = local_edge_length(film.contact_area[film.quads[q, 0]])
-        if norm(away) > reach + CAPTURE * size:
+        area = 0.0
+        for c in range(4):
+            area = max(area, film.contact_area[film.quads[q, c]])
+        if norm(away) > reach + CAPTURE * local_edge_length(area):
             continue
         xi, eta = foot_on_quad(p, quad)
         away = sub(p, point_of(quad, xi, eta))
@@ -260,7 +270,7 @@ def _closest_quad(
 
 @kernel
 def _add_point_forces(
-    pose: Pose, dt: float, tables: PointTables, wrench: Floats
+    pose: Pose, dt: float, step: int, tables: PointTables, wrench: Floats
 ) -> tuple[float, float, float, int, float]:
     """Add the forces of the listed points to those of the nodes and to wrench : (n_body, 6).
 
@@ -273,8 +283,10 @@ def _add_point_forces(
     origin = pose.translation
     work = stored = absorbed = deepest = 0.0
     n_touching = 0
-    for i in range(tables.pairs.point.shape[0]):
+    for i in range(tables.pairs.used[0]):
         k = tables.pairs.point[i]
+        if step < springs.due[k]:
+            continue
         old = load(springs.force, k)
         if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
             work += 0.5 * dt * _power(k, old, springs, film)
@@ -296,6 +308,7 @@ def _add_point_forces(
             absorbed += springs.stored[k]
             side[k] = 0
             depth[k] = springs.stored[k] = 0.0
+            springs.due[k] = step + _REST
             continue
         if side[k] == 0:
             facing = dot(turn(load(points.outward, k), pose), normal)
@@ -306,6 +319,8 @@ def _add_point_forces(
         depth[k] = g
         springs.stored[k] = 0.0
         if g == 0.0:
+            rest = int(abs(height) / (_PER_STEP * local_edge_length(area)))
+            springs.due[k] = step + min(max(rest, 1), _REST)
             continue
         n_touching += 1
         deepest = max(deepest, g)

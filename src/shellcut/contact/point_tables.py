@@ -14,19 +14,43 @@ from .settings import PenaltyLaw
 
 
 class PointPairs(NamedTuple):
-    """Which quads are near which point."""
+    """Which quads are near which point; the arrays have room for more."""
 
-    point: Annotated[Ints, "(n_listed,)"]
-    """Points with a quad near, or a force, ascending."""
-    first: Annotated[Ints, "(n_listed + 1,)"]
+    used: Annotated[Ints, "(1,)"]
+    """Number of listed points."""
+    point: Annotated[Ints, "(n_point,)"]
+    """Points with a quad near, or a force, ascending; the first ``used`` in use."""
+    first: Annotated[Ints, "(n_first,)"]
     """First quad of each, and the end."""
     quad: Annotated[Ints, "(n_pair,)"]
     """Whole quads, ascending for each point."""
 
     @classmethod
-    def none(cls) -> PointPairs:
-        """Return the list of nothing near."""
-        return cls(np.zeros(0, np.int64), np.zeros(1, np.int64), np.zeros(0, np.int64))
+    def none(cls, n_point: int, n_pair: int) -> PointPairs:
+        """Return the list of nothing near, with room for so many points and pairs."""
+        return cls(
+            used=np.zeros(1, np.int64),
+            point=np.zeros(n_point, np.int64),
+            first=np.zeros(n_point + 1, np.int64),
+            quad=np.zeros(n_pair, np.int64),
+        )
+
+    def listed(self) -> tuple[Ints, Ints]:
+        """Return point and quad of every pair."""
+        n = int(self.used[0])
+        of = np.repeat(self.point[:n], np.diff(self.first[: n + 1]))
+        return of, self.quad[: self.first[n]]
+
+    def fill(self, point: Ints, first: Ints, quad: Ints) -> PointPairs:
+        """Replace the list; return it, or a longer one that holds it."""
+        pairs = self
+        if quad.size > self.quad.size:
+            pairs = PointPairs.none(self.point.size, 2 * quad.size)
+        pairs.used[0] = point.size
+        pairs.point[: point.size] = point
+        pairs.first[: first.size] = first
+        pairs.quad[: quad.size] = quad
+        return pairs
 
 
 class PointSprings(NamedTuple):
@@ -38,6 +62,8 @@ class PointSprings(NamedTuple):
     """How far it has passed the film [mm]."""
     stored: Annotated[Floats, "(n_point,)"]
     """Penalty energy [N·mm]."""
+    due: Annotated[Ints, "(n_point,)"]
+    """Step at which it is looked at next."""
     force: Annotated[Floats, "(n_point, 3)"]
     """On the film [N]."""
     node: Annotated[Ints, "(n_point, 4)"]
@@ -52,6 +78,7 @@ class PointSprings(NamedTuple):
             side=np.zeros(n, np.int8),
             depth=np.zeros(n),
             stored=np.zeros(n),
+            due=np.zeros(n, np.int64),
             force=np.zeros((n, 3)),
             node=np.zeros((n, 4), np.int64),
             weight=np.zeros((n, 4)),
@@ -80,9 +107,9 @@ class PointTables(NamedTuple):
 
 
 def pairs_near(
-    place: Floats, corners: Floats, quads: Ints, margin: float, besides: Ints
-) -> PointPairs:
-    """Return the points near some quads, in boxes around them.
+    place: Floats, corners: Floats, quads: Ints, margin: Floats, besides: Ints
+) -> tuple[Ints, Ints, Ints]:
+    """Return the points near some quads, in boxes around them, as :class:`PointPairs` lists them.
 
     Parameters
     ----------
@@ -92,12 +119,12 @@ def pairs_near(
         Of the quads [mm].
     quads : ndarray of int, shape (n,)
         Their ids, ascending.
-    margin : float
+    margin : ndarray, shape (n,)
         Of the boxes [mm].
     besides : ndarray of int
         Points that are listed in any case.
     """
-    low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
+    low, high = corners.min(axis=1) - margin[:, None], corners.max(axis=1) + margin[:, None]
     inside = np.zeros(len(place), np.bool_)
     if len(quads):
         inside = ((place > low.min(axis=0)) & (place < high.max(axis=0))).all(axis=1)
@@ -107,7 +134,7 @@ def pairs_near(
     row, column = np.nonzero(near)
     point = np.union1d(candidates[row], besides).astype(np.int64)
     first = np.searchsorted(candidates[row], np.append(point, len(place)))
-    return PointPairs(point=point, first=first, quad=quads[column].astype(np.int64))
+    return point, first, quads[column]
 
 
 @kernel
