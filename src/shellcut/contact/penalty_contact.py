@@ -12,9 +12,8 @@ relative to the tool. Outside, this is the distance from the surface: until then
 touch it and is skipped. Inside, it is half of the amount by which the other triangles are farther
 than the closest: until then that one stays the closest.
 
-*Depth and normal* are those of the tool with its convex edges rounded
-(:mod:`shellcut.tool.rounded_depth`), so that the force is continuous, the gradient of a potential,
-as a node slides from face to face.
+*Depth and normal* are those of the tool with its convex edges rounded, so that the force is
+continuous, the gradient of a potential (:mod:`shellcut.tool.rounded_depth`).
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node created inside the wedge by a split would take the nearer one, with a loaded spring. So a node
@@ -43,7 +42,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
@@ -399,9 +398,8 @@ def _add_contact_forces(
 ) -> tuple[float, float, float, int, float]:
     """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
-    Writes the look-ups, and side, depth, offset, contact_work and contact_force of these nodes.
-    Returns the work on the nodes over the last step, the stored energy, the absorbed energy, the
-    number of nodes inside and the largest depth.
+    Writes the look-ups, and the contact fields of these nodes. Returns the work on the nodes over
+    the last step, stored and absorbed energy, the number of nodes inside and the largest depth.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
@@ -445,11 +443,7 @@ def _add_contact_forces(
         else:
             nodes.contact_work[n] = energy
         stored += energy
-        f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
-        work += (
-            0.5
-            * dt
-            * ((old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2])
-        )
+        f = scale(magnitude, direction)
+        work += 0.5 * dt * dot(add(old, f), moved)
         _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
     return work, stored, absorbed, n_inside, deepest
