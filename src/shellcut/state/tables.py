@@ -191,8 +191,7 @@ class NodeTable(_Table):
     contact_force: Floats
     """Contact force on the node [N], shape (n, 3)."""
     friction_spring: Floats
-    """Elongation of the spring that holds the node to the tool, in the tool's frame [mm], shape
-    (n, 3)."""
+    """Elongation of the spring of friction, in the tool's frame [mm], shape (n, 3)."""
     friction_force: Floats
     """Friction on the node [N], shape (n, 3)."""
 
