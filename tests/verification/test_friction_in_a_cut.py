@@ -9,7 +9,7 @@ SIZE, GH = 0.8, 43.5 * 0.074
 
 
 def works(friction: float) -> dict[str, np.ndarray]:
-    case = guillotine(SIZE, length=20.0, contact=Contact(friction=friction))
+    case = guillotine(SIZE, length=32.0, contact=Contact(friction=friction))
     sim, rows = case.simulation, []
     while sim.state.time < case.duration:
         sim.step()
@@ -24,15 +24,16 @@ def works(friction: float) -> dict[str, np.ndarray]:
 
 def test_the_blade_does_the_work_of_the_cut_and_of_friction() -> None:
     run = works(0.2)
-    n = int((run["path"][-1] - 8.0) / SIZE)
-    ends = np.array([8.0, 8.0 + n * SIZE])
+    n = int((run["path"][-1] - 10.0) / SIZE)
+    ends = np.array([10.0, 10.0 + n * SIZE])
 
     def mean(entry: str) -> float:
         return float(np.diff(np.interp(ends, run["path"], run[entry]))[0] / (n * SIZE))
 
-    # A quarter of the force and more: the flanks press on the blade as it pushes them apart.
-    assert mean("friction") > 0.05 * GH
-    # Damping is 1 % by itself, also without friction (F02); 1 % as asked, of mesh and waves.
+    # Measured 0.81 N: the flanks press on the blade as it pushes them apart.
+    assert mean("friction") > 0.2 * GH
+    # 1 % as asked; measured 0.4 %. On a shorter way it is more: friction draws the film along, at
+    # first, so that the blade cuts a little less or more of it than it goes.
     left = mean("tool") - mean("damping") - mean("friction")
     assert left == pytest.approx(GH, rel=0.01)
     # All of it is dissipated, but for what the springs hold now.
