@@ -1,6 +1,7 @@
 """Contact force of one node by brute force over all triangles of the tool."""
 
 import numpy as np
+import scipy
 
 
 def closest_point(p, corners):
@@ -33,8 +34,28 @@ def smoothed(g, g_m):
     return (g / g_m) ** 3 * (3 * g_m - 2 * g) if g < g_m else g
 
 
-def node_force(x, tool, pose, side, area, penalty, g_m):
+def shortest_step(normals, needed):
+    """The least w with normals @ w >= needed, by least squares (Lawson & Hanson 1974, 23.4)."""
+    rows = np.vstack([normals.T, needed])
+    u, _ = scipy.optimize.nnls(rows, np.append(np.zeros(3), 1.0))
+    rest = rows @ u - np.append(np.zeros(3), 1.0)
+    return -rest[:3] / rest[3]
+
+
+def rounded_depth(p, planes, radius):
+    """Depth below the planes (points, normals) of a convex solid opened by a ball, way out."""
+    points, normals = planes
+    depths = ((points - p) * normals).sum(axis=1)
+    if depths.min() >= radius:
+        return depths.min(), normals[depths.argmin()]
+    w = shortest_step(normals, radius - depths)
+    return radius - np.linalg.norm(w), w / np.linalg.norm(w)
+
+
+def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0):
     """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
+
+    The edges of the tool, a convex one, are rounded with a radius if that is given.
 
     Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
     the tool there is one answer: no force, and no tooth.
@@ -51,6 +72,9 @@ def node_force(x, tool, pose, side, area, penalty, g_m):
         if distance[k] < least + 1e-12:
             normal = tool.triangle_normals[k]
             depth = (places[k] - p) @ normal
-            size = penalty * area * smoothed(depth, g_m)
+            if radius:
+                planes = tool.vertices[tool.triangles[allowed, 0]], tool.triangle_normals[allowed]
+                depth, normal = rounded_depth(p, planes, radius)
+            size = penalty * area * smoothed(max(depth, 0.0), g_m)
             answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_body[k])))
     return answers

@@ -73,7 +73,9 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     inside = 0
     for n, p in enumerate(points):
         side = int(state.node.contact_side[n])
-        answers = naive.node_force(p, tool, pose, side, AREA, 2e4, g_m)
+        # The points under the ring, which is not convex, are none near an edge.
+        radius = contact.law.rounding if tool is BLADE else 0.0
+        answers = naive.node_force(p, tool, pose, side, AREA, 2e4, g_m, radius)
         force, depth, body = min(answers, key=lambda a: np.linalg.norm(a[0] - forces[n]))
         # Round-off: a depth of 1e-3 mm or more from positions of 10 mm, 1e-13 of it.
         np.testing.assert_allclose(forces[n], force, rtol=0, atol=1e-10 * 2e4 * AREA)
@@ -87,7 +89,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     depths = state.node.contact_depth[: len(points)]
     assert result.deepest == depths.max()
     np.testing.assert_allclose(result.wrench, wrench, atol=1e-10 * np.abs(wrench).max())
-    stored = sum(2e4 * AREA * smoothed_integral(g, g_m) for g in depths)
+    stored = sum(2e4 * AREA * smoothed_integral(max(g, 0.0), g_m) for g in depths)
     assert result.stored == pytest.approx(stored, rel=1e-12)
 
 
@@ -433,7 +435,7 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
             )
         ]
         forces, result = evaluate(contact, state)
-        lasts, within = contact._tables.table.near.lasts, contact._tables.table.near.within
+        lasts, within = contact.tables.table.near.lasts, contact.tables.table.near.within
         remembered += np.count_nonzero(within & (lasts > 0.0))
         after = [
             state.node.contact_side.copy(),

@@ -98,7 +98,7 @@ def test_swapped_fields_of_the_cables_are_refused(run):
 
 
 def test_swapped_fields_of_the_contact_are_refused(run):
-    tables = run.contact._tables.table
+    tables = run.contact.tables.table
     swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.contact_mass))
     call = BoundOnce(penalty_contact._add_contact_forces)
     with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):

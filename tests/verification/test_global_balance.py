@@ -96,7 +96,7 @@ def _check_all(sim: Simulation) -> None:
     s, n = sim.state, sim.state.n_node
     x, f = s.node.x[:n], s.node.force[:n]
     directors = np.cross(s.node.t[:n], s.node.director_force[:n]).sum(axis=0)
-    force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
+    force, moment = _about_origin(sim, sim.tooth_wrenches)
     assert np.abs(f.sum(axis=0) + force).max() <= ROUND_OFF * np.abs(f).sum()
     rest = _turned(x, f) + directors + moment - sim.cables.forces.couple
     assert np.abs(rest).max() <= ROUND_OFF * np.abs(np.cross(x, f)).sum()
@@ -150,7 +150,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
     for _ in range(2500):
         before = momentum()
         sim.step()
-        force, _ = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
+        force, _ = _about_origin(sim, sim.tooth_wrenches)
         held = node.reaction[: sim.state.n_node, :3].sum(axis=0)
         dt = 0.5 * (sim.state.dt + sim._dt)
         step = dt * (held - force)
@@ -177,7 +177,7 @@ def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
     torque, power = [], []
     while sim.motion.coordinate(sim.state.time) < np.radians(12.0):
         sim.step()
-        force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
+        force, moment = _about_origin(sim, sim.tooth_wrenches)
         spin, velocity = motion.twist(sim.state.time)
         torque.append(-float(moment @ axis))  # what the drive must give, positive if resisted
         power.append(-float(force @ velocity + moment @ spin) * sim.state.dt)
@@ -188,7 +188,7 @@ def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
     assert sim.ledger.tool_work > 0.0
     assert sim.ledger.tool_work == pytest.approx(np.sum(power), rel=5e-3)
     # Four teeth a quarter turn apart: no side force. Symmetry, up to round-off grown: 1e-12 N.
-    force, moment = _about_origin(sim, sim.contact.forces.wrench + sim.cables.forces.wrench)
-    each = sim.contact.forces.wrench + sim.cables.forces.wrench
+    force, moment = _about_origin(sim, sim.tooth_wrenches)
+    each = sim.tooth_wrenches
     assert each.shape == (4, 6)
     assert np.abs(force[:2]).max() < 1e-6 * np.abs(each[:, :3]).sum()

@@ -1,8 +1,9 @@
-"""Penalty contact of the film's nodes with the faces of the rigid tool.
+"""Penalty contact of the film with the rigid tool.
 
-May import ``state``, ``material``, ``tool`` and rows below. ``penalty_contact`` is the force term,
-``settings`` gives its stiffness, ``missed_penetration`` measures penetration between nodes, which
-nodal contact misses.
+May import ``state``, ``material``, ``tool`` and rows below. ``penalty_contact`` is the force term
+of the nodes, ``settings`` gives its stiffness, ``coulomb_friction`` holds the nodes to the faces,
+``point_contact`` lets corners and edges of the tool press on quads, ``missed_penetration``
+measures what none of them feels.
 """
 
 from .settings import Contact

@@ -1,7 +1,7 @@
-"""Penetration between nodes, which nodal contact misses: where the tool passes through quads.
+"""Penetration that no contact feels: where the tool passes through quads.
 
-Contact acts on nodes only: a tooth that comes down between nodes meets no force until it reaches
-one. The depth of that is measured during a run and reported; at the start any is refused.
+Nodes feel the faces of the tool, and quads its corners and edges, but for those that cut; what goes
+through a quad without either is measured during a run and reported. At the start any is refused.
 """
 
 from __future__ import annotations
@@ -94,13 +94,18 @@ class ToolWires:
         return crossed, depth[crossed]
 
 
-def missed_penetration(wires: ToolWires, state: State, pose: Pose) -> tuple[int, float]:
+def missed_penetration(
+    wires: ToolWires, state: State, pose: Pose, felt: Ints | None = None
+) -> tuple[int, float]:
     """Return the number of quads that the tool passes through, and the largest depth [mm].
 
-    Quads with a node in contact or with a split node are left out.
+    Quads with a node in contact or with a split node are left out, and those with a node in
+    ``felt``, of quads that a point of the tool presses on.
     """
     n = state.node
     noticed = n.halved | (n.contact_depth > 0.0)
+    if felt is not None:
+        noticed[felt] = True
     quads, depth = wires.crossed_quads(n.x, state.quads, noticed, pose)
     return quads.size, float(depth.max(initial=0.0))
 

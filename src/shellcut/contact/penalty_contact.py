@@ -2,8 +2,8 @@
 
 A node inside the tool by the depth g gets the force +k f(g) n, n the outward normal of the tool
 there, and the tool gets the opposite (the minus in the paper: it prints the force on the cutter); k
-and f are in :mod:`shellcut.contact.settings`. The faces are frictionless; adhesion acts in the
-joints of the cables.
+and f are in :mod:`shellcut.contact.settings`. Friction on the faces is a term of its own
+(:mod:`shellcut.contact.coulomb_friction`); adhesion acts in the joints of the cables.
 
 *Search.* Global: the nodes near a tooth are listed now and then
 (:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
@@ -11,6 +11,9 @@ cell in a grid fixed to the tool. The result is valid until the node has moved a
 relative to the tool. Outside, this is the distance from the surface: until then the node cannot
 touch it and is skipped. Inside, it is half of the amount by which the other triangles are farther
 than the closest: until then that one stays the closest.
+
+*Depth and normal* are those of the tool with its convex edges rounded, so that the force is
+continuous, the gradient of a potential (:mod:`shellcut.tool.rounded_depth`).
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node created inside the wedge by a split would take the nearer one, with a loaded spring. So a node
@@ -39,7 +42,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, store, sub
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import QuadsAtNodes, State, local_edge_length
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import (
@@ -50,6 +53,7 @@ from shellcut.tool.cutting_edge import (
     strip_coordinates,
 )
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
 
@@ -135,6 +139,7 @@ class PenaltyContact:
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
+        self._around = ConvexNeighbours.of(tool)
         self._undecided = _UNDECIDED + crack_aside
         self._round_off = _ROUND_OFF * float(np.abs(tool.vertices).max())
         corners = [
@@ -148,7 +153,8 @@ class PenaltyContact:
         """The nodes of the last global search."""
         self._lookups = Lookups.none_yet(self.near.ids)
         self._pose: Pose | None = None
-        self._tables: ContactTables | None = None
+        self.tables: ContactTables | None = None
+        """What the kernel takes, anew with each list."""
         self._hold = Holder()
         self._call = BoundOnce(_add_contact_forces)
         self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
@@ -162,7 +168,7 @@ class PenaltyContact:
         if self.near.renew(state, pose):
             self._take_list(state)
         wrench = np.zeros((self._n_body, 6))
-        found = self._call.code(pose, before, state.dt, self._tables, wrench)
+        found = self._call.code(pose, before, state.dt, self.tables, wrench)
         self.forces = ContactForces(wrench, *found)
         self.deepest = max(self.deepest, self.forces.deepest)
         return self.forces
@@ -229,6 +235,7 @@ class PenaltyContact:
                 round_off=self._round_off,
                 triangle_body=self.tool.triangle_body,
                 segments=self._edges.segments,
+                around=self._around,
                 undecided=self._undecided,
             ),
             law=self.law,
@@ -236,7 +243,7 @@ class PenaltyContact:
             nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
-        self._tables = self._hold(tables)
+        self.tables = self._hold(tables)
 
 
 @inline
@@ -334,18 +341,18 @@ def _take_side(
 
 @always_inline
 def _impact(
-    n: int, p: Vec3, g: float, outward: Vec3, dt: float, pose_before: Pose, tables: ContactTables
-) -> tuple[bool, float]:
-    """Write the depth g of node n; return whether it has hit the surface, and its way in [mm]."""
+    n: int, p: Vec3, g: float, dt: float, pose_before: Pose, tables: ContactTables
+) -> tuple[bool, Vec3]:
+    """Write the depth g of node n; return whether it has hit the surface, and its way back [mm]."""
     nodes, noticed = tables.nodes, tables.law.noticed
-    way = 0.0
+    way = (0.0, 0.0, 0.0)
     change = g - nodes.contact_depth[n]
     impact = abs(change) > noticed
     if impact:
         moved = load(nodes.velocity_half, n)
         was = to_body(combine(1.0, load(nodes.x, n), -dt, moved), pose_before)
-        way = dot(sub(was, p), outward)
-        if change > noticed + norm(sub(p, was)):  # more than node and tool have moved
+        way = sub(was, p)
+        if change > noticed + norm(way):  # more than node and tool have moved
             nodes.contact_offset[n] += change
             impact = False
     nodes.contact_depth[n] = g
@@ -391,13 +398,12 @@ def _add_contact_forces(
 ) -> tuple[float, float, float, int, float]:
     """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
-    Writes the look-ups, and side, depth, offset, contact_work and contact_force of these nodes.
-    Returns the work on the nodes over the last step, the stored energy, the absorbed energy, the
-    number of nodes inside and the largest depth.
+    Writes the look-ups, and the contact fields of these nodes. Returns the work on the nodes over
+    the last step, stored and absorbed energy, the number of nodes inside and the largest depth.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
-    surface, g_m = tool.grid.surface, law.smoothing_depth
+    g_m = law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
     work = stored = absorbed = deepest = 0.0
@@ -417,10 +423,9 @@ def _add_contact_forces(
         moved = load(nodes.velocity_half, n)
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
-        normals = surface.pseudo_normals
-        outward = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
-        g = dot(sub(q, p), outward)
-        impact, way = _impact(n, p, g, outward, dt, pose_before, tables)
+            near.closest[i, 1] = triangle  # of the tooth that friction acts on
+        g, outward = rounded_depth(p, q, triangle, side[n], law.rounding, tool.grid, tool.around)
+        impact, back = _impact(n, p, g, dt, pose_before, tables)
         n_inside += 1
         deepest = max(deepest, g)
         stiffness = nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
@@ -429,20 +434,16 @@ def _add_contact_forces(
         energy = stiffness * smoothed_integral(loaded, g_m)
         direction = turn(outward, pose)
         if impact and dt > 0.0 and not nodes.supported[n]:
-            before = dot(old, direction)
+            way = dot(back, outward)
             pushed = -dot(load(nodes.force, n), direction)
-            spent = nodes.contact_work[n]
-            most = largest_rebound(spent, before, way, pushed, nodes.contact_mass[n], dt)
+            spent = nodes.contact_work[n] + 0.5 * dot(old, turn(back, pose))
+            most = largest_rebound(spent, way, pushed, nodes.contact_mass[n], dt)
             magnitude = min(magnitude, most)
-            nodes.contact_work[n] += 0.5 * (before + magnitude) * way
+            nodes.contact_work[n] = spent + 0.5 * magnitude * way
         else:
             nodes.contact_work[n] = energy
         stored += energy
-        f = (magnitude * direction[0], magnitude * direction[1], magnitude * direction[2])
-        work += (
-            0.5
-            * dt
-            * ((old[0] + f[0]) * moved[0] + (old[1] + f[1]) * moved[1] + (old[2] + f[2]) * moved[2])
-        )
+        f = scale(magnitude, direction)
+        work += 0.5 * dt * dot(add(old, f), moved)
         _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
     return work, stored, absorbed, n_inside, deepest

@@ -62,6 +62,11 @@ NOTICED = 0.2
 """Change of the depth in a step, over g_M, from which it is treated as a jump or an impact. No node
 of the opening test of [Frangi2010] reaches it."""
 
+ROUNDING = 2.0
+"""Radius over g_M by which the tool's convex edges are rounded for the depth: half the thickness of
+the film, twice the depth at which the force has set in, at most a quarter of the tool's half
+thickness. The lip of a right angle that is lost with it is 0.8 g_M high."""
+
 ABSORB_WAVES = 30.0
 """Decay time of an absorbed jump, over the time of a wave along an edge of a quad."""
 
@@ -87,15 +92,23 @@ class Contact:
     self_contact : bool
         Whether film near cracks and loose pieces also touch the film
         (:mod:`shellcut.contact.self_contact`).
+    friction : float
+        Coefficient mu of Coulomb friction between the film and the tool's faces, see
+        :mod:`shellcut.contact.coulomb_friction`; 0 for none.
+    tool_points : bool
+        Whether corners and edges of the tool push the film between its nodes, see
+        :mod:`shellcut.contact.point_contact`.
 
     Examples
     --------
     >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25, self_contact=False)
+    Contact(penalty=20000.0, smoothing=0.25, friction=0.0, tool_points=True, self_contact=False)
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
+    friction: float = 0.0
+    tool_points: bool = True
     self_contact: bool = False
 
     def __post_init__(self) -> None:
@@ -104,6 +117,10 @@ class Contact:
             for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
             if value is not None and not (math.isfinite(value) and value > 0)
         ]
+        if not (math.isfinite(self.friction) and self.friction >= 0):
+            problems.append(
+                f"friction must be a coefficient of 0 (none) or more, got {self.friction!r}"
+            )
         if problems:
             raise ValueError("; ".join(problems))
 
@@ -119,6 +136,8 @@ class PenaltyLaw(NamedTuple):
     """Largest stiffness of a node, whatever its area [N/mm]."""
     smoothing_depth: float
     """g_M [mm]."""
+    rounding: float
+    """r of the tool's convex edges, see :mod:`shellcut.tool.rounded_depth` [mm]."""
     noticed: float
     """Change of the depth in a step above which it is treated as a jump or an impact [mm]."""
     tool_half_thickness: float
@@ -152,6 +171,7 @@ class PenaltyLaw(NamedTuple):
             softest=softest,
             stiffest=stiffest,
             smoothing_depth=depth,
+            rounding=ROUNDING * depth,
             noticed=NOTICED * depth,
             tool_half_thickness=half,
             absorb_slowness=ABSORB_WAVES * math.sqrt(density / stretching),
@@ -189,25 +209,22 @@ def smoothed_integral(g: float, g_m: float) -> float:
 
 
 @inline
-def largest_rebound(
-    put_in: float, before: float, way: float, pushed: float, mass: float, dt: float
-) -> float:
+def largest_rebound(put_in: float, way: float, pushed: float, mass: float, dt: float) -> float:
     """Return the largest contact force that gives a node no more energy than it has put in [N].
 
     Let way' = way + (pushed - f) dt²/m be the way of the node into the face over the next step if
-    the tool continues as it does. With f' the force before, the spring has received ½ (f' + f) way
-    over the last step and returns at least -½ f way' over the next. The condition
+    the tool continues as it does. The spring receives ½ f way by f over the last step and returns
+    at least -½ f way' over the next. The condition
 
-        put_in + ½ (f' + f) way + ½ f way' >= 0
+        put_in + ½ f way + ½ f way' >= 0
 
     holds for f up to the larger root of a quadratic equation.
 
     Parameters
     ----------
     put_in : float
-        Work done on the node's spring up to t_{n-1} [N·mm].
-    before : float
-        Contact force at t_{n-1} [N].
+        Work done on the node's spring up to t_{n-1}, and by half the force at t_{n-1} over the last
+        step [N·mm].
     way : float
         Way of the node into the face over the last step [mm].
     pushed : float
@@ -217,7 +234,7 @@ def largest_rebound(
     """
     give = dt * dt / mass
     linear = 2.0 * way + give * pushed
-    root = linear * linear + 8.0 * give * (put_in + 0.5 * before * way)
+    root = linear * linear + 8.0 * give * put_in
     if root <= 0.0:
         return 0.0
     return max(0.5 * (linear + math.sqrt(root)) / give, 0.0)

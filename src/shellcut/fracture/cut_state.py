@@ -164,6 +164,7 @@ def _share_node(
         # Forces of the last evaluation, shared like the mass, enter the next work increment only.
         share = mass / before
         n.contact_force[half] *= share
+        n.friction_force[half] *= share
         n.contact_work[half] *= share
         n.load_force[half] *= share
         if len(groups) > 1:

@@ -97,7 +97,7 @@ def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
     n.support_rate[node] = n.reaction[node] = n.load_force[node] = n.force_rows[node] = 0.0
     n.contact_side[node] = 0
     n.contact_depth[node] = n.contact_offset[node] = n.contact_work[node] = 0.0
-    n.contact_force[node] = 0.0
+    n.contact_force[node] = n.friction_spring[node] = n.friction_force[node] = 0.0
     n.origin[node] = node
     n.halved[node] = n.real[node] = True
     f.row[k], f.nodes[k] = row, state.quads[row]

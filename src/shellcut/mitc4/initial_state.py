@@ -56,6 +56,8 @@ def initial_state(mesh: Mesh) -> State:
         contact_offset=rows(),
         contact_work=rows(),
         contact_force=rows(3),
+        friction_spring=rows(3),
+        friction_force=rows(3),
     )
     cable = CableTable(
         count=0,

@@ -28,6 +28,9 @@ _ENERGIES = (
     "self_contact_work",
     "self_contact_stored",
     "dropped",
+    "friction_work",
+    "friction_stored",
+    "friction_dissipated",
     "damping_stiffness",
     "damping_mass",
 )

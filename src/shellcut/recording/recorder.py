@@ -29,6 +29,7 @@ from shellcut.frame import Frame
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
+from shellcut.simulation.contact_terms import felt_nodes
 from shellcut.simulation.hooks import Trigger
 from shellcut.simulation.simulation import Simulation
 from shellcut.view.progress import Progress
@@ -210,7 +211,8 @@ class Recorder:
             self._files.history.append({column: value for column, _, value in self._row()})
             schedule.row_time = now
         if schedule.look_due(now) and self._wires is not None:
-            _, schedule.unfelt = missed_penetration(self._wires, sim.state, sim.pose)
+            felt = felt_nodes(sim.tool_terms)
+            _, schedule.unfelt = missed_penetration(self._wires, sim.state, sim.pose, felt)
             schedule.largest_unfelt = max(schedule.largest_unfelt, schedule.unfelt)
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)

@@ -95,6 +95,7 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
     return {
         "contact_Nmm": ledger.contact_work,
         "contact_absorbed_Nmm": ledger.contact_absorbed,
+        "friction_dissipated_Nmm": ledger.friction_dissipated,
         "n_cable_jointed": sim.cables.n_joint_made,
         "deepest_penetration_mm": sim.contact.deepest,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,

@@ -86,6 +86,7 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         "contact": ledger.contact_work,
         **({"self contact": ledger.self_contact_work} if ledger.self_contact_work else {}),
         **({"dropped": ledger.dropped} if ledger.dropped else {}),
+        **({"friction": ledger.friction_work} if ledger.friction_work else {}),
         "damping": ledger.damping,
         "ext": ledger.put_in,
     }

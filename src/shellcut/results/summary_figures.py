@@ -36,6 +36,7 @@ LABELS = {
     "contact_absorbed_Nmm": "of it, taken by absorbed jumps",
     "self_contact_Nmm": "contact of the film with itself",
     "self_contact_lost_Nmm": "of it, lost in impacts",
+    "friction_dissipated_Nmm": "dissipated by friction",
     "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
     "dW_dtheta_Nmm": f"tool's work per radian{_STEADY}",
     "dWcoh_ds_N": f"cables' work per mm{_STEADY}",

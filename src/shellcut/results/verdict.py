@@ -203,10 +203,10 @@ def _contact(figures: Figures) -> Iterator[Line]:
         return
     yield _judged(
         contact <= CONTACT_LIMIT,
-        f"Contact stores {share} of the tool's work (limit {limit}); without friction it should "
-        "store almost none.",
-        f"Contact stores {share} of the tool's work, more than {limit}, although it has no "
-        "friction: penetrations or their changes between steps are large.",
+        f"Contact stores {share} of the tool's work (limit {limit}); friction counted "
+        "apart, it should store almost none.",
+        f"Contact stores {share} of the tool's work, more than {limit}, friction not counted: "
+        "penetrations or their changes between steps are large.",
     )
 
 

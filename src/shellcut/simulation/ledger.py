@@ -1,6 +1,7 @@
 """The ledger: where the work has gone.
 
-    tool + loads + supports  =  kinetic + strain + material + cohesive + contact + damping
+    tool + loads + supports
+        =  kinetic + strain + material + cohesive + contact + friction + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
@@ -52,6 +53,12 @@ class Ledger:
     """Penalty energy, the recoverable part of it."""
     dropped: float = 0.0
     """Kinetic and strain energy of pieces that have been taken out of the run."""
+    friction_work: float = 0.0
+    """Work that went into the friction from both sides, nodes and tool."""
+    friction_stored: float = 0.0
+    """Energy of its springs, the recoverable part of it."""
+    friction_dissipated: float = 0.0
+    """What slip has dissipated of it; stored and dissipated make up the work."""
     damping_stiffness: float = 0.0
     damping_mass: float = 0.0
 
@@ -87,6 +94,7 @@ class Ledger:
             + self.contact_work
             + self.self_contact_work
             + self.dropped
+            + self.friction_work
             + self.damping
         )
 
@@ -104,6 +112,7 @@ class Ledger:
             "contact": self.contact_work,
             "self contact": self.self_contact_work,
             "dropped": self.dropped,
+            "friction": self.friction_work,
             "damping": self.damping,
         }
 

@@ -13,11 +13,9 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
-from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.criterion import Fracture
 from shellcut.fracture.flank_points import FlankPoints
@@ -35,6 +33,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
+from .contact_terms import contact_terms
 from .film_terms import FilmTerms
 from .hooks import Hook, serve
 from .input_checks import (
@@ -50,7 +49,7 @@ from .ledger import Ledger
 from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
-from .tool_terms import ToolTerm, ToolTerms
+from .tool_terms import ToolTerms
 
 
 class Simulation:
@@ -162,13 +161,8 @@ class Simulation:
         self.loads = LoadSet(mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
         self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
-        self.contact = None
-        edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
-        if tool is not None:
-            aside = MERGE if fracture.path == "free" else 0.0
-            self.contact = PenaltyContact(tool, contact, material, edge_length, aside)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        touching: list[ToolTerm] = [self.contact] if self.contact is not None else []
+        self.contact, touching = contact_terms(tool, contact, mesh, material, fracture)
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""

@@ -129,9 +129,12 @@ class ToolTerms:
 
     def close(self, state: State, ledger: Ledger) -> None:
         """Bring the entries of the ledger that are functions of the state up to t_n."""
+        sums: dict[str, float] = {}
         for term in self._terms:
             for entry, energy in term.stored(state).items():
-                setattr(ledger, entry, energy)
+                sums[entry] = sums.get(entry, 0.0) + energy
+        for entry, energy in sums.items():
+            setattr(ledger, entry, energy)
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""

@@ -193,6 +193,10 @@ class NodeTable(_Table):
     """Work put into the contact of the node since it began [N·mm], shape (n,)."""
     contact_force: Floats
     """Contact force on the node [N], shape (n, 3)."""
+    friction_spring: Floats
+    """Elongation of the spring of friction, in the tool's frame [mm], shape (n, 3)."""
+    friction_force: Floats
+    """Friction on the node [N], shape (n, 3)."""
 
     @property
     def force(self) -> Floats:

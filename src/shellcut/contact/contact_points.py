@@ -1,0 +1,174 @@
+"""Points of the tool that push the film between its nodes: corners, and points along edges.
+
+The nodes of the film feel the faces of the tool; a corner or an edge of the tool that comes down
+between nodes would go through. So these push: the convex corners of the surface, those of a smooth
+one (a ball) too, and points along convex edges that turn by more than ``LEAST_TURN``, no farther
+apart than half an edge of the film. Where they are closer than 0.4 of an edge, as on a
+surface finer than the film, some are left out; sharper ones stay.
+
+A *cutting edge* does not push: it is perfectly sharp, and what it meets is cut, or is about to be
+(:mod:`shellcut.fracture.blade_cut`). Its two ends do: the tip of a tooth that comes down on whole
+film.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Bools, Floats, Ints
+from shellcut.tool.surface import Surface
+from shellcut.tool.tool import Tool
+
+LEAST_TURN = np.radians(10.0)
+"""Convex edges push that turn by more than this; flatter ones are lines between facets."""
+
+SPACING, CLOSEST = 0.5, 0.4
+"""Largest and least distance of points along edges, over an edge length of the film."""
+
+# Turn of an edge from which on it counts as concave; at the corner of a flank that is hollow, of
+# facets, besides a part of the largest turn there.
+_CONCAVE, _HOLLOW = np.radians(-0.5), 0.05
+
+# Cosine of the angle between the normals of points that may press on the film together.
+_SAME_WAY = 0.5
+
+# Missing to 2 pi in the angles around a convex corner, at least.
+_PEAKED = 1e-4
+
+
+class ContactPoints(NamedTuple):
+    """Points of the tool in its body frame, for kernels."""
+
+    place: Annotated[Floats, "(n_point, 3)"]
+    """[mm]"""
+    outward: Annotated[Floats, "(n_point, 3)"]
+    """Mean unit normal of the surface there."""
+    body: Annotated[Ints, "(n_point,)"]
+    """Tooth of each."""
+    share: Annotated[Floats, "(n_point,)"]
+    """Stiffness of each over that of a node of the film, less the more of them press together."""
+
+
+def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
+    """Return the points of a tool that push a film.
+
+    Parameters
+    ----------
+    tool : Tool
+    edge_length : float
+        Of the film's smaller quads [mm].
+    """
+    surface = Surface(tool.vertices, tool.triangles)
+    cutting = _is_cutting(tool, surface)
+    vertex, sharpness = _corners(tool, surface, cutting)
+    at_vertex = _vertex_normals(tool)
+    body_of = np.zeros(tool.n_vertex, np.int64)
+    body_of[tool.triangles] = tool.triangle_body[:, None]
+    along, normal, turn, body = _along_edges(tool, surface, cutting, SPACING * edge_length)
+    place = np.concatenate([tool.vertices[vertex], along])
+    outward = np.concatenate([at_vertex[vertex], normal])
+    bodies = np.concatenate([body_of[vertex], body])
+    kept = _spread(place, np.concatenate([sharpness, turn]), CLOSEST * edge_length)
+    return ContactPoints(
+        place=np.ascontiguousarray(place[kept]),
+        outward=np.ascontiguousarray(outward[kept]),
+        body=np.ascontiguousarray(bodies[kept]),
+        share=_shares(place[kept], outward[kept], edge_length),
+    )
+
+
+def _is_cutting(tool: Tool, surface: Surface) -> Bools:
+    """Return which edges of the surface cut, (n_edge,)."""
+    cut = np.sort(tool.edges, axis=1)
+    keys = cut[:, 0] * tool.n_vertex + cut[:, 1]
+    return np.isin(surface.keys, keys)
+
+
+def _corners(tool: Tool, surface: Surface, cutting: Bools) -> tuple[Ints, Floats]:
+    """Return the vertices that push, and the largest turn of an edge at each."""
+    lo, hi, turn = surface.lo, surface.hi, surface.turn
+    least, most = np.full(tool.n_vertex, np.inf), np.full(tool.n_vertex, -np.inf)
+    for ends in (lo, hi):
+        np.minimum.at(least, ends, turn)
+        np.maximum.at(most, ends, turn)
+    corners = tool.vertices[tool.triangles]
+    one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    sine = np.linalg.norm(np.cross(one, two), axis=2)
+    angles = np.zeros(tool.n_vertex)
+    np.add.at(angles, tool.triangles, np.arctan2(sine, (one * two).sum(axis=2)))
+    cuts = np.bincount(np.append(lo[cutting], hi[cutting]), minlength=tool.n_vertex)
+    convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - angles > _PEAKED)
+    pushes = np.flatnonzero(convex & (cuts < 2))
+    return pushes, most[pushes]
+
+
+def _along_edges(
+    tool: Tool, surface: Surface, cutting: Bools, spacing: float
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Return places, normals, turns and teeth of points along convex edges, both ends included."""
+    rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~cutting)
+    on_cut = np.zeros(tool.n_vertex, np.bool_)
+    on_cut[tool.edges] = True
+    start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
+    pieces = np.maximum(np.ceil(np.linalg.norm(end - start, axis=1) / spacing), 1).astype(int)
+    of = np.repeat(np.arange(len(rows)), pieces + 1)
+    first = np.cumsum(pieces + 1) - (pieces + 1)
+    share = (np.arange(len(of)) - first[of]) / pieces[of]
+    # Not the ends that lie on a cutting edge.
+    inner = ~((share == 0.0) & on_cut[surface.lo[rows]][of])
+    inner &= ~((share == 1.0) & on_cut[surface.hi[rows]][of])
+    of, share = of[inner], share[inner, None]
+    place = (1.0 - share) * start[of] + share * end[of]
+    normal = surface.normals[surface.forward[rows]] + surface.normals[surface.backward[rows]]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    teeth = tool.triangle_body[surface.forward[rows]]
+    return place, normal[of], surface.turn[rows][of], teeth[of]
+
+
+def _vertex_normals(tool: Tool) -> Floats:
+    """Return the mean unit normals at the vertices, weighted by angle."""
+    corners = tool.vertices[tool.triangles]
+    one, two = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    sine = np.linalg.norm(np.cross(one, two), axis=2)
+    angle = np.arctan2(sine, (one * two).sum(axis=2))
+    normals = np.zeros_like(tool.vertices)
+    np.add.at(normals, tool.triangles, angle[:, :, None] * tool.triangle_normals[:, None, :])
+    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
+def _shares(place: Floats, outward: Floats, reach: float) -> Floats:
+    """Return one over the number of points at each that may press on a node of the film together.
+
+    A point at a distance counts 1 - distance / reach, as the shape function of the node between
+    them falls off; those that face another way press on other film, or not at all.
+    """
+    crowd = np.ones(len(place))
+    if len(place) > 1:
+        pairs = scipy.spatial.cKDTree(place).query_pairs(reach, output_type="ndarray")
+        a, b = pairs[np.lexsort(pairs.T[::-1])].T
+        weight = 1.0 - np.linalg.norm(place[a] - place[b], axis=1) / reach
+        weight *= (outward[a] * outward[b]).sum(axis=1) > _SAME_WAY
+        np.add.at(crowd, a, weight)
+        np.add.at(crowd, b, weight)
+    return np.asarray(1.0 / crowd)
+
+
+def _spread(place: Floats, sharpness: Floats, closest: float) -> Ints:
+    """Return which points to keep so that none is closer to another: the sharper, then the first.
+
+    place : (n, 3).  closest : [mm].
+    """
+    if not len(place):
+        return np.zeros(0, np.int64)
+    tree = scipy.spatial.cKDTree(place)
+    left_out = np.zeros(len(place), np.bool_)
+    # Rounded, so that round-off does not choose between equal ones.
+    for k in np.lexsort((np.arange(len(place)), -np.round(sharpness, 6))).tolist():
+        if not left_out[k]:
+            near = np.array(tree.query_ball_point(place[k], closest))
+            left_out[near] = True
+            left_out[k] = False
+    return np.flatnonzero(~left_out)

@@ -1,0 +1,214 @@
+"""Coulomb friction of the film's nodes on the faces of the tool, regularised by a spring.
+
+A node that contact presses on a face with the force N along the outward normal n (impacts and
+absorbed jumps counted, :mod:`shellcut.contact.penalty_contact`) gets a tangential force besides.
+An elastic spring holds it to the tool; u is its elongation, a vector in the tool's frame, so that
+the tool carries it along whatever it does. Over a step in which the node moves by d against the
+tool,
+
+    u* = P (u + d),   P = 1 - n n^T                                     (trial: it sticks)
+    u' = u* min(1, mu N / (k_t |u*|)),   force -k_t u'                  (else it slips)
+
+which is the return mapping of rigid-plastic slip with the elastic part k_t [Wriggers2006]: sticking
+up to mu N, then slipping with mu N against the slip, whatever the length of the step.
+
+*Works.* The trapezoid of the forces and of d is ½ k_t (u + u')·d. The spring stores ½ k_t u². So
+
+    ½ k_t (u + u')·d = ½ k_t (u'² - u²) + ½ k_t (u + u')·(u + d - u'),
+
+an identity: the last term, the mean force times the slip, is the energy dissipated. It holds for a
+normal that turns (the spring loses its part along n) and for a node that comes off (N = 0, so u' =
+0: what was stored is dissipated). The work itself comes from the forces on nodes and tool, each in
+their own motion, so that work = stored + dissipated is a check.
+
+*Stiffness.* k_t is ``TANGENTIAL`` times the k of the node's penalty: a node slips by mu N / k_t =
+2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across n, the penalty
+along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the penalty,
+the largest singular value of the two together is at most k sqrt(a² (1 + mu²) + TANGENTIAL²). What
+that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so 2 % of the step at
+most.
+
+A split leaves its new node with the spring of the node it comes from.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
+from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.vec3 import add, add_to, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.state import State
+from shellcut.tool.pose import Pose, to_body, turn, turn_back
+
+from .contact_tables import ContactTables
+from .penalty_contact import PenaltyContact
+from .settings import STEEPEST, node_stiffness
+
+TANGENTIAL = 0.5
+"""Stiffness of the tangential spring over that of the node's penalty."""
+
+
+class FrictionForces(NamedTuple):
+    """Results of one evaluation of the friction."""
+
+    wrench: Floats
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    node_work: float
+    """Work of the friction on the nodes since t_{n-1} [N·mm]."""
+    stored: float
+    """Energy of the springs at t_n [N·mm]."""
+    dissipated: float
+    """Energy dissipated by slip since t_{n-1} [N·mm]."""
+    n_slipping: int
+    """Number of nodes that slip."""
+
+    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
+        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
+        entries["friction_work"] -= self.node_work + on_tool
+        entries["friction_dissipated"] += self.dissipated
+
+
+class _Springs(NamedTuple):
+    """Springs of the nodes, named as in :class:`shellcut.state.NodeTable`; the kernel writes."""
+
+    friction_spring: Annotated[Floats, "(n_node, 3)"]
+    friction_force: Annotated[Floats, "(n_node, 3)"]
+
+
+class CoulombFriction:
+    """Friction of all nodes in contact, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+
+    Parameters
+    ----------
+    contact : PenaltyContact
+        Presses the nodes on the tool; evaluated before this in every step.
+    coefficient : float
+        mu.
+    """
+
+    def __init__(self, contact: PenaltyContact, coefficient: float) -> None:
+        self.name = "friction"
+        self.coefficient = coefficient
+        self._contact = contact
+        self._tables: ContactTables | None = None
+        self._springs: _Springs | None = None
+        self._listed: Ints = np.zeros(0, np.int64)
+        self._pose: Pose | None = None
+        self._hold = Holder()
+        self._call = BoundOnce(_add_friction_forces)
+        self.forces = FrictionForces(np.zeros((contact.tool.n_body, 6)), 0.0, 0.0, 0.0, 0)
+        """Results of the last evaluation."""
+
+    def add_forces(self, state: State, pose: Pose) -> FrictionForces:
+        """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
+        before, self._pose = self._pose or pose, pose
+        lost = 0.0
+        if self._tables is not self._contact.tables:
+            lost = self._take_list(state)
+        wrench = np.zeros_like(self.forces.wrench)
+        work, stored, dissipated, n_slipping = self._call.code(
+            pose, before, state.dt, self.coefficient, self._tables, self._springs, wrench
+        )
+        self.forces = FrictionForces(wrench, work, stored, dissipated + lost, n_slipping)
+        return self.forces
+
+    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+        """Return the nodes that may come into contact soon and what friction adds there [N/mm]."""
+        near, penalty = self._contact.stiffness(state)
+        coupled = (1.0 + self.coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
+        return near, (np.sqrt(coupled) - 1.0) * penalty
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
+        return {"friction_stored": self.forces.stored}
+
+    def saved(self) -> dict[str, Any]:
+        """Return the last forces; the springs are in the state."""
+        return {"forces": self.forces._asdict()}
+
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
+        self._pose = pose
+        self.forces = FrictionForces(**saved["forces"])
+        self._take_list(state)
+
+    def _take_list(self, state: State) -> float:
+        """Switch to the contact's new list; return the energy of the springs that left it [N·mm].
+
+        Nodes that have left are out of contact.
+        """
+        n, tables = state.node, self._contact.tables
+        left = np.setdiff1d(self._listed, self._contact.near.ids)
+        springs = n.friction_spring[left]
+        lost = 0.0
+        if springs.any():
+            steepest = n.contact_share[left] * self._contact.law.steepest(n.contact_area[left])
+            stiffness = TANGENTIAL / STEEPEST * steepest
+            lost = float(0.5 * stiffness @ (springs**2).sum(axis=1))
+            n.friction_spring[left] = n.friction_force[left] = 0.0
+        self._listed, self._tables = self._contact.near.ids, tables
+        self._springs = self._hold(
+            _Springs(**{name: getattr(n, name) for name in _Springs._fields})
+        )
+        return lost
+
+
+@kernel
+def _add_friction_forces(
+    pose: Pose,
+    pose_before: Pose,
+    dt: float,
+    coefficient: float,
+    tables: ContactTables,
+    springs: _Springs,
+    wrench: Floats,
+) -> tuple[float, float, float, int]:
+    """Add the friction of the near nodes to their force and to wrench : (n_body, 6).
+
+    Writes the springs.  Returns the work on the nodes over the last step, the stored and the
+    dissipated energy, and the number of nodes that slip.
+    """
+    pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
+    springs = borrowed(springs)
+    nodes, near, origin = tables.nodes, tables.near, pose.translation
+    spring, force = springs.friction_spring, springs.friction_force
+    work = stored = dissipated = 0.0
+    n_slipping = 0
+    for i in range(near.node.shape[0]):
+        n = near.node[i]
+        pressed = load(nodes.contact_force, n)
+        pressure = norm(pressed)
+        u, old = load(spring, n), load(force, n)
+        if pressure == 0.0 and u[0] == 0.0 and u[1] == 0.0 and u[2] == 0.0:
+            continue
+        x, moves = load(nodes.x, n), load(nodes.velocity_half, n)
+        share = nodes.contact_share[n]
+        stiffness = TANGENTIAL * share * node_stiffness(nodes.contact_area[n], tables.law)
+        before = to_body(combine(1.0, x, -dt, moves), pose_before)
+        pulled = add(u, sub(to_body(x, pose), before))
+        new = (0.0, 0.0, 0.0)
+        if pressure > 0.0:
+            normal = turn_back(scale(1.0 / pressure, pressed), pose)
+            new = combine(1.0, pulled, -dot(pulled, normal), normal)
+            most, trial = coefficient * pressure, stiffness * norm(new)
+            if trial > most:
+                new = scale(most / trial, new)
+                n_slipping += 1
+        stored += 0.5 * stiffness * dot(new, new)
+        dissipated += 0.5 * stiffness * dot(add(u, new), sub(pulled, new))
+        f = scale(-stiffness, turn(new, pose))
+        work += 0.5 * dt * dot(add(old, f), moves)
+        store(spring, n, new)
+        store(force, n, f)
+        add_to(nodes.force, n, f)
+        body = tables.tool.triangle_body[near.closest[i, 1]]
+        moment = cross((x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]), f)
+        for c in range(3):
+            wrench[body, c] -= f[c]
+            wrench[body, 3 + c] -= moment[c]
+    return work, stored, dissipated, n_slipping

@@ -1,0 +1,50 @@
+"""Which terms make up the contact of a film with a tool, from its settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from shellcut.arrays import Ints
+from shellcut.contact.coulomb_friction import CoulombFriction
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.point_contact import PointContact
+from shellcut.contact.settings import Contact
+from shellcut.fracture.crack_path import MERGE
+from shellcut.fracture.criterion import Fracture
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.tool.tool import Tool
+
+from .tool_terms import ToolTerm
+
+# Quantile of the quads' areas that the distance of the tool's points follows: those of the path.
+_FINER = 0.25
+
+
+def contact_terms(
+    tool: Tool | None, settings: Contact, mesh: Mesh, film: ShellMaterial, fracture: Fracture
+) -> tuple[PenaltyContact | None, list[ToolTerm]]:
+    """Return the contact of the nodes, and all terms in the order of their evaluation.
+
+    Without a tool there are none.
+    """
+    if tool is None:
+        return None, []
+    edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
+    aside = MERGE if fracture.path == "free" else 0.0
+    contact = PenaltyContact(tool, settings, film, edge_length, aside)
+    terms: list[ToolTerm] = [contact]
+    if settings.friction > 0.0:
+        terms.append(CoulombFriction(contact, settings.friction))
+    if settings.tool_points:
+        finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
+        terms.append(PointContact(contact, finer))
+    return contact, terms
+
+
+def felt_nodes(terms: Iterable[ToolTerm]) -> Ints:
+    """Return the nodes of the quads that a point of the tool presses on, ascending."""
+    felt = [term.felt_nodes() for term in terms if isinstance(term, PointContact)]
+    return np.unique(np.concatenate(felt)) if felt else np.zeros(0, np.int64)

@@ -1,0 +1,290 @@
+"""Depth of a point under a tool's surface whose convex edges and corners are rounded.
+
+The depth d(p) of a point inside the solid, its distance from the surface, has a kink wherever the
+closest face changes: a node that slides around a convex edge is thrown from the normal of one face
+to that of the next. So the depth is measured from the surface that a ball of radius r touches as it
+rolls on the inside (the solid opened by the ball). With S the points deeper than r,
+
+    D(p) = r - dist(p, S) = d(p) on faces,  less at convex edges,          direction: grad of -D.
+
+As S is locally convex at a convex edge, the distance from it and the foot on it are continuous, and
+so is any force k f(D) along the gradient; the potential is the integral of k f. Deeper than r the
+depth is d itself, kinks and all. An edge that turns by t loses a lip r (1 / cos(t/2) - 1) high:
+0.0002 r at 2 deg, 0.4 r at 90 deg.
+
+Near a point the faces of S are those of the surface, r farther in. With n_i the outward normals and
+g_i the depths under the planes of the faces around,
+
+    dist(p, S) = min |w|  for  n_i · w >= a_i = r - g_i,
+
+the way p - w leading to S. The least w is spanned by one, two or three of the normals with positive
+weights (face, edge, corner of S); they are found by adding the constraint that is violated most.
+So they are added one by one: p - w is moved away from the face that is closest to it, until none is
+closer than r. That is asked of the surface only near a convex edge: where the plane of a triangle
+that shares a vertex with the closest one, or with one coplanar with it, comes closer to
+p - (r - d) n than r (:class:`ConvexNeighbours`).
+
+Where the surface is concave the closest point lies on an edge or vertex for a whole wedge of
+points. There the direction is that to the closest point, the depth the distance: the gradient
+again. Where such an edge runs into a convex one (a saddle), the two are combined as if planes: what
+is left of a kink there is of second order in the angles.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Annotated, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.numerics.jit import inline
+from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
+
+from .signed_distance import TriangleGrid, closest_of_side
+from .tool import Tool
+
+# Of a dot product of normals: planes that agree so far are one.
+_PARALLEL = 1e-12
+
+# Of an edge's length: vertices so far above a plane still lie in it.
+_IN_PLANE = 1e-9
+
+# Of the radius: constraints violated by less are met.
+_MET = 1e-12
+
+# Sum of squares of a small sine: the foot of a point lies beside the face, on an edge or vertex.
+_BESIDE = 1e-12
+
+_MOST_ROUNDS = 16
+
+# Sine of the turn of an edge that is more than a line between facets, 5 deg; and how far beside it
+# a triangle may reach above the plane of the other, over its size and the sine of the turn.
+_VISIBLE, _HOLLOW = 0.087, 0.25
+
+
+class ConvexNeighbours(NamedTuple):
+    """Triangles across the convex edges of each, whose planes may bound the solid there."""
+
+    start: Annotated[Ints, "(n_triangle + 1,)"]
+    """First entry of each triangle, and the end."""
+    triangle: Annotated[Ints, "(n_neighbour,)"]
+    """One triangle of each plane."""
+
+    @classmethod
+    def of(cls, tool: Tool) -> ConvexNeighbours:
+        """Return those of a tool, found once."""
+        found = _FOUND.get(tool)
+        if found is None:
+            found = _FOUND[tool] = _neighbours(tool)
+        return found
+
+
+_FOUND: WeakKeyDictionary[Tool, ConvexNeighbours] = WeakKeyDictionary()
+
+
+def _neighbours(tool: Tool) -> ConvexNeighbours:
+    """Find the convex neighbours of all triangles."""
+    n, normals = tool.n_triangle, tool.triangle_normals
+    rows = np.repeat(np.arange(n), 3)
+    has = scipy.sparse.csr_array(
+        (np.ones(3 * n, np.int32), (rows, tool.triangles.ravel())), shape=(n, tool.n_vertex)
+    )
+    share = (has @ has.T).tocoo()
+    flat = np.einsum("ij,ij->i", normals[share.row], normals[share.col]) > 1.0 - _PARALLEL
+    coplanar = scipy.sparse.csr_array(
+        (share.data[flat], (share.row[flat], share.col[flat])), shape=(n, n)
+    )
+    near = (coplanar @ share.tocsr()).tocoo()
+    a, b = near.row.astype(np.int64), near.col.astype(np.int64)
+    kept = _stand_convexly(tool, a, b)
+    a, b = _one_of_each_plane(a[kept], b[kept], normals)
+    return ConvexNeighbours(start=np.searchsorted(a, np.arange(n + 1)), triangle=b)
+
+
+def _stand_convexly(tool: Tool, a: Ints, b: Ints) -> Bools:
+    """Return whether two triangles of pairs (a, b) lie below each other's planes.
+
+    Across an edge that turns visibly, one of them may be bent up a little: a flank of facets that
+    is hollow along the edge.
+    """
+    normals, corners = tool.triangle_normals, tool.vertices[tool.triangles]
+    cosine = np.einsum("ij,ij->i", normals[a], normals[b])
+    sine = np.linalg.norm(np.cross(normals[a], normals[b]), axis=1)
+    size = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
+    bent = np.where(sine > _VISIBLE, _HOLLOW * sine, _IN_PLANE)
+    slack = (bent * np.maximum(size[a], size[b]))[:, None]
+    above = np.einsum("ikj,ij->ik", corners[b] - corners[a][:, :1], normals[a])
+    below = np.einsum("ikj,ij->ik", corners[a] - corners[b][:, :1], normals[b])
+    convex = ((above <= slack) & (below <= slack)).all(axis=1)
+    return np.asarray(convex & (np.abs(cosine) < 1.0 - _PARALLEL))
+
+
+def _one_of_each_plane(a: Ints, b: Ints, normals: Floats) -> tuple[Ints, Ints]:
+    """Return the pairs (a, b), ascending, without those whose b has the plane of another at a.
+
+    Those around one triangle that stand convexly to it and are parallel lie in one plane.
+    """
+    same = np.round(normals[b], 9) + 0.0
+    order = np.lexsort((b, *same.T, a))
+    a, b, same = a[order], b[order], same[order]
+    first = np.ones(a.size, np.bool_)
+    first[1:] = (a[1:] != a[:-1]) | (same[1:] != same[:-1]).any(axis=1)
+    return a[first], b[first]
+
+
+@inline
+def face_depth(p: Vec3, q: Vec3, normal: Vec3) -> tuple[float, Vec3]:
+    """Return the depth of a point inside and the direction out [mm], no edge rounded.
+
+    q : closest point of the surface.  normal : of its triangle.
+    """
+    way = sub(q, p)
+    g, squared = dot(way, normal), dot(way, way)
+    if g > 0.0 and squared - g * g > _BESIDE * squared:
+        g = sqrt(squared)
+        return g, scale(1.0 / g, way)
+    return g, normal
+
+
+@inline
+def rounded_depth(
+    p: Vec3,
+    q: Vec3,
+    triangle: int,
+    side: int,
+    radius: float,
+    grid: TriangleGrid,
+    around: ConvexNeighbours,
+) -> tuple[float, Vec3]:
+    """Return D of a point inside [mm], and the unit direction out.
+
+    p : in the body frame, [mm].  q : the closest point of the surface of its side, on triangle.
+    side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].
+    """
+    normals = grid.surface.pseudo_normals
+    face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
+    g, out = face_depth(p, q, face)
+    if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
+        return g, out
+    w = way_to_opened(p, g, out, side, radius, grid)
+    length = norm(w)
+    return radius - length, scale(1.0 / length, w)
+
+
+@inline
+def _no_edge_near(
+    p: Vec3,
+    g: float,
+    out: Vec3,
+    triangle: int,
+    side: int,
+    radius: float,
+    grid: TriangleGrid,
+    around: ConvexNeighbours,
+) -> bool:
+    """Return whether the point of S that lies straight in from p can be reached by no other face.
+
+    g, out : depth of p and way out of it to its closest triangle.
+    """
+    corners, flank, normals = grid.surface.corners, grid.surface.flank, grid.surface.pseudo_normals
+    for k in range(around.start[triangle], around.start[triangle + 1]):
+        t = around.triangle[k]
+        if side * flank[t] < 0:
+            continue
+        normal = normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]
+        corner = corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]
+        depth = dot(sub(corner, p), normal) + (radius - g) * dot(normal, out)
+        if depth < radius * (1.0 - _MET):
+            return False
+    return True
+
+
+@inline
+def way_to_opened(
+    p: Vec3, g: float, out: Vec3, side: int, radius: float, grid: TriangleGrid
+) -> Vec3:
+    """Return w, the shortest way from S to a point inside that is less than r deep [mm].
+
+    g, out : depth of p and way out of it to its closest triangle.
+    """
+    normals = grid.surface.pseudo_normals
+    w = scale(radius - g, out)
+    n, a, m = np.zeros((4, 3)), np.zeros(4), 1
+    _put(n, a, 0, out, radius - g)
+    for _ in range(_MOST_ROUNDS):
+        z = sub(p, w)
+        found, t, _, q, _ = closest_of_side(z, side, grid)
+        face = normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]
+        depth, normal = face_depth(z, q, face)
+        if not found or depth >= radius * (1.0 - _MET):
+            break
+        _put(n, a, m, normal, radius - depth + dot(normal, w))
+        w, m = _least(n, a, m + 1, radius)
+    return w
+
+
+@inline
+def _put(n: Floats, a: Floats, i: int, normal: Vec3, needed: float) -> None:
+    n[i, 0], n[i, 1], n[i, 2] = normal
+    a[i] = needed
+
+
+@inline
+def _least(n: Floats, a: Floats, m: int, radius: float) -> tuple[Vec3, int]:
+    """Return the least w with n_i · w >= a_i for the first m of four, and how many span it.
+
+    The last one is among those that span it; they are moved to the front of n and a.
+    """
+    chosen = 1 << (m - 1)
+    w = scale(a[m - 1], load(n, m - 1))
+    for mask in range(1 << (m - 1), 1 << m):
+        i, j, k, count = -1, -1, -1, 0
+        for b in range(m):
+            if mask & (1 << b):
+                i, j, k = j, k, b
+                count += 1
+        if count > 3:
+            continue
+        positive, tried = _spanned(n, a, i, j, k)
+        met = positive
+        for b in range(m):
+            met = met and dot(load(n, b), tried) >= a[b] - _MET * radius
+        if met:
+            w, chosen = tried, mask
+            break
+    kept = 0
+    for b in range(m):
+        if chosen & (1 << b):
+            _put(n, a, kept, load(n, b), a[b])
+            kept += 1
+    return w, kept
+
+
+@inline
+def _spanned(n: Floats, a: Floats, i: int, j: int, k: int) -> tuple[bool, Vec3]:
+    """Return the w spanned by up to three normals with n · w = a, and whether weights are >= 0.
+
+    An i, or i and j, below zero stand for none.
+    """
+    nk = load(n, k)
+    if j < 0:
+        return a[k] >= 0.0, scale(a[k], nk)
+    nj = load(n, j)
+    if i < 0:
+        c = dot(nj, nk)
+        whole = 1.0 - c * c
+        if whole < _PARALLEL:
+            return False, nk
+        of_j, of_k = (a[j] - c * a[k]) / whole, (a[k] - c * a[j]) / whole
+        return of_j >= 0.0 and of_k >= 0.0, combine(of_j, nj, of_k, nk)
+    ni = load(n, i)
+    jk, ki, ij = cross(nj, nk), cross(nk, ni), cross(ni, nj)
+    volume = dot(ni, jk)
+    if abs(volume) < _PARALLEL:
+        return False, nk
+    w = add_scaled(combine(a[i] / volume, jk, a[j] / volume, ki), a[k] / volume, ij)
+    positive = min(dot(w, jk) / volume, min(dot(w, ki) / volume, dot(w, ij) / volume)) >= 0.0
+    return positive, w

@@ -1,0 +1,224 @@
+"""Coulomb friction on the tool's faces: the return mapping, works, restarts, settings."""
+
+import re
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from notched_strip import cutting
+from shellcut.contact.coulomb_friction import TANGENTIAL, CoulombFriction
+from shellcut.contact.penalty_contact import PenaltyContact
+from shellcut.contact.settings import STEEPEST, Contact
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
+from shellcut.tool.shapes import straight_blade
+
+BLADE = straight_blade()
+FILM = ShellMaterial.homogeneous(thickness=0.074)
+AREA, PENALTY, MU = 0.04, 1e4, 0.3
+K = TANGENTIAL * PENALTY * AREA
+DT = 1e-6
+FLANK = 0.3  # half thickness of the blade, whose flanks are parallel from 1.7 mm behind its edge on
+
+
+def on_flank(depth):
+    """A state with a node on the plus flank, this deep, and the terms that press and hold it."""
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
+    state.node.x[: state.n_node] = (50.0, 60.0, 70.0)
+    state.node.x[0] = (-2.4, FLANK - depth, 0.0)
+    state.node.contact_area[:] = AREA
+    state.node.mass[:] = state.node.contact_mass[:] = 1e-3
+    contact = PenaltyContact(BLADE, Contact(penalty=PENALTY, friction=MU), FILM, 0.4)
+    return state, contact, CoulombFriction(contact, MU)
+
+
+def step(state, contact, friction, d, pose, entries, dt=DT, on_tool=0.0):
+    """Move the node by d over a step and evaluate; return the friction on it."""
+    state.dt = dt
+    state.node.velocity_half[0] = np.asarray(d) / dt if dt else 0.0
+    state.node.x[0] += d
+    state.node.force[:] = 0.0
+    contact.add_forces(state, pose)
+    pressed = state.node.force[0].copy()
+    result = friction.add_forces(state, pose)
+    result.add_works(entries, on_tool)
+    return state.node.force[0] - pressed, pressed, result
+
+
+def started(depth=0.05):
+    state, contact, friction = on_flank(-1e-3)
+    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+    here = Pose.at_origin()
+    step(state, contact, friction, np.zeros(3), here, entries, dt=0.0)
+    for _ in range(10):  # by motion: a jump would be absorbed
+        step(state, contact, friction, [0.0, -(depth + 1e-3) / 10, 0.0], here, entries)
+    return state, contact, friction, entries
+
+
+def test_a_stick_slip_cycle_dissipates_the_closed_form():
+    state, contact, friction, entries = started()
+    pressure = np.linalg.norm(state.node.contact_force[0])
+    reach, swing = MU * pressure / K, 0.1  # the spring at the limit of slip, the amplitude [mm]
+    assert reach < 0.5 * swing
+
+    def drive(to, n=50):
+        for _ in range(n):
+            step(state, contact, friction, [0.0, 0.0, to / n], Pose.at_origin(), entries)
+
+    drive(swing)
+    before = dict(entries)
+    drive(-2.0 * swing)
+    drive(2.0 * swing)
+    # A loop of a spring with a slider: width 4 (swing - reach), height mu N. The mean of the forces
+    # before and after a step cuts its corners: steps of a 25th of it.
+    loop = 4.0 * MU * pressure * (swing - reach)
+    spent = entries["friction_dissipated"] - before["friction_dissipated"]
+    assert spent == pytest.approx(loop, rel=1e-2)
+    assert entries["friction_work"] - before["friction_work"] == pytest.approx(spent, rel=1e-12)
+    assert friction.forces.stored == pytest.approx(0.5 * (MU * pressure) ** 2 / K, rel=1e-9)
+
+
+def test_it_sticks_up_to_mu_n_and_slips_with_mu_n():
+    state, contact, friction, entries = started()
+    pressure = np.linalg.norm(state.node.contact_force[0])
+    reach = MU * pressure / K
+    here = Pose.at_origin()
+    f, _, result = step(state, contact, friction, [0.9 * reach, 0.0, 0.0], here, entries)
+    np.testing.assert_allclose(f, [-K * 0.9 * reach, 0.0, 0.0], rtol=1e-9, atol=1e-12)
+    assert result.n_slipping == 0
+    f, _, result = step(state, contact, friction, [0.0, 0.0, 0.05], here, entries)
+    assert np.linalg.norm(f) == pytest.approx(MU * pressure, rel=1e-12)
+    assert result.n_slipping == 1
+    assert result.dissipated > 0.0
+    # Let go, it gives back nothing: what the spring held is dissipated.
+    stored = result.stored
+    _, _, result = step(state, contact, friction, [0.0, 1.0, 0.0], here, entries)
+    assert not state.node.friction_spring[0].any()
+    assert not state.node.friction_force[0].any()
+    assert result.stored == 0.0
+    assert stored > 0.0
+    assert entries["friction_work"] == pytest.approx(entries["friction_dissipated"], rel=1e-9)
+
+
+def test_a_moving_tool_and_node_agree_with_a_plain_return_mapping():
+    rng = np.random.default_rng(4)
+    state, contact, friction, entries = started()
+    motion = ScrewMotion(400.0, pitch=9.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2))
+    first = motion.pose(0.0)
+    state.node.x[0] = first.to_space(state.node.x[:1])[0]
+    step(state, contact, friction, np.zeros(3), first, entries, dt=0.0)
+    u = state.node.friction_spring[0].copy()
+    old = state.node.friction_force[0].copy()
+    before, pose = first, first
+    slipped = 0
+    for k in range(1, 60):
+        before, pose = pose, Pose.of(*motion.pose(k * DT * 100))
+        x = state.node.x[0].copy()
+        to = pose.to_space(
+            before.to_body(x[None]) + rng.uniform(-1, 1, (1, 3)) * [2e-2, 1e-4, 2e-2]
+        )
+        f, pressed, result = step(state, contact, friction, to[0] - x, pose, entries, dt=DT * 100)
+        n = pose.rotation.T @ pressed / np.linalg.norm(pressed)
+        d = pose.to_body(state.node.x[:1])[0] - before.to_body(x[None])[0]
+        trial = u + d - n * (n @ (u + d))
+        limit = MU * np.linalg.norm(pressed) / K
+        new = trial * min(1.0, limit / np.linalg.norm(trial))
+        slipped += np.linalg.norm(trial) > limit
+        spent = 0.5 * K * (u + new) @ (u + d - new)
+        # Round-off of positions of some mm, over springs of micrometres.
+        np.testing.assert_allclose(f, -K * pose.rotation @ new, rtol=0, atol=1e-9 * K)
+        assert result.dissipated == pytest.approx(spent, abs=1e-12 * K)
+        assert result.stored == pytest.approx(0.5 * K * new @ new, rel=1e-9)
+        assert result.node_work == pytest.approx(0.5 * (old + f) @ (to[0] - x), rel=1e-9, abs=1e-12)
+        moment = np.cross(state.node.x[0] - pose.translation, f)
+        np.testing.assert_allclose(result.wrench[0], -np.append(f, moment), atol=1e-9 * K)
+        u, old = new, f
+    assert 10 < slipped < 55
+
+
+def test_without_pressure_there_is_no_friction():
+    state, contact, friction = on_flank(0.05)
+    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+    for _ in range(2):  # a jump is absorbed: the node lies in the tool, and nothing presses
+        step(state, contact, friction, [1e-3, 0.0, 0.0], Pose.at_origin(), entries, dt=0.0)
+        assert state.node.contact_depth[0] > 0.0
+        assert not state.node.friction_force[0].any()
+
+
+def test_it_counts_in_the_step():
+    state, contact, friction, _ = started()
+    nodes, stiffness = contact.stiffness(state)
+    also, more = friction.stiffness(state)
+    np.testing.assert_array_equal(nodes, also)
+    coupled = np.array([[STEEPEST, 0.0], [MU * STEEPEST, TANGENTIAL]])
+    largest = np.linalg.svd(coupled, compute_uv=False)[0] / STEEPEST
+    assert (stiffness + more >= largest * stiffness).all()
+    assert (more < 0.1 * stiffness).all()
+
+
+def run(n, **options):
+    sim = cutting(contact=Contact(friction=0.2), **options)
+    for _ in range(n):
+        sim.step()
+    return sim
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return run(700)
+
+
+def test_the_ledger_closes_and_friction_takes_its_part(whole):
+    ledger = whole.close_ledger()
+    assert ledger.friction_dissipated > 0.01 * abs(ledger.tool_work)
+    together = ledger.friction_stored + ledger.friction_dissipated
+    # Two independent sums; the forces of split nodes are shared anew: measured below 1e-9.
+    assert ledger.friction_work == pytest.approx(together, rel=1e-6)
+    assert abs(ledger.imbalance) < 5e-3 * ledger.put_in
+    assert [term.name for term in whole.tool_terms] == ["contact", "friction", "points", "joints"]
+    assert len(whole.state.split_log) > 2
+    on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
+    on_tool = list(whole.tool_terms)[1].forces.wrench[:, :3].sum(axis=0)
+    np.testing.assert_allclose(on_nodes, -on_tool, atol=1e-12 * np.abs(on_nodes).max())
+
+
+def test_a_restart_goes_on_bit_for_bit(whole, tmp_path):
+    part = run(431)
+    assert part.state.node.friction_spring.any()
+    save_checkpoint(part, tmp_path / "checkpoint.h5")
+    again = cutting(contact=Contact(friction=0.2))
+    load_checkpoint(again, tmp_path / "checkpoint.h5")
+    while again.state.step < 700:
+        again.step()
+    assert asdict(again.close_ledger()) == asdict(whole.close_ledger())
+    for name in ("x", "friction_spring", "friction_force"):
+        np.testing.assert_array_equal(
+            getattr(again.state.node, name), getattr(whole.state.node, name)
+        )
+
+
+def test_a_split_node_takes_the_spring_along():
+    sim = cutting(contact=Contact(friction=0.2))
+    n = sim.state.node
+    n.friction_spring[7] = (1e-4, 2e-4, 3e-4)
+    twin = n.append_copy(7)
+    np.testing.assert_array_equal(n.friction_spring[twin], n.friction_spring[7])
+
+
+def test_without_friction_there_is_no_such_term():
+    sim = cutting()
+    sim.step()
+    assert "friction" not in [term.name for term in sim.tool_terms]
+    assert sim.close_ledger().friction_work == 0.0
+
+
+@pytest.mark.parametrize("value", [-0.1, np.nan, np.inf])
+def test_a_coefficient_that_is_none_is_refused(value):
+    said = re.escape(f"friction must be a coefficient of 0 (none) or more, got {value!r}")
+    with pytest.raises(ValueError, match=said):
+        Contact(friction=value)

@@ -1,0 +1,338 @@
+"""Corners and edges of the tool against quads of the film."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+import scipy
+
+from naive.contact import smoothed
+from notched_strip import cutting
+from shellcut.arrays import Floats
+from shellcut.contact.contact_points import contact_points
+from shellcut.contact.foot_on_quad import foot_on_quad, point_of, quad_surface
+from shellcut.contact.missed_penetration import ToolWires
+from shellcut.contact.settings import Contact, node_stiffness
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.models import opening_test
+from shellcut.numerics.jit import kernel
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from shellcut.simulation.contact_terms import felt_nodes
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.pose import Pose
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import Tool
+
+GAP = 0.01
+
+
+def needle(radius=0.5, height=2.0, n=12):
+    """A cone with its tip, at the origin, down."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    rim = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(n, height)])
+    vertices = np.vstack([[0.0, 0.0, 0.0], rim, [0.0, 0.0, height]])
+    after = (np.arange(n) + 1) % n
+    sides = [(0, 1 + j, 1 + k) for k, j in enumerate(after)]
+    top = [(n + 1, 1 + k, 1 + j) for k, j in enumerate(after)]
+    return Tool.from_triangles(vertices, sides + top, edges=np.zeros((0, 2), int))
+
+
+def pricked(tool_points=True, at=(0.37, 0.21), tool=None, friction=0.0):
+    """A clamped film of 1 mm quads, and a needle above the inside of one that comes down."""
+    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    tool = needle() if tool is None else tool
+    return Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        supports=[Support.clamped(mesh.boundary_nodes())],
+        tool=tool.translated((2.0 + at[0], at[1], GAP)),
+        motion=StraightMotion((0.0, 0.0, -1.0), speed=2000.0, ramp=2e-5),
+        contact=Contact(tool_points=tool_points, friction=friction),
+    )
+
+
+def term(sim):
+    return next(t for t in sim.tool_terms if t.name == "points")
+
+
+def lower(sim, depth):
+    while sim.motion.coordinate(sim.state.time) < GAP + depth:
+        sim.step()
+
+
+def press(sim, depth, shift=(0.0, 0.0)):
+    """Evaluate with the film as it is and the needle's tip this deep; return what it did."""
+    s = sim.state
+    s.step += 10  # a point that rests is looked at again
+    s.node.force[:] = 0.0
+    place = np.array([*shift, -(GAP + depth)])
+    return term(sim).add_forces(s, Pose(np.eye(3), place))
+
+
+def pressing(depth=0.02):
+    """A film that is not flat, and a needle in it; the terms, the state, and the point."""
+    sim = pricked()
+    s = sim.state
+    inner = ~s.node.supported[: s.n_node]
+    s.node.x[: s.n_node][inner] += np.random.default_rng(6).uniform(-0.02, 0.02, (inner.sum(), 3))
+    for to in np.linspace(-0.1, depth, 12):
+        press(sim, to)
+    points = term(sim)
+    assert points.forces.n_touching == 1
+    return sim, points, s, int(np.flatnonzero(points._springs.depth)[0])
+
+
+# ---------------------------------------------------------------- the foot
+
+
+@kernel
+def _feet(p: Floats, corners: Floats, found: Floats) -> None:
+    for i in range(p.shape[0]):
+        c = corners[i]
+        quad = quad_surface(
+            (c[0, 0], c[0, 1], c[0, 2]),
+            (c[1, 0], c[1, 1], c[1, 2]),
+            (c[2, 0], c[2, 1], c[2, 2]),
+            (c[3, 0], c[3, 1], c[3, 2]),
+        )
+        xi, eta = foot_on_quad((p[i, 0], p[i, 1], p[i, 2]), quad)
+        s = point_of(quad, xi, eta)
+        found[i, 0], found[i, 1], found[i, 2] = s
+
+
+def test_the_foot_is_the_closest_point_of_the_quad():
+    rng = np.random.default_rng(3)
+    flat = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    corners = flat + rng.uniform(-0.15, 0.15, (60, 4, 3))
+    p = rng.uniform([-0.3, -0.3, -0.3], [1.3, 1.3, 0.3], (60, 3))
+    found = np.zeros((60, 3))
+    _feet(p, corners, found)
+    xi, eta = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9))
+    for k in range(60):
+
+        def place(at, c=corners[k]):
+            u, v = at
+            weights = [(1 - u) * (1 - v), (1 + u) * (1 - v), (1 + u) * (1 + v), (1 - u) * (1 + v)]
+            return 0.25 * np.array(weights) @ c
+
+        def away(at, q=p[k], place=place):
+            return float(((place(at) - q) ** 2).sum())
+
+        start = min(zip(xi.ravel(), eta.ravel(), strict=True), key=away)
+        best = scipy.optimize.minimize(away, start, bounds=[(-1, 1)] * 2, tol=1e-14)
+        # As close as the minimiser comes: it stops at differences of 1e-14 mm².
+        assert np.linalg.norm(found[k] - p[k]) <= np.sqrt(best.fun) + 1e-6
+
+
+# ---------------------------------------------------------------- which points
+
+
+def test_a_box_pushes_with_corners_and_edges():
+    v = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], float)
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
+    box = Tool.from_triangles(v, triangles, edges=np.zeros((0, 2), int))
+    points = contact_points(box, 0.5)
+    # Eight corners, three points on each of twelve edges; none on the diagonals of the faces.
+    assert len(points.place) == 8 + 12 * 3
+    on_edge = (np.isclose(points.place, 0) | np.isclose(points.place, 1)).sum(axis=1)
+    assert (on_edge >= 2).all()
+    away = ((points.place - 0.5) * points.outward).sum(axis=1)
+    assert (away > 0.3).all()
+
+
+def test_a_cutting_edge_does_not_push_but_its_tips_do():
+    ring = tooth_ring(n_teeth=1)
+    points = contact_points(ring, 0.4)
+    edge = ring.vertices[ring.edges[:, 0]], ring.vertices[ring.edges[:, 1]]
+    tip = ring.vertices[ring.edges].reshape(-1, 3)
+    tip = tip[tip[:, 2].argmin()]
+    away = np.linalg.norm(points.place - tip, axis=1)
+    assert away.min() == 0.0
+    assert points.outward[away.argmin(), 2] < -0.5
+    inner = points.place[(away > 0.0) & (points.place[:, 2] < ring.vertices[:, 2].max() - 0.01)]
+    along = np.stack([(1 - s) * edge[0] + s * edge[1] for s in np.linspace(0, 1, 9)])
+    gaps = np.linalg.norm(inner[:, None, None] - along[None], axis=3).min(axis=(1, 2))
+    assert gaps.min() > 0.02
+    blade = contact_points(straight_blade(height=3.0), 0.4)
+    at_edge = np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9
+    assert np.abs(blade.place[at_edge, 2]).min() == 1.5
+
+
+def test_points_are_spread_and_share_their_stiffness():
+    ball = ball_of(2.0)
+    points = contact_points(ball, 0.8)
+    gaps = np.linalg.norm(points.place[:, None] - points.place[None], axis=2)
+    np.fill_diagonal(gaps, np.inf)
+    assert gaps.min() >= 0.4 * 0.8
+    # What a node between them gets from all: about one node's stiffness.
+    weight = np.clip(1.0 - gaps / 0.8, 0.0, None) @ points.share + points.share
+    assert 0.8 < np.median(weight) < 1.25
+    alone = contact_points(needle(), 0.8)
+    tip = np.linalg.norm(alone.place, axis=1).argmin()
+    assert alone.share[tip] > 0.9
+
+
+def ball_of(radius, n=3):
+    """An octahedron halved n times, on a sphere."""
+    v = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    t = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    v, t = np.array(v, float), np.array(t)
+    for _ in range(n):
+        a, b, c = v[t[:, 0]], v[t[:, 1]], v[t[:, 2]]
+        corners = [a, b, c, a + b, b + c, c + a]
+        k = len(v) + np.arange(6 * len(t)).reshape(6, -1)
+        v = np.vstack([v, *corners])
+        v /= np.linalg.norm(v, axis=1, keepdims=True)
+        t = np.vstack(
+            [
+                np.column_stack([k[i], k[j], k[m]])
+                for i, j, m in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+            ]
+        )
+    return Tool.from_triangles(radius * v, t, edges=np.zeros((0, 2), int))
+
+
+# ---------------------------------------------------------------- forces
+
+
+def test_a_needle_between_nodes_is_felt_at_first_touch():
+    wires = ToolWires(needle().translated((2.37, 0.21, GAP)))
+    deepest = {}
+    for on in (True, False):
+        sim = pricked(on)
+        touched = None
+        deepest[on] = 0.0
+        while sim.motion.coordinate(sim.state.time) < 0.4:
+            sim.step()
+            if touched is None and sum(t.forces.wrench[0, 2] for t in sim.tool_terms) > 0.0:
+                touched = sim.motion.coordinate(sim.state.time)
+            if sim.state.step % 50 == 0:
+                nowhere = np.zeros(len(sim.state.node.x), bool)
+                _, depth = wires.crossed_quads(sim.state.node.x, sim.state.quads, nowhere, sim.pose)
+                deepest[on] = max(deepest[on], depth.max(initial=0.0))
+        if on:
+            # At the first step beyond the gap, of 0.4 µm.
+            assert GAP <= touched < GAP + 1e-3
+            ledger = sim.close_ledger()
+            assert ledger.tool_work > 0.1
+            assert abs(ledger.imbalance) < 1e-4 * ledger.tool_work
+            # It gives back what it takes: no more is in it than the springs hold.
+            assert ledger.contact_work == pytest.approx(ledger.contact_stored, rel=2e-3)
+            assert felt_nodes(sim.tool_terms).size == 4
+        else:
+            assert touched is None
+    # Half the thickness is 0.037 mm; without, the needle goes through.
+    assert deepest[True] < 0.01
+    assert deepest[False] > 0.3
+
+
+def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
+    sim, points, s, k = pressing()
+    result = points.forces
+    nodes, weights = points._springs.node[k], points._springs.weight[k]
+    tip = points.points.place[k] - [0.0, 0.0, GAP + 0.02]
+    foot = weights @ s.node.x[nodes]
+    depth = np.linalg.norm(tip - foot)
+    law = sim.contact.law
+    stiffness = node_stiffness(float(s.node.contact_area[nodes].mean()), law)
+    size = points.points.share[k] * stiffness * smoothed(depth, law.smoothing_depth)
+    push = size * (tip - foot) / depth
+    # Round-off: the foot is found to 1e-12 of the quad, the depth is some micrometres.
+    np.testing.assert_allclose(s.node.force[nodes], weights[:, None] * push, rtol=1e-7)
+    np.testing.assert_allclose(result.wrench[0, :3], -push, rtol=1e-7)
+    arm = foot + np.array([0.0, 0.0, GAP + 0.02])
+    np.testing.assert_allclose(result.wrench[0, 3:], -np.cross(arm, push), rtol=1e-7, atol=1e-9)
+    assert weights.sum() == pytest.approx(1.0, rel=1e-14)
+    # The pull of the film on the point is along its normal there.
+    assert push[2] < -0.9 * size
+
+
+def test_forces_are_the_gradient_of_the_stored_energy():
+    sim, points, s, k = pressing()
+    h = 1e-6
+    for node in points._springs.node[k].copy():
+        press(sim, 0.02)
+        f = s.node.force[node].copy()
+        slope = np.zeros(3)
+        for c in range(3):
+            energy = []
+            for sign in (1, -1):
+                s.node.x[node, c] += sign * h
+                energy.append(press(sim, 0.02).stored)
+                s.node.x[node, c] -= sign * h
+            slope[c] = (energy[0] - energy[1]) / (2.0 * h)
+        # Central differences of a smooth energy: (h / depth)² of it.
+        np.testing.assert_allclose(-slope, f, rtol=1e-4, atol=1e-4 * np.abs(f).max())
+
+
+def test_a_point_that_slides_over_the_mesh_is_felt_throughout():
+    # The tip is drawn over the film in its plane, over sides and a node: its force does not jump.
+    sim, _, _, _ = pressing(0.05)
+    forces = np.array(
+        [press(sim, 0.05, (d, 0.3 * d)).wrench[0, :3] for d in np.linspace(0.0, 0.9, 1801)]
+    )
+    assert (forces[:, 2] > 0.0).all()
+    # Steps of 0.5 µm along a film whose slopes are 0.04 at most: 0.02 µm of depth, of some 50 µm.
+    assert np.abs(np.diff(forces, axis=0)).max() < 0.03 * np.abs(forces).max()
+
+
+def test_film_at_a_crack_is_left_alone():
+    sim, points, s, k = pressing()
+    stored = points.forces.stored
+    s.node.halved[points._springs.node[k, 0]] = True
+    s.revision += 1
+    result = press(sim, 0.02)
+    assert result.n_touching == 0
+    assert not result.wrench.any()
+    assert result.absorbed == stored > 0.0
+    assert press(sim, 0.02).absorbed == 0.0
+
+
+def test_it_counts_in_the_step():
+    sim, points, s, k = pressing()
+    nodes, stiffness = points.stiffness(s)
+    total = np.bincount(nodes, stiffness, s.n_node)
+    felt = points._springs.node[k]
+    steepest = points.points.share[k] * sim.contact.law.steepest(s.node.contact_area[felt])
+    assert (total[felt] >= points._springs.weight[k] * steepest).all()
+    assert total.max() < 3.0 * steepest.max()
+
+
+def test_a_tooth_that_comes_down_between_nodes_is_felt():
+    case = opening_test("quick", angle_deg=5.0, duration=4e-4)
+    sim, wires, deepest = case.simulation, ToolWires(case.simulation.tool), 0.0
+    forces = []
+    while sim.state.time < 4e-4:
+        sim.step()
+        forces.append(-term(sim).forces.wrench[:, 2].sum())
+        if sim.state.step % 20 == 0 and not sim.state.split_log:
+            nowhere = np.zeros(len(sim.state.node.x), bool)
+            _, depth = wires.crossed_quads(sim.state.node.x, sim.state.quads, nowhere, sim.pose)
+            deepest = max(deepest, depth.max(initial=0.0))
+    assert min(forces) < 0.0  # down on the film, up on the tool
+    # 0.125 mm without; half the thickness is 0.037 mm.
+    assert deepest < 0.01
+
+
+def test_a_restart_goes_on_bit_for_bit(tmp_path):
+    whole, part = pricked(friction=0.2), pricked(friction=0.2)
+    lower(whole, 0.08)
+    lower(part, 0.047)
+    save_checkpoint(part, tmp_path / "checkpoint.h5")
+    again = pricked(friction=0.2)
+    load_checkpoint(again, tmp_path / "checkpoint.h5")
+    lower(again, 0.08)
+    assert again.state.step == whole.state.step
+    assert asdict(again.close_ledger()) == asdict(whole.close_ledger())
+    np.testing.assert_array_equal(again.state.node.x, whole.state.node.x)
+    assert again.dt == whole.dt
+
+
+def test_off_there_is_no_such_term():
+    sim = cutting(contact=Contact(tool_points=False))
+    assert [t.name for t in sim.tool_terms] == ["contact", "joints"]
+    assert [t.name for t in cutting().tool_terms] == ["contact", "points", "joints"]

@@ -1,0 +1,83 @@
+"""G01 A block on an incline: it holds up to tan b = mu, then slides.
+
+A square of film, flat, lies on a plane of the tool inclined by 25 degrees, pressed on it by a load
+on its mass along the normal; a second load along the slope grows slowly. Read: the ratio of the two
+at which it begins to slide, its acceleration afterwards, and what friction has dissipated.
+
+Source: Coulomb's law. It sticks while the slope load is below mu times the normal one, and then
+accelerates by their difference; friction does the work mu N times the way.
+
+Bands: discretisation in time, and the swing of the springs that the start leaves. Limit and growth
+are read from the root of the speed, which is linear in time.
+"""
+
+import numpy as np
+
+from harness import Check
+from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.tool import Tool
+
+ID, TITLE, FAST = "G01", "Block on an incline", True
+
+FRICTION, TILT = 0.3, np.radians(25.0)
+PRESSED, SLOPE = 1.8e7, 1e-3  # mm/s² along the normal; s in which the slope load grows by as much
+RAMP = 6e-4  # s of the normal load
+
+# Columns: along the slope, across, normal.
+AXES = np.array(
+    [[np.cos(TILT), 0.0, np.sin(TILT)], [0.0, 1.0, 0.0], [-np.sin(TILT), 0.0, np.cos(TILT)]]
+)
+
+
+def incline() -> Tool:
+    """A box whose upper face goes through the origin, tilted."""
+    v = np.array([[x, y, z] for x in (-20.0, 20.0) for y in (-5.0, 5.0) for z in (-5.0, 0.0)])
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
+    return Tool.from_triangles(v @ AXES.T, triangles, edges=np.zeros((0, 2), int))
+
+
+def checks() -> list[Check]:
+    flat = rectangle(2.0, 2.0, size=0.5)
+    mesh = Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ AXES.T, flat.quads)
+    loads = [
+        Gravity(
+            tuple(-PRESSED * AXES[:, 2]),
+            factor=lambda t: np.sin(0.5 * np.pi * min(1.0, t / RAMP)) ** 2,
+        ),
+        Gravity(tuple(PRESSED * AXES[:, 0]), factor=lambda t: max(0.0, (t - RAMP) / SLOPE)),
+    ]
+    sim = Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        loads=loads,
+        tool=incline(),
+        motion=StraightMotion((0.0, 1.0, 0.0), speed=1e-9),  # at rest
+        contact=Contact(friction=FRICTION),
+        damping_alpha=0.0,
+    )
+    s, rows = sim.state, []
+    mass = s.node.mass[: s.n_node]
+    while s.time < RAMP + 0.7 * SLOPE:
+        sim.step()
+        speed = mass @ s.node.velocity_half[: s.n_node] @ AXES[:, 0] / mass.sum()
+        rows.append((s.time + 0.5 * s.dt, speed))
+    time, speed = np.array(rows).T
+    # The slope load grows with time, so from the limit on speed = ½ growth (time - limit)².
+    slides = time > RAMP + (FRICTION + 0.1) * SLOPE
+    slope, cut = np.polyfit(time[slides], np.sqrt(speed[slides]), 1)
+    begins, growth = (-cut / slope - RAMP) / SLOPE, 2.0 * slope**2
+    way = growth / 6.0 * (time[-1] + cut / slope) ** 3
+    ledger = sim.close_ledger()
+    spent = FRICTION * PRESSED * mass.sum() * way
+    both = ledger.friction_stored + ledger.friction_dissipated
+    return [
+        Check("slope load over normal load where it slides", FRICTION, begins, 5e-3, "time"),
+        Check("growth of its acceleration, mm/s³", PRESSED / SLOPE, growth, 5e-3, "time"),
+        Check("dissipated by friction, N mm", spent, ledger.friction_dissipated, 5e-3, "time"),
+        Check(
+            "stored and dissipated over work", 1.0, both / ledger.friction_work, 1e-9, "round-off"
+        ),
+    ]

@@ -1,0 +1,92 @@
+"""G02 A wedge with Coulomb friction splits a stiff strip: the force over G h.
+
+A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split along its
+middle by a long wedge of half-angle a that drives the crack ahead of itself. The two arms bend in
+their plane like beams until they lie on the faces of the wedge, and slide on: all of the force is
+contact and friction. (A film of 0.074 mm buckles out of the plane instead; the cables never meet
+the edge here, which would take up G h without any pressure on the faces.) Read: force over G h,
+from the work of the tool, and the work of friction over that of the tool.
+
+Source: Williams and Patel (2016), rederived. Per unit of travel, arms that do not stretch slip by
+the same. With N on each face, F = 2 N (sin a + mu cos a), and F = G h + 2 mu N: with mu = tan b
+
+    F / (G h) = sin(a + b) / (sin(a + b) - sin b),   friction / F = sin b / sin(a + b).
+
+Bands: 5 % as asked of a mesh with four quads over each arm; of it the damping of the cables that
+break one by one takes some 2 %. The ledger closes, so that force less G h, friction and damping is
+what is stored: within 1 % of the force over whole edges in the mean.
+"""
+
+import numpy as np
+
+from harness import Check
+from shellcut import CohesiveLaw, Contact, Fracture, ShellMaterial, Simulation, Support
+from shellcut.mesh.structured import rectangle
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.shapes import straight_blade
+
+ID, TITLE, FAST = "G02", "Wedge with friction", False
+
+THICKNESS, ARM, SIZE, SPEED = 1.0, 1.0, 0.25, 6000.0  # mm, mm, mm, mm/s
+LAW = CohesiveLaw(
+    strength=9.0, plateau=6.0, opening_a=0.01, opening_p=0.06, opening_u=0.08, onset=8e-4
+)
+TRAVEL = {10.0: 20.0, 20.0: 28.0, 30.0: 40.0}  # mm: of them the first half until it is steady
+
+
+def force(angle_deg: float, friction: float) -> tuple[float, float, float]:
+    """Return force over G h, friction over force, and what the ledger leaves over force."""
+    travel = TRAVEL[angle_deg]
+    length = travel + 25.0
+    strip = rectangle(length, 2.0 * ARM, size=SIZE)
+    line = strip.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 4.0 * ARM + 1e-9))
+    strip = strip.cut(line[np.argsort(strip.nodes[line, 0])])
+    wedge = straight_blade(
+        wedge_half_angle_deg=angle_deg, half_thickness=30.0, length=length, height=3.0
+    )
+    sim = Simulation(
+        strip,
+        ShellMaterial.homogeneous(thickness=THICKNESS),
+        supports=[Support.clamped("right")],
+        tool=wedge.translated((-0.01, 0.0, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=1e-4),
+        law=LAW,
+        contact=Contact(friction=friction),
+        fracture=Fracture(path="edges", blade_cut=False, turn_limit_deg=20.0),
+        directional=False,
+        damping_alpha=20.0,
+    )
+    rows = []
+    while sim.motion.coordinate(sim.state.time) < travel:
+        sim.step()
+        if sim.state.step % 50 == 0:
+            b = sim.ledger
+            path = sim.motion.coordinate(sim.state.time)
+            rows.append(
+                (path, b.tool_work, b.friction_work, b.cohesive_work, b.damping, b.imbalance)
+            )
+    path, *works = np.array(rows).T
+    steady = path > 0.5 * travel
+    # The slope by least squares: the force is a sawtooth of the nodes.
+    slopes = [np.polyfit(path[steady], work[steady], 1)[0] for work in works]
+    tool, rubbed, cables, damped, missing = slopes
+    left = tool - rubbed - cables - damped - missing
+    return tool / (LAW.fracture_energy * THICKNESS), rubbed / tool, left / tool
+
+
+def checks() -> list[Check]:
+    rows = []
+    for friction in (0.1, 0.2, 0.3):
+        for angle in (10.0, 20.0, 30.0):
+            ratio, rubbed, left = force(angle, friction)
+            a, b = np.radians(angle), np.arctan(friction)
+            said = f"mu {friction}, half-angle {angle:.0f} deg"
+            exact = np.sin(a + b) / (np.sin(a + b) - np.sin(b))
+            rows += [
+                Check(f"F/(G h), {said}", exact, ratio, 0.05, "mesh, damping, arms that stretch"),
+                Check(
+                    f"friction/F, {said}", 1.0 - 1.0 / exact, rubbed, 0.05, "mesh, damping", False
+                ),
+                Check(f"left over/F, {said}", 0.0, left, 0.03, "arms still growing", False, True),
+            ]
+    return rows
