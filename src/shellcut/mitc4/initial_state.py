@@ -111,6 +111,8 @@ _CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
     ((3,), np.float64),
     ((), np.float64),
     ((), np.float64),
+    ((), np.float64),
+    ((), np.float64),
     ((2, 3), np.float64),
     ((2, 3), np.float64),
     ((), np.float64),

@@ -139,6 +139,11 @@ class StripWay(Section):
     speed: float = key(
         number("mm/s", above=0.0), "after the ramp", default=default_of(guillotine, "speed")
     )
+    slice_ratio: float = key(
+        number(),
+        "speed of the blade along its edge over that along the strip",
+        default=default_of(guillotine, "slice_ratio"),
+    )
     travel: float | None = key(
         number("mm", above=0.0),
         "travel of the blade",

@@ -34,7 +34,7 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.pose import Pose
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 13  # raise it whenever names or meaning of the saved values change
+_FORMAT = 14  # raise it whenever names or meaning of the saved values change
 
 _HEADER = 512  # bytes; the smallest user block HDF5 accepts
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())

@@ -90,6 +90,7 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
     if sim.contact is None:
         return {}
     return {
+        **({"joint_friction_Nmm": ledger.joint_friction} if ledger.joint_friction else {}),
         "contact_Nmm": ledger.contact_work,
         "contact_absorbed_Nmm": ledger.contact_absorbed,
         "n_cable_jointed": sim.cables.n_joint_made,

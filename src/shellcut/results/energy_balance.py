@@ -24,8 +24,9 @@ def work_put_in(history: Mapping[str, Floats]) -> Floats:
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return the energies by name, each of shape (n_row,), [N·mm].
 
-    Energy dissipated by the film's material, if any, is a separate share; so is energy that
-    absorbed jumps took from the contact or gave to the film, unless it is negligible.
+    Energy dissipated by the film's material or by friction of the cables on the cutting edge, if
+    any, is a separate share; so is energy that absorbed jumps took from the contact or gave to the
+    film, unless it is negligible.
     """
     shares = {
         "cables": history["cohesive_work"] + history["cohesive_start_work"],
@@ -37,6 +38,9 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     dissipated = history.get("material_dissipated", np.zeros(0))  # older runs lack it
     if dissipated.any():
         shares["material"] = dissipated
+    rubbed = history.get("joint_friction", np.zeros(0))  # older runs lack it
+    if rubbed.any():
+        shares["joint friction"] = rubbed
     absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions lack it
     largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
     if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:
