@@ -20,7 +20,7 @@ def test_sums_take_each_entry_once():
     assert ledger.put_in == sum(getattr(ledger, n) for n in names)
     names = (
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
-        *("cohesive_work", "cohesive_start_work", "contact_work"),
+        *("cohesive_work", "cohesive_start_work", "joint_friction", "contact_work"),
         *("damping_stiffness", "damping_mass"),
     )
     assert ledger.taken_up == sum(getattr(ledger, n) for n in names)

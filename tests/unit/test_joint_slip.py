@@ -260,7 +260,9 @@ def test_impossible_joints_are_refused(keys, said):
 
 
 def test_an_edge_that_leaves_the_film_is_refused():
-    with pytest.raises(ValueError, match=r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm"):
+    with pytest.raises(
+        ValueError, match=r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm"
+    ):
         guillotine(
             1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.5, tool=straight_blade(height=4.0)
         )
