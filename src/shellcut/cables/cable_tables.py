@@ -35,6 +35,7 @@ class CableRows(NamedTuple):
     joint: Annotated[Floats, "(n_cable, 3)"]
     joint_slack: Annotated[Floats, "(n_cable,)"]
     grip: Annotated[Floats, "(n_cable,)"]
+    arc_grip: Annotated[Floats, "(n_cable,)"]
     transport: Annotated[Floats, "(n_cable,)"]
     overshoot: Annotated[Floats, "(n_cable,)"]
     branch: Annotated[Floats, "(n_cable, 2, 3)"]

@@ -42,16 +42,17 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.jit import BoundOnce, always_inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
 from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
-from shellcut.tool.pose import Pose, to_body, to_space
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
+from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
-from .joint_slip import grip, joint_law, slide
+from .joint_slip import joint_law
 from .meeting import find_joint
 
 
@@ -103,8 +104,12 @@ class CableSet:
         self._edges = CuttingEdges.of(tool)
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
-        self._most_grip = float(np.tanh(0.5 * np.pi * self._joint.friction))
+        belt = np.pi * self._joint.friction
+        self._most_grip = float(np.tanh(0.5 * belt))
+        if belt and self._edges.radius:
+            self._most_grip += 0.5 * belt / -float(np.expm1(-0.5 * belt)) - 1.0
         self._known = KnownTopology()
+        self._pose: Pose | None = None
         self._tables: CableTables | None = None
         self._hold = Holder()
         self._call = BoundOnce(_add_cable_forces)
@@ -127,11 +132,13 @@ class CableSet:
         wrench = np.zeros((self._n_body, 6))
         couple = np.zeros(3)
         if state.n_cable == 0:
+            self._pose = pose
             self.forces = CableForces(wrench, couple, 0.0, 0.0, 0.0, 0, 0)
             return self.forces
         if not self._known.is_of(state):
             self._collect(state)
-        work = self._call.code(pose, state.dt, state.time, self._tables, wrench, couple)
+        before, self._pose = self._pose or pose, pose
+        work = self._call.code(pose, before, state.dt, state.time, self._tables, wrench, couple)
         self.forces = CableForces(wrench, couple, *work)
         self.n_joint_made += self.forces.n_joint_made
         self.n_broken += self.forces.n_broken
@@ -183,8 +190,9 @@ class CableSet:
             "n_broken": self.n_broken,
         }
 
-    def restore(self, _state: State, _pose: Pose, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
+    def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose."""
+        self._pose = pose
         self.forces = CableForces(**saved["forces"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
@@ -224,26 +232,12 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: Cabl
     length = norm(d)
     # Only at the very birth of a cable without onset is its direction still m.
     if length > 0.0:
-        _keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
-        _keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
+        keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
+        keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
     else:
-        _keep_direction(cables.branch, c, 0, load(cables.m, c))
-        _keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
+        keep_direction(cables.branch, c, 0, load(cables.m, c))
+        keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
     return length - onset
-
-
-@always_inline
-def _branch_lengths(
-    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: CableRows
-) -> tuple[float, float]:
-    """Return the lengths of the branches to a joint at p [mm]; write the directions of the ends."""
-    to_minus, to_plus = sub(p, minus), sub(p, plus)
-    length_minus, length_plus = norm(to_minus), norm(to_plus)
-    if length_minus >= short_branch:
-        _keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
-    if length_plus >= short_branch:
-        _keep_direction(cables.branch, c, 1, scale(1.0 / length_plus, to_plus))
-    return length_minus, length_plus
 
 
 @always_inline
@@ -254,7 +248,7 @@ def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
 
 @always_inline
 def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
-    """Add a force [N] at the joint p to the wrench of a tooth."""
+    """Add a force [N] at a point p of its line to the wrench of a tooth."""
     origin = pose.translation
     arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
     moment = cross(arm, force)
@@ -263,56 +257,23 @@ def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> N
         wrench[body, 3 + k] += moment[k]
 
 
-class _Joint(NamedTuple):
-    """The joint of a cable at one evaluation, in space."""
-
-    place: Vec3
-    """[mm]"""
-    moved: Vec3
-    """Since the last evaluation, with the tool and along the edge [mm]."""
-    slipped: Vec3
-    """Of this, along the edge [mm]."""
-    kappa: float
-    """Friction around the edge."""
-
-
-@always_inline
-def _bent(c: int, minus: Vec3, plus: Vec3, pose: Pose, tables: CableTables) -> tuple[float, _Joint]:
-    """Return the length measure of a cable with a joint [mm], and the joint.
-
-    Writes the directions of its ends, its joint and its friction.
-    """
-    cables, belt = tables.cables, 0.0
-    slips = tables.joint.slips
-    slipped = (0.0, 0.0, 0.0)
-    if slips:
-        carried = to_space(load(cables.joint_body, c), pose)
-        ends = to_body(minus, pose), to_body(plus, pose)
-        belt = slide(c, ends[0], ends[1], tables.edges, tables.joint, cables)
-    p = to_space(load(cables.joint_body, c), pose)
-    if slips:
-        slipped = sub(p, carried)
-    moved = sub(p, load(cables.joint, c))
-    store(cables.joint, c, p)
-    ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law[8], cables)
-    kappa = 0.0
-    if belt > 0.0:
-        kappa = grip(c, 0.5 * (ell_minus - ell_plus), belt, tables.joint.stick, cables)
-    slack: float = cables.joint_slack[c]
-    return ell_minus + ell_plus - slack, _Joint(p, moved, slipped, kappa)
-
-
 @kernel
 def _add_cable_forces(
-    pose: Pose, dt: float, time: float, tables: CableTables, wrench: Floats, couple: Floats
+    pose: Pose,
+    before: Pose,
+    dt: float,
+    time: float,
+    tables: CableTables,
+    wrench: Floats,
+    couple: Floats,
 ) -> tuple[float, float, float, int, int]:
     """Add the forces of all live cables to those of the nodes and to wrench : (n_body, 6).
 
     Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
     on law, start force and friction, how many joints were made and how many cables broke.
     """
-    pose, tables = borrowed(pose), borrowed(tables)
-    law, nodes, cables = tables.law, tables.nodes, tables.cables
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
     start_opening = law[9]
     work = 0.0
@@ -331,9 +292,11 @@ def _add_cable_forces(
             n_made += 1
         jointed = status[c] == JOINTED
         nothing = (0.0, 0.0, 0.0)
-        joint, kappa_old = _Joint(nothing, nothing, nothing, 0.0), cables.grip[c]
+        joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
+        gain_minus = cables.arc_grip[c] + cables.grip[c]  # at t_{n-1}
+        gain_plus = cables.arc_grip[c] - cables.grip[c]
         if jointed:
-            ell, joint = _bent(c, minus, plus, pose, tables)
+            ell, joint = bend(c, minus, plus, pose, before, tables)
         else:
             ell = _straight_length(c, minus, plus, law[7], cables)
 
@@ -347,17 +310,17 @@ def _add_cable_forces(
         pull = sigma * cables.area[c]
         by_law_minus = scale(pull, _end_vector(cables.branch, c, 0))
         by_law_plus = scale(pull, _end_vector(cables.branch, c, 1))
-        f_minus = scale(1.0 + joint.kappa, by_law_minus)
-        f_plus = scale(1.0 - joint.kappa, by_law_plus)
+        f_minus = scale(1.0 + joint.gain_minus, by_law_minus)
+        f_plus = scale(1.0 + joint.gain_plus, by_law_plus)
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
         v_minus, v_plus = load(nodes.velocity_half, i), load(nodes.velocity_half, j)
         was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
-        mean_minus = combine(0.5 / (1.0 + kappa_old), was_minus, 0.5, by_law_minus)
-        mean_plus = combine(0.5 / (1.0 - kappa_old), was_plus, 0.5, by_law_plus)
+        mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
+        mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
         done = -dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
         if jointed:
-            done += dot(add(mean_minus, mean_plus), joint.moved)
+            done += work_at_edge(mean_minus, mean_plus, joint, radius)
         cables.work[c] += done
         work += done
         if jointed and tables.joint.slips:
@@ -365,14 +328,12 @@ def _add_cable_forces(
             mean_plus = combine(0.5, was_plus, 0.5, f_plus)
             friction_work -= dot(add(mean_minus, mean_plus), joint.slipped)
             # What friction adds to the law's forces, as above.
-            mean_minus = combine(
-                0.5 * kappa_old / (1.0 + kappa_old), was_minus, 0.5 * joint.kappa, by_law_minus
-            )
-            mean_plus = combine(
-                -0.5 * kappa_old / (1.0 - kappa_old), was_plus, -0.5 * joint.kappa, by_law_plus
-            )
+            was = 0.5 * gain_minus / (1.0 + gain_minus)
+            mean_minus = combine(was, was_minus, 0.5 * joint.gain_minus, by_law_minus)
+            was = 0.5 * gain_plus / (1.0 + gain_plus)
+            mean_plus = combine(was, was_plus, 0.5 * joint.gain_plus, by_law_plus)
             friction_work -= dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
-            friction_work += dot(add(mean_minus, mean_plus), joint.moved)
+            friction_work += work_at_edge(mean_minus, mean_plus, joint, radius)
         relative = sub(v_plus, v_minus)
         started = dt * 0.5 * (fade_old + fade) * dot(load(cables.start_force, c), relative)
         cables.start_work[c] += started
@@ -385,11 +346,15 @@ def _add_cable_forces(
 
         # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
         if jointed:
-            p, on_tool = joint.place, scale(-1.0, add(f_minus, f_plus))
-            _pull_tool(p, on_tool, tables.edges.body[cables.edge[c]], pose, wrench)
-            rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
-            for k in range(3):
-                couple[k] += rest[k]
+            p, body = joint.place, tables.edges.body[cables.edge[c]]
+            if radius > 0.0:
+                _pull_tool(minus, scale(-1.0, f_minus), body, pose, wrench)
+                _pull_tool(plus, scale(-1.0, f_plus), body, pose, wrench)
+            else:
+                _pull_tool(p, scale(-1.0, add(f_minus, f_plus)), body, pose, wrench)
+                rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
+                for k in range(3):
+                    couple[k] += rest[k]
             rest = cross(sub(minus, plus), extra)
         else:
             rest = cross(sub(minus, plus), add(f_minus, extra))
@@ -419,10 +384,3 @@ def _energies(
             stored[c], dissipated[c] = 0.0, fracture_energy
         else:
             stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
-
-
-@inline
-def _keep_direction(branch: Floats, c: int, side: int, unit: tuple[float, float, float]) -> None:
-    branch[c, side, 0] = unit[0]
-    branch[c, side, 1] = unit[1]
-    branch[c, side, 2] = unit[2]

@@ -41,6 +41,18 @@ the first part goes into the law, the second to friction. Euler's belt limits ka
 cos(theta)/2), which it reaches over the sliding way ``stick``: kappa grows with u by that limit
 over ``stick``, and stays at the limit. (Rigid sticking would tie two nodes to each other.)
 
+**On an arc of some length** a cable that is drawn out slides on the round, too. Let it stretch
+evenly, so that the point x from the middle of the arc b = r phi/cos(theta) slides by x dl/l:
+outwards, against friction, and the tension grows from the nose to both tangent points as exp(mu
+cos(theta) beta). The law gives the mean of the tension over the cable's whole length l, so that the
+branches carry T (1 + eta) with
+
+    eta = b (1 - q)/(l - b (1 - q)),    q = (1 - exp(-B/2))/(B/2),    B = mu phi cos(theta),
+
+about mu r phi²/(4 l) for a small radius; while the cable shortens, B changes its sign. The work
+T eta dl is friction's. Over a steady cut it adds int sigma eta dl / G to F/(G h), which grows from
+0 in proportion to r. It sets in over ``stick`` as well, as half of the arc slides by b dl/(2 l).
+
 A steady cut by a straight edge that moves with the speed v across itself and xi v along itself
 leaves cables whose branches are parallel, phi = pi, and lean by tan theta = min(xi, mu pi/2) = rho.
 The work of the law, G h v, is then V v + rho H v with H = rho V, so
@@ -52,7 +64,7 @@ Perfect adhesion has rho = xi, which is Atkins' result, and free slip rho = 0.
 
 from __future__ import annotations
 
-from math import atan2, sqrt, tanh
+from math import exp, sqrt, tanh
 from typing import NamedTuple
 
 import numpy as np
@@ -60,9 +72,10 @@ import numpy as np
 from shellcut.arrays import Ints, Vec3
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import combine, dot, load, norm, store, sub
-from shellcut.tool.cutting_edge import BACK, NORMAL, START, VECTOR, CuttingEdges, segment_part
+from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.tool import Tool
 
+from .around_edge import Branch, branch_to, side_of
 from .cable_tables import CableRows, JointLaw
 from .cohesive_law import CohesiveLaw
 
@@ -96,33 +109,20 @@ def neighbours(tool: Tool | None) -> Ints:
 
 
 class Bend(NamedTuple):
-    """A cable seen from a segment of the edge, all in the body frame of the tool."""
+    """A cable seen from a segment of the edge."""
 
-    minus: tuple[float, float]
-    """s^- and rho^- [mm]."""
-    plus: tuple[float, float]
-    """s^+ and rho^+ [mm]."""
+    minus: Branch
+    plus: Branch
     turn: float
     """phi [rad]."""
 
 
 @always_inline
 def bend_at(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> Bend:
-    """Return how a cable from minus to plus is bent around segment k."""
-    segments = edges.segments
-    a, v = segment_part(segments, k, START), segment_part(segments, k, VECTOR)
-    b, back = segment_part(segments, k, NORMAL), segment_part(segments, k, BACK)
-    from_a, to_a = sub(minus, a), sub(plus, a)
-    length = norm(v)
-    y_minus, y_plus = dot(from_a, b), dot(to_a, b)
-    z_minus, z_plus = dot(from_a, back), dot(to_a, back)
-    side = 1.0 if y_plus >= y_minus else -1.0
-    turn = atan2(z_minus, -side * y_minus) + atan2(z_plus, side * y_plus)
-    return Bend(
-        (dot(from_a, v) / length, sqrt(y_minus * y_minus + z_minus * z_minus)),
-        (dot(to_a, v) / length, sqrt(y_plus * y_plus + z_plus * z_plus)),
-        max(turn, 0.0),
-    )
+    """Return how a cable from minus to plus, in the body frame, is bent around segment k."""
+    side = side_of(minus, plus, k, edges)
+    first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
+    return Bend(first, second, max(first.turn + second.turn, 0.0))
 
 
 @always_inline
@@ -130,7 +130,7 @@ def _lean(s: float, bend: Bend) -> tuple[float, float]:
     """Return sin theta^- + sin theta^+ and the mean of their cosines for a joint at s."""
     pull = hold = 0.0
     for end in (bend.minus, bend.plus):
-        along, across = end[0] - s, end[1]
+        along, across = end.place - s, end.rho
         length = sqrt(along * along + across * across)
         if length > 0.0:
             pull += along / length
@@ -145,10 +145,10 @@ def place_on_line(s: float, bend: Bend, friction: float) -> float:
     grip = friction * bend.turn
     if abs(pull) <= grip * hold:
         return s
-    across = bend.minus[1] + bend.plus[1]
+    across = bend.minus.rho + bend.plus.rho
     if across == 0.0:
         return s
-    free = (bend.minus[0] * bend.plus[1] + bend.plus[0] * bend.minus[1]) / across
+    free = (bend.minus.place * bend.plus.rho + bend.plus.place * bend.minus.rho) / across
     if grip == 0.0:
         return free
     # Between a, where it slips, and b, where it does not: false position, Illinois variant.
@@ -226,3 +226,21 @@ def grip(c: int, transport: float, belt: float, stick: float, cables: CableRows)
     kappa = min(max(kappa, -limit), limit)
     cables.grip[c], cables.transport[c] = kappa, transport
     return kappa
+
+
+@always_inline
+def drag_on_arc(
+    c: int, grown: float, length: float, arc: float, belt: float, stick: float, cables: CableRows
+) -> float:
+    """Return eta of cable c, which has grown by ``grown`` to ``length`` [mm]; write it.
+
+    arc : length of it on the round [mm].  belt : mu phi cos(theta).
+    """
+    half = 0.5 * belt
+    most = arc * (1.0 - (1.0 - exp(-half)) / half)
+    least = arc * (1.0 - (exp(half) - 1.0) / half)
+    most, least = most / (length - most), least / (length - least)
+    eta: float = cables.arc_grip[c] + most * 0.5 * arc * grown / (length * stick)
+    eta = min(max(eta, least), most)
+    cables.arc_grip[c] = eta
+    return eta

@@ -30,6 +30,7 @@ from shellcut.tool.cutting_edge import (
 )
 from shellcut.tool.pose import Pose, to_body, to_space, turn_back
 
+from .around_edge import way_around
 from .cable_tables import CableTables
 from .joint_slip import slide
 
@@ -82,6 +83,9 @@ def find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTab
     p = to_space(load(cables.joint_body, c), pose)
     store(cables.joint, c, p)
     to_minus, to_plus = norm(sub(p, x_minus)), norm(sub(p, x_plus))
+    if edges.radius > 0.0:
+        way = way_around(c, minus, plus, edges, cables.edge, cables.joint_body)
+        to_minus, to_plus = way.minus, way.plus
     straight = norm(combine(1.0, sub(x_plus, x_minus), tables.law[7], m)) - tables.law[7]
     cables.joint_slack[c] = to_minus + to_plus - straight
     cables.transport[c] = 0.5 * (to_minus - to_plus)

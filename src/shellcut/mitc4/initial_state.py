@@ -113,6 +113,7 @@ _CABLE_ROWS: list[tuple[tuple[int, ...], type]] = [
     ((), np.float64),
     ((), np.float64),
     ((), np.float64),
+    ((), np.float64),
     ((2, 3), np.float64),
     ((2, 3), np.float64),
     ((), np.float64),
