@@ -6,7 +6,7 @@ from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 
 
 def check_goes_on(build, reached, path, *, n_step=200):
-    """Save a run once it has ``reached`` something; go on with it and with another from the file."""
+    """Save a run that has ``reached`` something; go on with it and with another from the file."""
     sim, other = build(), build()
     while not reached(sim):
         sim.step()
