@@ -47,3 +47,38 @@ def jointed(minus, plus, joint, slack, area, largest, law):
         pull * to_minus / np.linalg.norm(to_minus),
         pull * to_plus / np.linalg.norm(to_plus),
     )
+
+
+def place_at_rest(minus, plus, start, along, back, side, place, mu):
+    """Where a joint that was at ``place`` on the line start + s along comes to rest, by bisection.
+
+    minus, plus : ends of the cable.  along, back, side : unit vectors of the edge, into the blade
+    and normal to its mid-plane.
+    """
+
+    def seen(end):
+        d = end - start
+        return d @ along, np.array([d @ side, d @ back])
+
+    (s_minus, across_minus), (s_plus, across_plus) = seen(minus), seen(plus)
+    rho_minus, rho_plus = np.linalg.norm(across_minus), np.linalg.norm(across_plus)
+    straight_on = -(across_minus @ across_plus) / (rho_minus * rho_plus)
+    turn = np.arccos(np.clip(straight_on, -1.0, 1.0))
+
+    def lean(s):
+        theta = np.arctan2([s_minus - s, s_plus - s], [rho_minus, rho_plus])
+        return np.sin(theta).sum(), mu * turn * np.cos(theta).mean()
+
+    pull, most = lean(place)
+    if abs(pull) <= most:
+        return place
+    # Free of friction the joint is at the shortest way around the edge.
+    held, free = place, (s_minus * rho_plus + s_plus * rho_minus) / (rho_minus + rho_plus)
+    for _ in range(200):
+        middle = 0.5 * (held + free)
+        pull_there, most = lean(middle)
+        if pull_there * np.sign(pull) > most:
+            held = middle
+        else:
+            free = middle
+    return free

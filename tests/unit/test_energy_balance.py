@@ -30,6 +30,8 @@ def test_the_work_and_where_it_went():
     }
     dissipated = {"material_dissipated": np.array([0.0, 3.0])}
     assert shares_of(HISTORY | dissipated) == shares_of(HISTORY) | {"material": [0.0, 3.0]}
+    rubbed = {"joint_friction": np.array([0.0, 2.0])}
+    assert shares_of(HISTORY | rubbed) == shares_of(HISTORY) | {"joint friction": [0.0, 2.0]}
 
 
 def shares_of(history):

@@ -321,9 +321,13 @@ def test_every_key_reaches_what_is_built(built, files, model, title, kind, key):
         given = {**given, "path": "free"}
     if title.startswith("material") and key not in PLY:
         given = {**given, **BESIDE.get(key, {})}
+    if key == "joint_friction":
+        given = {"joint": "slip", "joint_friction": 0.3}
     other = other_value(kind, key)
     if title.startswith("material") and key == "angle_deg":
         other = 30.0
+    if key == "joint":
+        other = "free"  # slip needs a friction
     if key == "file":
         other = "other" + given["file"][given["file"].rindex(".") :]
     if key == "width" and model == "oscillating":

@@ -34,12 +34,28 @@ class CableRows(NamedTuple):
     joint_body: Annotated[Floats, "(n_cable, 3)"]
     joint: Annotated[Floats, "(n_cable, 3)"]
     joint_slack: Annotated[Floats, "(n_cable,)"]
+    grip: Annotated[Floats, "(n_cable,)"]
+    arc_grip: Annotated[Floats, "(n_cable,)"]
+    transport: Annotated[Floats, "(n_cable,)"]
     overshoot: Annotated[Floats, "(n_cable,)"]
     branch: Annotated[Floats, "(n_cable, 2, 3)"]
     force: Annotated[Floats, "(n_cable, 2, 3)"]
     work: Annotated[Floats, "(n_cable,)"]
     start_work: Annotated[Floats, "(n_cable,)"]
     end_time: Annotated[Floats, "(n_cable,)"]
+
+
+class JointLaw(NamedTuple):
+    """What the joints do, see :mod:`shellcut.cables.joint_slip`."""
+
+    slips: bool
+    """Whether they may move on the edge."""
+    friction: float
+    """mu."""
+    stick: float
+    """Way over which friction around the edge sets in [mm]."""
+    onward: Annotated[Ints, "(n_edge, 2)"]
+    """Segments before and after each one of its chain, -1 at an open end."""
 
 
 class CableTables(NamedTuple):
@@ -51,6 +67,7 @@ class CableTables(NamedTuple):
     """Whether the cables may meet the edges."""
     law: Annotated[Floats, "(n_parameter,)"]
     """Of :meth:`CohesiveLaw.parameters`."""
+    joint: JointLaw
     edges: CuttingEdges
     nodes: CableNodes
     cables: CableRows

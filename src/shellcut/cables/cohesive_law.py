@@ -25,6 +25,7 @@ from shellcut.arrays import Floats
 from shellcut.numerics.jit import inline, kernel
 
 Unloading: TypeAlias = Literal["secant", "elastic"]
+Joint: TypeAlias = Literal["adhesion", "slip", "free"]
 
 # Over onset: a short branch is then stiffer than a cable at its birth, sigma_F A / delta_0, by no
 # more than this, and the step is short for that one anyway.
@@ -35,6 +36,10 @@ _SHORT_BRANCH_WITHOUT_ONSET = 1.0 / 4000.0
 # Over opening_u: the force of the equilibrium start is gone when the law has hardly begun, after
 # more openings than a cable makes in a step.
 _START_OPENING = 1.0 / 80.0
+
+# Over opening_u: friction around the edge sets in over this way. Its stiffness at the start,
+# sigma A / stick, is below that of a new cable.
+_STICK = 1.0 / 400.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,11 +61,18 @@ class CohesiveLaw:
         How a cable unloads.
     unloading_stiffness : float
         Slope of the elastic unloading [MPa/mm].
+    joint : {"adhesion", "slip", "free"}
+        What a cable does where it is bent around the cutting edge
+        (:mod:`shellcut.cables.joint_slip`): its joint stays at its point of the edge, as in the
+        paper; slips along the edge, and the cable around it, against Coulomb friction; or slips
+        without friction.
+    joint_friction : float
+        Coefficient mu of ``joint="slip"``.
 
     Raises
     ------
     ValueError
-        If the law is not positive and decreasing.
+        If the law is not positive and decreasing, or the joint does not go with its friction.
 
     Examples
     --------
@@ -77,12 +89,16 @@ class CohesiveLaw:
     onset: float = 5e-3
     unloading: Unloading = "secant"
     unloading_stiffness: float = 1000.0
+    joint: Joint = "adhesion"
+    joint_friction: float = 0.0
 
     def __post_init__(self) -> None:
         problems = []
         for f in fields(self):
             value = getattr(self, f.name)
-            if f.name != "unloading" and not (isinstance(value, int | float) and value >= 0):
+            if f.name in ("unloading", "joint"):
+                continue
+            if not (isinstance(value, int | float) and value >= 0):
                 problems.append(f"{f.name} must be a number that is not negative, got {value!r}")
         if not problems:
             if not 0 < self.plateau <= self.strength < math.inf:
@@ -101,6 +117,7 @@ class CohesiveLaw:
                 )
             if self.unloading not in get_args(Unloading):
                 problems.append(f"unloading must be 'secant' or 'elastic', got {self.unloading!r}")
+            problems += self._of_joint()
             if self.unloading == "elastic" and self.unloading_stiffness * self.opening_a < (
                 self.strength - self.plateau
             ):
@@ -111,6 +128,21 @@ class CohesiveLaw:
                 )
         if problems:
             raise ValueError("; ".join(problems))
+
+    def _of_joint(self) -> list[str]:
+        mu, problems = self.joint_friction, []
+        if self.joint not in get_args(Joint):
+            problems.append(f"joint must be 'adhesion', 'slip' or 'free', got {self.joint!r}")
+        elif self.joint == "slip" and not 0.0 < mu < math.inf:
+            problems.append(
+                "joint = 'slip' needs a joint_friction that is positive and finite, "
+                f"got {mu!r}; without friction take joint = 'free'"
+            )
+        elif self.joint != "slip" and mu:
+            problems.append(
+                f"joint_friction is of joint = 'slip', got {mu!r} with joint = {self.joint!r}"
+            )
+        return problems
 
     @property
     def fracture_energy(self) -> float:
@@ -128,6 +160,11 @@ class CohesiveLaw:
     def start_opening(self) -> float:
         """ell_b, opening over which the force of the equilibrium start fades [mm]."""
         return _START_OPENING * self.opening_u
+
+    @property
+    def stick(self) -> float:
+        """Way of a cable around the edge over which friction sets in [mm]."""
+        return _STICK * self.opening_u
 
     def parameters(self) -> Floats:
         """Return the law as kernels take it, see :func:`envelope` and :func:`traction`."""

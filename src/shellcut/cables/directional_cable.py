@@ -18,24 +18,19 @@ line of the two nodes, the pair has a small couple F x w, at most sigma_F A delt
 couple of the moment balance (:attr:`CableForces.couple`). ``onset = 0`` in the law gives the
 literal form.
 
-**Joint.** Let a segment of the cutting edge run from a with unit vector e, and let b be the normal
-of the blade's mid-plane there and k the direction into the blade. The cable straddles the mid-plane
-where its ends have (p - a)·b of opposite sign, and crosses it at c. The edge has met the cable when
-c lies along the segment, 0 <= (c - a)·e <= L, the edge has reached it, 0 <= (c - a)·k, and the
-blade is there: below the relief of a tooth a cable passes free (:mod:`shellcut.tool.cutting_edge`).
-This is a test of positions, not of motions: a cable born with the edge already past is caught at
-once. A blade that runs beside the mesh line has the whole cable on one side, although its *flanks*
-lie on either side of it: a cable within half an edge length of the mid-plane, whose m is along b
-rather than along the blade, is met too, at its middle.
-
-The joint sticks to its point of the edge (perfect adhesion), there is one joint a cable, and only
-the edge, not the flanks of the blade, makes joints ([Frangi2010] 4). From then on
+**Joint.** Where the cutting edge has met the cable (:mod:`shellcut.cables.meeting`) the cable is
+bent around it. There is one joint a cable, and only the edge, not the flanks of the blade, makes
+joints ([Frangi2010] 4). From then on
 
     ell = ell^- + ell^+ - slack,        F^± = sigma(ell) A (joint - x^±)/ell^±,
 
 where ``slack`` is the length that bending around the edge added at that instant (the overshoot of
 the test and delta_0): with it the law continues where it stood. The tool receives -(F^- + F^+).
 A branch shorter than ``law.short_branch`` keeps its last direction.
+
+The joint sticks to its point of the edge (perfect adhesion), or slips as the law says
+(:mod:`shellcut.cables.joint_slip`): then it moves along the edge, and friction around the edge
+makes the stress of the branches (1 + kappa) sigma and (1 - kappa) sigma.
 """
 
 from __future__ import annotations
@@ -47,29 +42,18 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
-from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State, local_edge_length
-from shellcut.tool.cutting_edge import (
-    CUT_DEPTH,
-    NORMAL,
-    START,
-    CuttingEdges,
-    edge_point,
-    in_the_blade,
-    segment_part,
-    strip_coordinates,
-)
-from shellcut.tool.pose import Pose, to_body, to_space, turn_back
+from shellcut.numerics.jit import BoundOnce, always_inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
+from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
+from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
+from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
-
-# A cable beside the blade belongs to the row that the blade cuts if it lies within this fraction of
-# the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
-_BESIDE_REACH = 0.5
-_FACING = 0.5
+from .joint_slip import joint_law
+from .meeting import find_joint
 
 
 class CableForces(NamedTuple):
@@ -83,6 +67,8 @@ class CableForces(NamedTuple):
     """Work done on the cables since t_{n-1} [N·mm], without the equilibrium start."""
     start_work: float
     """Work done on the equilibrium-start forces since t_{n-1} [N·mm]."""
+    friction_work: float
+    """Work against friction of the joints on the edge since t_{n-1} [N·mm]."""
     n_joint_made: int
     """Joints made at this evaluation."""
     n_broken: int
@@ -92,6 +78,7 @@ class CableForces(NamedTuple):
         """Add to the ledger's entries."""
         entries["cohesive_work"] += self.work
         entries["cohesive_start_work"] += self.start_work
+        entries["joint_friction"] += self.friction_work
 
 
 class CableSet:
@@ -115,12 +102,19 @@ class CableSet:
         self._sharpest = max(law.onset, law.short_branch)
         self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
+        self._joint = joint_law(law, tool)
+        # Of a cable that is bent back on itself.
+        belt = np.pi * self._joint.friction
+        self._most_grip = float(np.tanh(0.5 * belt))
+        if belt and self._edges.radius:
+            self._most_grip += 0.5 * belt / -float(np.expm1(-0.5 * belt)) - 1.0
         self._known = KnownTopology()
+        self._pose: Pose | None = None
         self._tables: CableTables | None = None
         self._hold = Holder()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of = BoundOnce(_energies)
-        self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0, 0)
+        self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0.0, 0, 0)
         """Those of the last evaluation."""
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
@@ -138,11 +132,13 @@ class CableSet:
         wrench = np.zeros((self._n_body, 6))
         couple = np.zeros(3)
         if state.n_cable == 0:
-            self.forces = CableForces(wrench, couple, 0.0, 0.0, 0, 0)
+            self._pose = pose
+            self.forces = CableForces(wrench, couple, 0.0, 0.0, 0.0, 0, 0)
             return self.forces
         if not self._known.is_of(state):
             self._collect(state)
-        work = self._call.code(pose, state.dt, state.time, self._tables, wrench, couple)
+        before, self._pose = self._pose or pose, pose
+        work = self._call.code(pose, before, state.dt, state.time, self._tables, wrench, couple)
         self.forces = CableForces(wrench, couple, *work)
         self.n_joint_made += self.forces.n_joint_made
         self.n_broken += self.forces.n_broken
@@ -156,6 +152,7 @@ class CableSet:
             n_cable=c.count,
             directional=self.directional,
             law=self._parameters,
+            joint=self._joint,
             edges=self._edges,
             nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
             cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
@@ -193,8 +190,9 @@ class CableSet:
             "n_broken": self.n_broken,
         }
 
-    def restore(self, _state: State, _pose: Pose, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
+    def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose."""
+        self._pose = pose
         self.forces = CableForces(**saved["forces"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
@@ -203,7 +201,8 @@ class CableSet:
 
         Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
         sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds
-        two nodes that may move against each other: twice that on each.
+        two nodes that may move against each other: twice that on each. Friction around the edge
+        adds sigma A kappa / stick along the branches.
         """
         c, n = state.cable, state.cable.count
         live = np.flatnonzero(c.status[:n] != BROKEN)
@@ -219,53 +218,11 @@ class CableSet:
         for side in range(2):
             branch = np.linalg.norm(c.joint[live] - state.node.x[ends[:, side]], axis=1)
             reach[jointed, side] = np.maximum(branch[jointed], self.law.short_branch)
+        pull *= 1.0 + self._most_grip
         stiffness = np.maximum(pull[:, None] / reach, slope[:, None])
+        stiffness[jointed] += (pull * self._most_grip / self.law.stick)[jointed, None]
         stiffness[~jointed] *= 2.0
         return ends.ravel(), stiffness.ravel()
-
-
-@inline
-def _find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTables) -> bool:
-    """Bend the straight cable c around the cutting edge if that has reached it; return whether.
-
-    Works in the body frame of the tool.  Writes edge, joint, slack and overshoot of the cable.
-    """
-    edges, cables, onset = tables.edges, tables.cables, tables.law[7]
-    segments, m = edges.segments, load(cables.m, c)
-    size = local_edge_length(tables.nodes.contact_area[cables.ends[c, 0]])
-    reach, deepest = _BESIDE_REACH * size, CUT_DEPTH * size
-    minus = to_body(x_minus, pose)
-    plus = to_body(x_plus, pose)
-    across = turn_back(m, pose)
-    shallowest = np.inf
-    for k in range(segments.shape[0]):
-        a = segment_part(segments, k, START)
-        b = segment_part(segments, k, NORMAL)
-        side_minus = dot(sub(minus, a), b)
-        side_plus = dot(sub(plus, a), b)
-        share = 0.5
-        if side_minus * side_plus <= 0.0:
-            gap = side_minus - side_plus
-            share = side_minus / gap if gap != 0.0 else 0.5
-        elif 0.5 * abs(side_minus + side_plus) > reach or abs(dot(across, b)) < _FACING:
-            continue
-        crossing = combine(1.0 - share, minus, share, plus)
-        along, lateral, depth, owns = strip_coordinates(crossing, k, segments, deepest)
-        if not owns or depth >= shallowest:
-            continue
-        if not in_the_blade(crossing, lateral, k, edges):
-            continue
-        shallowest = depth
-        cables.edge[c] = k
-        cables.overshoot[c] = depth
-        p = edge_point(along, k, segments)
-        store(cables.joint_body, c, p)
-        p = to_space(p, pose)
-        store(cables.joint, c, p)
-        bent = norm(sub(p, x_minus)) + norm(sub(p, x_plus))
-        straight = norm(combine(1.0, sub(x_plus, x_minus), onset, m)) - onset
-        cables.joint_slack[c] = bent - straight
-    return shallowest < np.inf
 
 
 @always_inline
@@ -275,27 +232,12 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: Cabl
     length = norm(d)
     # Only at the very birth of a cable without onset is its direction still m.
     if length > 0.0:
-        _keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
-        _keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
+        keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
+        keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
     else:
-        _keep_direction(cables.branch, c, 0, load(cables.m, c))
-        _keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
+        keep_direction(cables.branch, c, 0, load(cables.m, c))
+        keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
     return length - onset
-
-
-@always_inline
-def _bent_length(
-    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: CableRows
-) -> float:
-    """Return the length measure of a cable with its joint at p [mm]; write its directions."""
-    to_minus, to_plus = sub(p, minus), sub(p, plus)
-    length_minus, length_plus = norm(to_minus), norm(to_plus)
-    if length_minus >= short_branch:
-        _keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
-    if length_plus >= short_branch:
-        _keep_direction(cables.branch, c, 1, scale(1.0 / length_plus, to_plus))
-    slack: float = cables.joint_slack[c]
-    return length_minus + length_plus - slack
 
 
 @always_inline
@@ -306,7 +248,7 @@ def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
 
 @always_inline
 def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> None:
-    """Add a force [N] at the joint p to the wrench of a tooth."""
+    """Add a force [N] at a point p of its line to the wrench of a tooth."""
     origin = pose.translation
     arm = (p[0] - origin[0], p[1] - origin[1], p[2] - origin[2])
     moment = cross(arm, force)
@@ -315,42 +257,28 @@ def _pull_tool(p: Vec3, force: Vec3, body: int, pose: Pose, wrench: Floats) -> N
         wrench[body, 3 + k] += moment[k]
 
 
-@always_inline
-def _length(
-    c: int, jointed: bool, minus: Vec3, plus: Vec3, pose: Pose, tables: CableTables
-) -> tuple[float, Vec3, Vec3]:
-    """Return the length measure of cable c, its joint and how far that has moved [mm].
-
-    Writes the directions of its ends and its joint in space.
-    """
-    cables, law = tables.cables, tables.law
-    p = (0.0, 0.0, 0.0)
-    p_moved = (0.0, 0.0, 0.0)
-    if jointed:
-        p = to_space(load(cables.joint_body, c), pose)
-        p_moved = sub(p, load(cables.joint, c))
-        store(cables.joint, c, p)
-        ell = _bent_length(c, p, minus, plus, law[8], cables)
-    else:
-        ell = _straight_length(c, minus, plus, law[7], cables)
-    return ell, p, p_moved
-
-
 @kernel
 def _add_cable_forces(
-    pose: Pose, dt: float, time: float, tables: CableTables, wrench: Floats, couple: Floats
-) -> tuple[float, float, int, int]:
+    pose: Pose,
+    before: Pose,
+    dt: float,
+    time: float,
+    tables: CableTables,
+    wrench: Floats,
+    couple: Floats,
+) -> tuple[float, float, float, int, int]:
     """Add the forces of all live cables to those of the nodes and to wrench : (n_body, 6).
 
     Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
-    on law and start force, how many joints were made and how many cables broke.
+    on law, start force and friction, how many joints were made and how many cables broke.
     """
-    pose, tables = borrowed(pose), borrowed(tables)
-    law, nodes, cables = tables.law, tables.nodes, tables.cables
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
     start_opening = law[9]
     work = 0.0
     start_work = 0.0
+    friction_work = 0.0
     n_made = 0
     n_broken = 0
     for c in range(tables.n_cable):
@@ -359,11 +287,18 @@ def _add_cable_forces(
         i, j = cables.ends[c, 0], cables.ends[c, 1]
         minus, plus = load(nodes.x, i), load(nodes.x, j)
         may_meet = tables.directional and status[c] == STRAIGHT
-        if may_meet and _find_joint(c, minus, plus, pose, tables):
+        if may_meet and find_joint(c, minus, plus, pose, tables):
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED
-        ell, p, p_moved = _length(c, jointed, minus, plus, pose, tables)
+        nothing = (0.0, 0.0, 0.0)
+        joint = Joint(nothing, nothing, nothing, nothing, nothing, 0.0, 0.0)
+        gain_minus = cables.arc_grip[c] + cables.grip[c]  # at t_{n-1}
+        gain_plus = cables.arc_grip[c] - cables.grip[c]
+        if jointed:
+            ell, joint = bend(c, minus, plus, pose, before, tables)
+        else:
+            ell = _straight_length(c, minus, plus, law[7], cables)
 
         fade_old = max(0.0, 1.0 - opening_max[c] / start_opening)
         cables.opening[c] = ell
@@ -373,18 +308,32 @@ def _add_cable_forces(
         cables.traction[c] = sigma
         extra = scale(fade, load(cables.start_force, c))
         pull = sigma * cables.area[c]
-        f_minus = scale(pull, _end_vector(cables.branch, c, 0))
-        f_plus = scale(pull, _end_vector(cables.branch, c, 1))
+        by_law_minus = scale(pull, _end_vector(cables.branch, c, 0))
+        by_law_plus = scale(pull, _end_vector(cables.branch, c, 1))
+        f_minus = scale(1.0 + joint.gain_minus, by_law_minus)
+        f_plus = scale(1.0 + joint.gain_plus, by_law_plus)
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
         v_minus, v_plus = load(nodes.velocity_half, i), load(nodes.velocity_half, j)
-        mean_minus = combine(0.5, _end_vector(cables.force, c, 0), 0.5, f_minus)
-        mean_plus = combine(0.5, _end_vector(cables.force, c, 1), 0.5, f_plus)
+        was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
+        mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
+        mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
         done = -dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
         if jointed:
-            done += dot(add(mean_minus, mean_plus), p_moved)
+            done += work_at_edge(mean_minus, mean_plus, joint, radius)
         cables.work[c] += done
         work += done
+        if jointed and tables.joint.slips:
+            mean_minus = combine(0.5, was_minus, 0.5, f_minus)
+            mean_plus = combine(0.5, was_plus, 0.5, f_plus)
+            friction_work -= dot(add(mean_minus, mean_plus), joint.slipped)
+            # What friction adds to the law's forces, as above.
+            was = 0.5 * gain_minus / (1.0 + gain_minus)
+            mean_minus = combine(was, was_minus, 0.5 * joint.gain_minus, by_law_minus)
+            was = 0.5 * gain_plus / (1.0 + gain_plus)
+            mean_plus = combine(was, was_plus, 0.5 * joint.gain_plus, by_law_plus)
+            friction_work -= dt * (dot(mean_minus, v_minus) + dot(mean_plus, v_plus))
+            friction_work += work_at_edge(mean_minus, mean_plus, joint, radius)
         relative = sub(v_plus, v_minus)
         started = dt * 0.5 * (fade_old + fade) * dot(load(cables.start_force, c), relative)
         cables.start_work[c] += started
@@ -397,11 +346,15 @@ def _add_cable_forces(
 
         # Forces on both nodes and the tool sum to zero; their moments leave the named couple.
         if jointed:
-            on_tool = scale(-1.0, add(f_minus, f_plus))
-            _pull_tool(p, on_tool, tables.edges.body[cables.edge[c]], pose, wrench)
-            rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
-            for k in range(3):
-                couple[k] += rest[k]
+            p, body = joint.place, tables.edges.body[cables.edge[c]]
+            if radius > 0.0:
+                _pull_tool(minus, scale(-1.0, f_minus), body, pose, wrench)
+                _pull_tool(plus, scale(-1.0, f_plus), body, pose, wrench)
+            else:
+                _pull_tool(p, scale(-1.0, add(f_minus, f_plus)), body, pose, wrench)
+                rest = add(cross(sub(minus, p), f_minus), cross(sub(plus, p), f_plus))
+                for k in range(3):
+                    couple[k] += rest[k]
             rest = cross(sub(minus, plus), extra)
         else:
             rest = cross(sub(minus, plus), add(f_minus, extra))
@@ -412,7 +365,7 @@ def _add_cable_forces(
             status[c] = BROKEN
             cables.end_time[c] = time
             n_broken += 1
-    return work, start_work, n_made, n_broken
+    return work, start_work, friction_work, n_made, n_broken
 
 
 @kernel
@@ -431,10 +384,3 @@ def _energies(
             stored[c], dissipated[c] = 0.0, fracture_energy
         else:
             stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
-
-
-@inline
-def _keep_direction(branch: Floats, c: int, side: int, unit: tuple[float, float, float]) -> None:
-    branch[c, side, 0] = unit[0]
-    branch[c, side, 1] = unit[1]
-    branch[c, side, 2] = unit[2]

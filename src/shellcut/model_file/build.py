@@ -85,6 +85,7 @@ class _Build:
                 notch=film.notch,
                 travel=motion.travel,
                 speed=motion.speed,
+                slice_ratio=motion.slice_ratio,
                 tool=self._made("tool", blade),
                 **self._options(mesh),
             )

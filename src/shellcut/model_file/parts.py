@@ -80,7 +80,14 @@ class _Parts:
             if mesh is None or tool is None:
                 raise ValueError("the way of the blade begins where the strip does")
             law = self._of["cohesive"].made()
-            return blade_before(mesh, tool, travel=section.travel, speed=section.speed, law=law)
+            return blade_before(
+                mesh,
+                tool,
+                travel=section.travel,
+                speed=section.speed,
+                slice_ratio=section.slice_ratio,
+                law=law,
+            )
         if self._model.head.model == "oscillating":
             if mesh is None:
                 raise ValueError("the way of the bar ends where the strip does")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from shellcut.cables.cohesive_law import CohesiveLaw, Unloading
+from shellcut.cables.cohesive_law import CohesiveLaw, Joint, Unloading
 from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import (
     CablePlaces,
@@ -87,6 +87,11 @@ class Cohesive(Section):
     onset: float = key(number("mm"), "delta_0, over which the force turns to the opening")
     unloading: str = key(choice(*get_args(Unloading)), "how a cable unloads")
     unloading_stiffness: float = key(number("MPa/mm"), "slope of the elastic unloading")
+    joint: str = key(
+        choice(*get_args(Joint)),
+        "what a cable does at the cutting edge: stick to its point, slip with friction, slide",
+    )
+    joint_friction: float = key(number(), "mu of joint = slip")
 
 
 @section("contact", of=Contact)

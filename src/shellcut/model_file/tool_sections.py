@@ -28,6 +28,7 @@ from .key import (
 )
 
 _SHIFT = "moves the tool before the run"
+_EDGE_RADIUS = "of the cutting edge; 0: sharp"
 
 
 class _Shape(Section):
@@ -55,6 +56,7 @@ class Teeth(_Shape):
     height: float = key(number("mm"), "from the tip to the top")
     tip_clearance: float = key(number("mm"), "of the tip above the film at the start")
     phase_deg: float = key(number("deg"), "angle of the first tip")
+    edge_radius: float = key(number("mm"), _EDGE_RADIUS)
     n_arc: int | None = key(
         whole, "segments of each cutting edge", unset="1/700 of half_thickness off the cylinder"
     )
@@ -70,6 +72,7 @@ class Blade(_Shape):
     half_thickness: float = key(number("mm"), "half the distance of the parallel flanks")
     length: float = key(number("mm"), "from the edge to the back")
     height: float = key(number("mm"), "from the bottom to the top")
+    edge_radius: float = key(number("mm"), _EDGE_RADIUS)
     shift: tuple[float, ...] = key(numbers("mm", count=3), _SHIFT, default=(0.0, 0.0, 0.0))
 
 
@@ -104,6 +107,7 @@ class ToolFile(Section):
     sharp_angle_deg: float = key(number("deg"), "smallest exterior angle of a cutting edge")
     flank_angle_deg: float = key(number("deg"), "largest turn of a flank")
     not_cutting: tuple[int, ...] = key(whole_numbers, "chains found by angle that do not cut")
+    edge_radius: float = key(number("mm"), "rounds the cutting edges found; 0: as in the file")
     merge: float | None = key(
         number("mm"),
         "merge vertices closer than this",
@@ -138,6 +142,11 @@ class StripWay(Section):
 
     speed: float = key(
         number("mm/s", above=0.0), "after the ramp", default=default_of(guillotine, "speed")
+    )
+    slice_ratio: float = key(
+        number(),
+        "speed of the blade along its edge over that along the strip",
+        default=default_of(guillotine, "slice_ratio"),
     )
     travel: float | None = key(
         number("mm", above=0.0),

@@ -5,6 +5,10 @@ crack, G h per millimetre. The plateau begins after about 8 mm of cut, because a
 after some 2 mm of drag; the force is a sawtooth with the node spacing, so average it over whole
 periods. With classical cables, which the blade never meets, the flanks open by at most the blade's
 width w, and F = h ∫_0^w sigma dl.
+
+A blade that also moves along its edge slices: with xi the ratio of the two speeds, V the force
+along the strip and H that along the edge, V + xi H = G h as long as nothing rubs
+(:mod:`shellcut.cables.joint_slip`).
 """
 
 from __future__ import annotations
@@ -14,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Ints
+from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
@@ -40,6 +44,9 @@ _LEFT = 0.625
 # Of a coordinate, over the extent of the strip: round-off.
 _ON_LINE = 1e-9
 
+# Edge that must be left beyond the film at the end of a slicing cut, over opening_u.
+_EDGE_LEFT = 1.0 / 8.0
+
 _RAMP = 1e-4  # duration of the blade's acceleration [s]
 
 BLADE_HEIGHT = 3.0
@@ -60,6 +67,7 @@ def guillotine(
     notch: float = 2.0,
     travel: float | None = None,
     speed: float = 6000.0,
+    slice_ratio: float = 0.0,
     tool: Tool | None = None,
     material: ShellMaterial | None = None,
     law: CohesiveLaw | None = None,
@@ -84,10 +92,12 @@ def guillotine(
         2.5 mm with the paper's law.
     speed : float
         Speed after a ramp of 0.1 ms [mm/s].
+    slice_ratio : float
+        Speed of the blade along its edge, upwards, over ``speed``; the edge must be long enough.
     tool : Tool, optional
         Moves along +x with its edge at the origin; :func:`straight_blade` by default: edge at 90°
         to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because flanks
-        closing behind a short blade push it forward.
+        closing behind a short blade push it forward, and 3 mm high or as high as it slides.
     material, law : ShellMaterial, CohesiveLaw, optional
         The paper's film by default.
     **options
@@ -113,7 +123,9 @@ def guillotine(
     section = material or ShellMaterial.homogeneous()
     strip = strip_of(length, width, size) if mesh is None else mesh
     cables = law or CohesiveLaw()
-    blade, motion, duration = blade_before(strip, tool, travel=travel, speed=speed, law=cables)
+    blade, motion, duration = blade_before(
+        strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
+    )
     fracture, line = options.pop("fracture", None) or Fracture(), _line_of(strip)
     if mesh is None and len(line) and fracture.needed_path != "free":
         way = CrackWay(strip, replace(fracture, path="edges"), None)
@@ -142,15 +154,54 @@ def guillotine(
 
 
 def blade_before(
-    film: Mesh, tool: Tool | None, *, travel: float | None, speed: float, law: CohesiveLaw
+    film: Mesh,
+    tool: Tool | None,
+    *,
+    travel: float | None,
+    speed: float,
+    slice_ratio: float = 0.0,
+    law: CohesiveLaw,
 ) -> tuple[Tool, StraightMotion, float]:
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
-    blade = tool or straight_blade(length=extent, height=BLADE_HEIGHT)
-    motion = StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
     way = extent - _LEFT * law.opening_u if travel is None else travel
+    if not np.isfinite(slice_ratio):
+        raise ValueError(f"slice_ratio must be a finite number, got {slice_ratio!r}")
+    blade = tool or straight_blade(
+        length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * way
+    )
+    direction = np.array([1.0, 0.0, 0.0])
+    if slice_ratio != 0.0:
+        along = _up_the_edge(blade)
+        _check_edge_left(blade, slice_ratio * way * along[2], _EDGE_LEFT * law.opening_u)
+        direction += slice_ratio * along
+    motion = StraightMotion(
+        direction.tolist(), speed=speed * float(np.linalg.norm(direction)), ramp=_RAMP
+    )
     duration = way / speed + 0.5 * _RAMP
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
+
+
+def _up_the_edge(blade: Tool) -> Floats:
+    """Return the unit vector up the edge of a blade, from its lowest to its highest point, (3,)."""
+    ends = blade.vertices[blade.edges.ravel()]
+    if not len(ends):
+        raise ValueError("slice_ratio is of a cutting edge, and this tool has none")
+    along = ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()]
+    return np.asarray(along / np.linalg.norm(along))
+
+
+def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
+    """Refuse a blade whose edge leaves the film z = 0 while it rises by ``rise`` [mm]."""
+    heights = blade.vertices[blade.edges.ravel(), 2]
+    below, above = -heights.min() - max(rise, 0.0), heights.max() + min(rise, 0.0)
+    if min(below, above) < left:
+        raise ValueError(
+            f"the edge must reach {left:.3g} mm beyond the film to the end of the cut, but it "
+            f"slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} mm "
+            f"about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
+            "more, or lower slice_ratio or travel"
+        )
 
 
 def _line_of(mesh: Mesh) -> Ints:

@@ -22,6 +22,7 @@ _ENERGIES = (
     "cohesive_start_work",
     "cohesive_stored",
     "cohesive_dissipated",
+    "joint_friction",
     "contact_work",
     "contact_stored",
     "contact_absorbed",

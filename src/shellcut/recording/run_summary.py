@@ -93,6 +93,7 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
     if sim.contact is None:
         return {}
     return {
+        **({"joint_friction_Nmm": ledger.joint_friction} if ledger.joint_friction else {}),
         "contact_Nmm": ledger.contact_work,
         "contact_absorbed_Nmm": ledger.contact_absorbed,
         "friction_dissipated_Nmm": ledger.friction_dissipated,

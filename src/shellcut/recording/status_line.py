@@ -83,6 +83,7 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
         "int": ledger.strain,
         **({"material": ledger.material_dissipated} if ledger.material_dissipated else {}),
         "cohesive": ledger.cohesive_work + ledger.cohesive_start_work,
+        **({"joint friction": ledger.joint_friction} if ledger.joint_friction else {}),
         "contact": ledger.contact_work,
         **({"self contact": ledger.self_contact_work} if ledger.self_contact_work else {}),
         **({"dropped": ledger.dropped} if ledger.dropped else {}),

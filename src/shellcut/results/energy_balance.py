@@ -24,9 +24,10 @@ def work_put_in(history: Mapping[str, Floats]) -> Floats:
 def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return the energies by name, each of shape (n_row,), [N·mm].
 
-    Energy dissipated by the film's material, work of its contact with itself, energy of pieces
-    taken out and work of friction are separate shares, if there are any; so is energy that
-    absorbed jumps took from the contact or gave to the film, unless it is negligible.
+    Energy dissipated by the film's material or by friction of the cables on the cutting edge, work
+    of the film's contact with itself, energy of pieces taken out and work of friction are separate
+    shares, if there are any; so is energy that absorbed jumps took from the contact or gave to the
+    film, unless it is negligible.
     """
     shares = {
         "cables": history["cohesive_work"] + history["cohesive_start_work"],
@@ -47,6 +48,9 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
     friction = history.get("friction_work", np.zeros(0))  # older runs lack it
     if friction.any():
         shares["friction"] = friction
+    rubbed = history.get("joint_friction", np.zeros(0))  # older runs lack it
+    if rubbed.any():
+        shares["joint friction"] = rubbed
     absorbed = history.get("contact_absorbed", np.zeros(0))  # runs of older versions lack it
     largest = max(np.abs(share).max(initial=0.0) for share in shares.values())
     if np.abs(absorbed).max(initial=0.0) > _NEGLIGIBLE_SHARE * largest:

@@ -32,6 +32,7 @@ LABELS = {
     "material_dissipated_Nmm": "dissipated in the film",
     "kinetic_Nmm": "kinetic energy at the end",
     "damping_Nmm": "damping",
+    "joint_friction_Nmm": "friction of the cables on the cutting edge",
     "contact_Nmm": "contact",
     "contact_absorbed_Nmm": "of it, taken by absorbed jumps",
     "self_contact_Nmm": "contact of the film with itself",

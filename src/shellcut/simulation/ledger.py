@@ -1,7 +1,7 @@
 """The ledger: where the work has gone.
 
-    tool + loads + supports
-        =  kinetic + strain + material + cohesive + contact + friction + damping
+    tool + loads + supports  =  kinetic + strain + material + cohesive + joints
+                                + contact + friction + self contact + dropped + damping
 
 Each entry comes from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
@@ -41,6 +41,8 @@ class Ledger:
     """Recoverable energy of the cables, by the law."""
     cohesive_dissipated: float = 0.0
     """Dissipated by the cables, by the law; stored and dissipated make up the work."""
+    joint_friction: float = 0.0
+    """Work against friction between the cables and the cutting edge."""
     contact_work: float = 0.0
     """Work that went into the contact from both sides, nodes and tool."""
     contact_stored: float = 0.0
@@ -91,6 +93,7 @@ class Ledger:
             + self.material_dissipated
             + self.cohesive_work
             + self.cohesive_start_work
+            + self.joint_friction
             + self.contact_work
             + self.self_contact_work
             + self.dropped
@@ -109,6 +112,7 @@ class Ledger:
             "strain": self.strain,
             "material": self.material_dissipated,
             "cables": self.cohesive_work + self.cohesive_start_work,
+            "joint friction": self.joint_friction,
             "contact": self.contact_work,
             "self contact": self.self_contact_work,
             "dropped": self.dropped,

@@ -167,6 +167,7 @@ class Simulation:
         self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
         """What touches the tool, in the order of evaluation."""
         self._flanks = FlankPoints()
+        edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
 
         self.state = self._state_at_start(velocity)
         self.cracks, self._loose = None, None

@@ -304,6 +304,14 @@ class CableTable(_Table):
     """Joint in space at the last evaluation [mm], shape (n, 3)."""
     joint_slack: Floats
     """Length that the bend added when the joint was made, not counted as opening, shape (n,)."""
+    grip: Floats
+    """Friction of what goes around the edge: the minus branch carries 1 + this times the stress,
+    the plus branch 1 - this, shape (n,)."""
+    arc_grip: Floats
+    """Friction of what is drawn out over a round edge: both carry this more, shape (n,)."""
+    transport: Floats
+    """Half the difference of the branches at the last evaluation, minus less plus: what has gone
+    around the edge, where the joint slips [mm], shape (n,)."""
     overshoot: Floats
     """How far the edge had passed the cable when the joint was made [mm], shape (n,)."""
     branch: Floats

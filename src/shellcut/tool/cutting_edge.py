@@ -47,6 +47,10 @@ _STRIP_SLOPE = 0.2
 # less than 60 degrees to the mid-plane, blunt ones at 40; an end face is across it.
 _ASIDE = 0.5
 
+# Depth over the radius of the edge at which the nearest way out of the blade leads sideways: the
+# middle of the round is at 1.
+_BEHIND_ROUND = 1.25
+
 START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
 """Rows of :attr:`CuttingEdges.segments`."""
 
@@ -60,16 +64,18 @@ class CuttingEdges(NamedTuple):
     """Tooth of each segment."""
     solid: TriangleGrid
     """Finds the tool's surface, for :func:`in_the_blade`."""
+    radius: float
+    """Of the edges, whose segments are then their nose lines; 0 if sharp [mm]."""
 
     @classmethod
     def of(cls, tool: Tool | None) -> CuttingEdges:
         """Collect the segments of a tool; without a tool there are none."""
         solid = ClosestTriangleGrid.of(tool).arrays
         if tool is None:
-            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid)
+            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid, 0.0)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
-        return cls(np.stack(rows, axis=1), tool.edge_body, solid)
+        return cls(np.stack(rows, axis=1), tool.edge_body, solid, tool.edge_radius)
 
     def strip_boxes(self, beside: float, deep: float) -> tuple[Floats, Floats]:
         """Return boxes around the strips of each tooth: low, high corners, (n_body, 3) [mm].
@@ -122,6 +128,11 @@ def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
     """
     aside = segment_part(edges.segments, k, NORMAL)
     foot = combine(1.0, p, -lateral, aside)
+    if edges.radius > 0.0:
+        # Within the round the way out leads forward: take a place behind it instead.
+        back = segment_part(edges.segments, k, BACK)
+        depth = dot(sub(p, segment_part(edges.segments, k, START)), back)
+        foot = combine(1.0, foot, max(0.0, _BEHIND_ROUND * edges.radius - depth), back)
     _, inside, _, nearest, _, _ = signed_distance(foot, 0, edges.solid)
     if not inside:
         return False

@@ -22,10 +22,12 @@ A tooth in its straight coordinates, s forward along the motion and z up::
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import atan, ceil, degrees, isfinite, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
+from .rounded_edge import with_edge_radius
 from .tool import Tool, ToolError
 from .tooth import Tooth
 
@@ -63,6 +65,7 @@ def tooth_ring(
     height: float = 5.0,
     tip_clearance: float = 0.02,
     phase_deg: float = 0.0,
+    edge_radius: float = 0.0,
     n_arc: int | None = None,
 ) -> Tool:
     """Return a ring of equal teeth around the z axis that cuts the circle r = ``radius``.
@@ -95,6 +98,8 @@ def tooth_ring(
         Height of the tip above the sheet.
     phase_deg : float, [deg]
         Angle of the first tip.
+    edge_radius : float, [mm]
+        Of the cutting edges; the rounded edge lies where the sharp one would.
     n_arc : int, optional
         Segments of each cutting edge; by default enough that chords stay within 1/700 of the half
         thickness from the cylinder and segments below 8/7 of it. If chords deviate by more than
@@ -127,6 +132,7 @@ def tooth_ring(
         "height": height,
         "tip_clearance": tip_clearance,
         "phase_deg": phase_deg,
+        "edge_radius": edge_radius,
     }
     _check_positive(
         parameters, ("radius", "half_thickness", "length", "height"), ("tip_clearance", "phase_deg")
@@ -147,7 +153,17 @@ def tooth_ring(
     )
     n_arc, spacing = _arc_pieces(tooth, n_teeth, radius, n_arc)
     parameters["n_arc"] = float(n_arc)
-    straight, triangles, edges = tooth.mesh(n_arc, spacing)
+    straight, strips, line = tooth.mesh(n_arc, spacing)
+    triangles, edges = np.array(strips), np.array(line)
+    flank_angle = _edge_half_angle(edge_inclination_deg, wedge_half_angle_deg) + FLANK_MARGIN
+    if edge_radius != 0.0:
+        mirror = np.array([1.0, -1.0, 1.0])  # (s, n, z) is left-handed
+        one = Tool.from_triangles(
+            mirror * straight, triangles, edges=edges, flank_angle_deg=flank_angle
+        )
+        one = with_edge_radius(one, edge_radius)
+        straight = mirror * one.vertices - [_ahead_of_nose(one, tooth.cot), 0.0, 0.0]
+        triangles, edges = one.triangles, one.edges
     n = straight.shape[0]
     vertices = np.empty((n_teeth, n, 3))
     for k in range(n_teeth):
@@ -156,14 +172,21 @@ def tooth_ring(
         vertices[k, :, 1] = (radius + straight[:, 1]) * np.sin(angle)
         vertices[k, :, 2] = tip_clearance + straight[:, 2]
     offsets = n * np.arange(n_teeth)[:, None, None]
-    return Tool.from_triangles(
+    ring = Tool.from_triangles(
         vertices.reshape(-1, 3),
-        (np.array(triangles) + offsets).reshape(-1, 3),
-        edges=(np.array(edges) + offsets).reshape(-1, 2),
-        flank_angle_deg=_edge_half_angle(edge_inclination_deg, wedge_half_angle_deg) + FLANK_MARGIN,
+        (triangles + offsets).reshape(-1, 3),
+        edges=(edges + offsets).reshape(-1, 2),
+        flank_angle_deg=flank_angle,
         name="tooth ring",
         parameters=parameters,
     )
+    return replace(ring, edge_radius=edge_radius)
+
+
+def _ahead_of_nose(tool: Tool, cot: float) -> float:
+    """Return the place at height 0 of an edge that rises by 1 over ``cot`` along x [mm]."""
+    x, _, z = tool.vertices[tool.edges[0, 0]]
+    return float(x - z * cot)
 
 
 def _ring_problems(
@@ -242,6 +265,7 @@ def straight_blade(
     half_thickness: float = 0.3,
     length: float = 3.0,
     height: float = 6.0,
+    edge_radius: float = 0.0,
 ) -> Tool:
     """Return a blade that moves along +x in the plane y = 0 and cuts the sheet z = 0.
 
@@ -261,6 +285,8 @@ def straight_blade(
         From the edge to the back, along x; a wedge that is longer is cut off there.
     height : float, [mm]
         From the bottom to the top.
+    edge_radius : float, [mm]
+        Of the cutting edge; the rounded edge, too, runs through the origin.
 
     Returns
     -------
@@ -303,7 +329,7 @@ def straight_blade(
     caps = [(0, 1, n - 1)] + ([(1, 2, 3), (1, 3, 4)] if n == 5 else [])
     triangles += [(k, j, i) for i, j, k in caps]
     triangles += [(n + i, n + j, n + k) for i, j, k in caps]
-    return Tool.from_triangles(
+    blade = Tool.from_triangles(
         np.array(low + high),
         np.array(triangles),
         edges=[(n, 0)],
@@ -311,6 +337,10 @@ def straight_blade(
         name="straight blade",
         parameters=parameters,
     )
+    if edge_radius == 0.0:
+        return blade
+    blunt = with_edge_radius(blade, edge_radius)
+    return blunt.translated((-_ahead_of_nose(blunt, 2.0 * shift / height), 0.0, 0.0))
 
 
 def _edge_half_angle(inclination_deg: float, half_angle_deg: float) -> float:

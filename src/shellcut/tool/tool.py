@@ -12,6 +12,7 @@ b x t                  ``edge_back``: in the mid-plane, normal to the segment, i
 =====================  ==================================================================
 
 The 0.1 mm radius of a real edge is taken as sharp  # [Frangi2010] 5
+unless :func:`shellcut.tool.rounded_edge.with_edge_radius` rounds it.
 """
 
 from __future__ import annotations
@@ -119,6 +120,8 @@ class Tool:
     """Parameters it was built from, for reports; empty for a surface that was read."""
     flank_angle_deg: float = 40.0
     """Limit of turn up to which flanks extend, from :meth:`from_triangles` [deg]."""
+    edge_radius: float = 0.0
+    """Of the cutting edges, whose segments are then their nose lines; 0 if sharp [mm]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -298,7 +301,7 @@ class Tool:
             problems.append(f"at least one chain must cut, got all {self.n_chain} as not cutting")
         if problems:
             raise ToolError(problems)
-        return Tool.from_triangles(
+        rest = Tool.from_triangles(
             self.vertices,
             self.triangles,
             edges=self.edges[keep],
@@ -306,6 +309,7 @@ class Tool:
             name=self.name,
             parameters=self.parameters,
         )
+        return replace(rest, edge_radius=self.edge_radius)
 
     def write(self, path: str | Path) -> None:
         """Write the surface as a binary STL file, in mm.

@@ -21,6 +21,7 @@ from shellcut.formats.ply import read_ply
 from shellcut.formats.stl import read_stl
 from shellcut.formats.surface_file import SurfaceFile
 
+from .rounded_edge import with_edge_radius
 from .seams import closed_seams
 from .surface import point_text
 from .surface_repair import repaired
@@ -54,6 +55,7 @@ def read_tool(
     sharp_angle_deg: float = 100.0,
     flank_angle_deg: float = 40.0,
     not_cutting: Collection[int] = (),
+    edge_radius: float = 0.0,
     merge: float | None = None,
     chord_deviation: float | None = None,
     name: str | None = None,
@@ -79,6 +81,8 @@ def read_tool(
         See :meth:`Tool.from_triangles`.
     not_cutting : collection of int
         Chains found by angle that do not cut, by their numbers in :meth:`Tool.chains` when all cut.
+    edge_radius : float, [mm]
+        Rounds the cutting edges, :func:`shellcut.tool.rounded_edge.with_edge_radius`.
     merge : float, optional, [mm]
         Vertices closer than this are merged; by default 1e-7 of the tool's diagonal, of STEP and
         IGES a tenth of ``chord_deviation``.
@@ -145,6 +149,7 @@ def read_tool(
         )
         if not_cutting:
             tool = tool.without_cutting(*not_cutting)
+        tool = with_edge_radius(tool, edge_radius)
     except ToolError as refusal:
         raise ToolError(list(refusal.problems), what=f"surface in {path}") from None
     chains = tool.chains()

@@ -1,0 +1,129 @@
+r"""The way of a cable around the cutting edge, sharp or with a radius.
+
+Seen along the edge, e pointing at the viewer, let the joint be at the origin, with b to the side of
+an end of the cable and k into the blade. The end is at (y, z), and at the distance a along e.
+
+*Sharp edge.* The branch is the straight line of length l = sqrt(rho² + a²), rho = |(y, z)|.
+
+*Edge of radius r.* The round is the cylinder about (0, r); the joint lies on its nose line. Each
+branch takes the shortest way from the joint to its end outside the cylinder, which is straight on
+the surface unrolled: it winds along the round up to the tangent point and goes straight from there,
+
+    rho = r beta + t,    t = sqrt(D² - r²),    beta = atan2(y, r - z) - arccos(r/D),
+
+with D the distance of the end from the cylinder's axis, and again l = sqrt(rho² + a²). An end that
+is before the tangent plane of the nose, beta <= 0, is met by the straight line. The force on the
+end is along the straight part; it is the gradient of l, because the change of the arc makes up for
+that of t. The turn of the cable on this side is beta, or for the straight line atan2(z, y).
+
+So r enters only rho, the direction of the pull and the turn, and with r = 0 these are those of the
+sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
+takes G h whatever r is, as all of the work still goes into the law.
+"""
+
+from __future__ import annotations
+
+from math import acos, atan2, cos, pi, sin, sqrt
+from typing import NamedTuple
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.jit import always_inline
+from shellcut.numerics.vec3 import combine, dot, load, norm, sub
+from shellcut.tool.cutting_edge import BACK, NORMAL, START, VECTOR, CuttingEdges, segment_part
+
+
+class Branch(NamedTuple):
+    """One side of a cable, seen along the edge."""
+
+    place: float
+    """Of the end along the segment [mm]."""
+    rho: float
+    """Length of the way, seen along the edge [mm]."""
+    turn: float
+    """By which the edge turns it [rad]."""
+    pull: tuple[float, float]
+    """Direction from the end to the joint, parts along b and k of the segment."""
+
+
+@always_inline
+def branch_to(end: Vec3, side: float, k: int, edges: CuttingEdges) -> Branch:
+    """Return the branch from a joint on segment k to an end, all in the body frame.
+
+    side : +1 for the end on the side that b points to, else -1.
+    """
+    segments = edges.segments
+    v, d = segment_part(segments, k, VECTOR), sub(end, segment_part(segments, k, START))
+    place = dot(d, v) / norm(v)
+    y = side * dot(d, segment_part(segments, k, NORMAL))
+    z = dot(d, segment_part(segments, k, BACK))
+    r = edges.radius
+    if r > 0.0:
+        from_axis = sqrt(y * y + (r - z) * (r - z))
+        around = atan2(y, r - z)
+        if around < -0.5 * pi:  # behind the round, across the mid-plane
+            around += 2.0 * pi
+        beta = around - (acos(r / from_axis) if from_axis > r else 0.0)
+        if beta > 0.0:
+            t = sqrt(max(from_axis * from_axis - r * r, 0.0))
+            return Branch(place, r * beta + t, beta, (-side * cos(beta), -sin(beta)))
+    rho = sqrt(y * y + z * z)
+    inverse = 1.0 / rho if rho > 0.0 else 0.0
+    return Branch(place, rho, atan2(z, y), (-side * y * inverse, -z * inverse))
+
+
+@always_inline
+def side_of(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> float:
+    """Return +1 if the plus end is on the side that b of segment k points to, else -1."""
+    return 1.0 if dot(sub(plus, minus), segment_part(edges.segments, k, NORMAL)) >= 0.0 else -1.0
+
+
+@always_inline
+def way_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, Vec3]:
+    """Return the length of a branch to a joint at s along segment k, and its direction there.
+
+    The direction is the unit vector at the end of the cable, in the body frame.
+    """
+    segments, along = edges.segments, s - branch.place
+    v = segment_part(segments, k, VECTOR)
+    length = sqrt(branch.rho * branch.rho + along * along)
+    share = branch.rho / length if length > 0.0 else 0.0
+    across = combine(
+        share * branch.pull[0],
+        segment_part(segments, k, NORMAL),
+        share * branch.pull[1],
+        segment_part(segments, k, BACK),
+    )
+    lean = along / length if length > 0.0 else 0.0
+    return length, combine(1.0, across, lean / norm(v), v)
+
+
+class Way(NamedTuple):
+    """A cable around the edge, with its joint at some point of it."""
+
+    minus: float
+    plus: float
+    """Lengths of the branches [mm]."""
+    pull_minus: Vec3
+    pull_plus: Vec3
+    """Unit vectors from the ends along the branches, in the body frame."""
+    arc: float
+    """Angle that lies on the round [rad]."""
+
+
+@always_inline
+def way_around(
+    c: int, minus: Vec3, plus: Vec3, edges: CuttingEdges, edge: Ints, joint_body: Floats
+) -> Way:
+    """Return the way of cable c from minus to plus, in the body frame.
+
+    edge, joint_body : segment and joint of each cable, as in the state.
+    """
+    k = edge[c]
+    side = side_of(minus, plus, k, edges)
+    first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
+    v = segment_part(edges.segments, k, VECTOR)
+    s = dot(sub(load(joint_body, c), segment_part(edges.segments, k, START)), v) / norm(v)
+    length_minus, pull_minus = way_to(first, s, k, edges)
+    length_plus, pull_plus = way_to(second, s, k, edges)
+    arc = max(first.turn, 0.0) + max(second.turn, 0.0)
+    return Way(length_minus, length_plus, pull_minus, pull_plus, arc)

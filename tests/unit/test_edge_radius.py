@@ -1,0 +1,282 @@
+"""Cutting edges with a radius: the rounded tool, and cables around it."""
+
+import numpy as np
+import pytest
+
+from gone_on import check_goes_on
+from naive import edge as naive
+from notched_strip import cutting
+from shellcut import Tool, read_tool
+from shellcut.cables.cohesive_law import CohesiveLaw, area_below
+from shellcut.cables.directional_cable import CableSet
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.state import JOINTED
+from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.pose import Pose
+from shellcut.tool.rounded_edge import with_edge_radius
+from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.tool import ToolError
+
+LAW = CohesiveLaw()
+AREA = 0.03
+FAR = Pose.of(*ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(4e-3))
+FRAME = (np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 1.0, 0]), np.array([-1.0, 0, 0]))
+
+
+# --- the tool ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("radius", [1e-3, 0.05, 0.3])
+def test_the_round_is_the_inscribed_circle_of_the_wedge(radius):
+    alpha = np.radians(10.0)
+    sharp, blade = straight_blade(), straight_blade(edge_radius=radius)
+    assert blade.edge_radius == radius
+    np.testing.assert_allclose(blade.vertices[blade.edges[0]], [[0, 0, 3], [0, 0, -3]], atol=1e-12)
+    np.testing.assert_allclose(blade.edge_normal, [[0, 1, 0]], atol=1e-9)
+    np.testing.assert_allclose(blade.edge_back, [[-1, 0, 0]], atol=1e-9)
+    on_flank = np.unique(blade.triangles[blade.flank != 0])
+    x, y, _ = blade.vertices[on_flank].T
+    round_ends = radius * (1.0 - np.sin(alpha))  # behind the nose
+    before = -x < round_ends + 1e-9
+    assert np.hypot(x[before] + radius, y[before]) == pytest.approx(radius, rel=1e-9)
+    assert before.sum() > 20
+    # Behind it the flanks are those of the sharp blade, moved forward by as much as the nose.
+    forward = radius / np.sin(alpha) - radius
+    wedge = np.minimum((forward - x[~before]) * np.tan(alpha), 0.3)
+    np.testing.assert_allclose(np.abs(y[~before]), wedge, atol=1e-12)
+    lost = radius**2 * (1.0 / np.tan(alpha) - (0.5 * np.pi - alpha)) * 6.0
+    # Facets of 10 degrees or less, within the round: a part (10°)²/6 of its sectors and less.
+    facets = 0.006 * radius**2 * 0.5 * np.pi * 6.0
+    assert 0.0 <= sharp.volume()[0] - blade.volume()[0] - lost <= facets
+    assert (blade.flank == 1).sum() == (blade.flank == -1).sum()
+
+
+def test_no_radius_is_the_sharp_tool():
+    blade = straight_blade()
+    assert with_edge_radius(blade, 0.0) is blade
+    np.testing.assert_array_equal(straight_blade(edge_radius=0.0).vertices, blade.vertices)
+
+
+def test_teeth_are_rounded_where_they_were_sharp():
+    sharp, ring = tooth_ring(), tooth_ring(edge_radius=0.05)
+    assert ring.n_body == 4
+    assert ring.edge_radius == 0.05
+    on_edge = ring.vertices[ring.edges].reshape(-1, 3)
+    np.testing.assert_allclose(np.hypot(on_edge[:, 0], on_edge[:, 1]), 9.4, atol=1e-12)
+    first = on_edge[: 2 * 15]
+    s = 9.4 * np.arctan2(first[:, 1], first[:, 0])
+    # The nose runs where the sharp edge did, but begins higher: the relief cuts it.
+    np.testing.assert_allclose(first[:, 2], 0.02 + s * np.tan(np.radians(60.0)), atol=1e-9)
+    assert 0.02 < first[:, 2].min() < 0.2
+    assert (ring.volume() < sharp.volume() + 0.5).all()
+    middle = ring.vertices[ring.edges].mean(axis=1)
+    assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - 9.4).max() < 1e-3
+
+
+def test_edges_of_a_file_are_rounded(tmp_path):
+    straight_blade().write(tmp_path / "blade.stl")
+    blade = read_tool(tmp_path / "blade.stl", unit="mm", edge_radius=0.1)
+    forward = 0.1 / np.sin(np.radians(10.0)) - 0.1
+    nose = blade.vertices[blade.edges].reshape(-1, 3)
+    # Single precision of the file, seen over the sine of the half-angle.
+    np.testing.assert_allclose(nose[:, 0], -forward, atol=1e-5)
+    assert blade.edge_radius == 0.1
+    assert blade.without_cutting().edge_radius == 0.1
+    assert blade.translated((1.0, 0.0, 0.0)).edge_radius == 0.1
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: straight_blade(edge_radius=-0.1), "edge_radius must be a length in mm.* got -0.1"),
+        (
+            lambda: straight_blade(edge_radius=np.nan),
+            "edge_radius must be a length in mm.* got nan",
+        ),
+        (lambda: tooth_ring(edge_radius=np.inf), "edge_radius must be a length in mm.* got inf"),
+        (lambda: straight_blade(edge_radius=1e-6), "at least .* for a sharp edge take 0"),
+        (lambda: straight_blade(edge_radius=0.5), "does not fit the tool: .* up to about 0.3"),
+        (lambda: tooth_ring(edge_radius=2.0), "edge_radius = 2 mm does not fit the tool"),
+        (lambda: with_edge_radius(straight_blade(edge_radius=0.1), 0.1), "already, by 0.1 mm"),
+        (
+            lambda: with_edge_radius(
+                Tool.from_triangles(
+                    straight_blade().vertices,
+                    straight_blade().triangles,
+                    edges=np.zeros((0, 2), int),
+                ),
+                0.1,
+            ),
+            "of a cutting edge, and this tool has none",
+        ),
+    ],
+)
+def test_radii_that_do_not_fit_are_refused(build, said):
+    with pytest.raises(ToolError, match=said):
+        build()
+
+
+# --- the cable ---------------------------------------------------------------------------------
+
+
+def one_cable(radius, *, law=LAW, pose=None, z=0.0):
+    """A cable that the edge has just met, and what evaluates it."""
+    pose = pose or Pose.at_origin()
+    state = initial_state(rectangle(2.0, 1.0, n_x=1, n_y=1))
+    state.node.contact_area[:] = 0.25 * 0.4**2
+    state.cable.append_blank()
+    state.cable.ends[0] = 0, 1
+    state.cable.m[0] = pose.rotation @ [0.0, 1.0, 0.0]
+    state.cable.area[0] = AREA
+    cables = CableSet(law, straight_blade(edge_radius=radius, height=12.0))
+    move(state, pose, (-1e-6, -0.3, z), (-1e-6, 0.3, z))
+    evaluate(cables, state, pose)
+    assert state.cable.status[0] == JOINTED
+    return cables, state
+
+
+def move(state, pose, minus, plus):
+    state.node.x[:2] = pose.to_space(np.array([minus, plus], float))
+
+
+def evaluate(cables, state, pose):
+    state.node.force[:] = 0.0
+    return cables.add_forces(state, pose)
+
+
+PLACES = [
+    ((-0.05, -0.3, 0.2), (-0.02, 0.25, 0.1)),
+    ((-0.9, -0.2, 0.5), (-0.7, 0.25, -0.3)),
+    ((-1.5, -0.15, 0.0), (-1.5, 0.15, 0.0)),
+    ((0.1, -0.3, 0.1), (-0.8, 0.2, 0.4)),  # one end before the nose
+    ((-1.2, -0.02, 0.2), (-1.2, 0.02, 0.2)),  # close together behind the round
+]
+
+
+def whole_length(x, joint, radius):
+    place = joint[2]
+    return sum(naive.length(x[k], 2 * k - 1, place, FRAME, radius)[0] for k in (0, 1))
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.1, 0.25])
+@pytest.mark.parametrize("ends", PLACES)
+def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, radius):
+    here = Pose.at_origin()
+    cables, state = one_cable(radius)
+    move(state, here, *ends)
+    result = evaluate(cables, state, here)
+    c, x = state.cable, state.node.x[:2].copy()
+    slack = c.joint_slack[0]
+    assert c.opening[0] == pytest.approx(
+        whole_length(x, c.joint_body[0], radius) - slack, abs=1e-12
+    )
+    # Differences of a length: 1e-6² of truncation over 0.02 mm, round-off 1e-16 / 1e-6.
+    for node in (0, 1):
+        for axis in np.eye(3):
+            shifted = [x.copy(), x.copy()]
+            shifted[0][node] += 1e-6 * axis
+            shifted[1][node] -= 1e-6 * axis
+            ell = [whole_length(y, c.joint_body[0], radius) - slack for y in shifted]
+            slope = (
+                area_below(ell[0], LAW.parameters()) - area_below(ell[1], LAW.parameters())
+            ) / 2e-6
+            assert c.force[0, node] @ axis == pytest.approx(-AREA * slope, abs=2e-8)
+    np.testing.assert_allclose(result.wrench[0, :3], -c.force[0].sum(axis=0), atol=1e-15)
+
+
+@pytest.mark.parametrize("ends", PLACES)
+def test_forces_and_moments_balance_on_a_round_edge(ends):
+    cables, state = one_cable(0.1, pose=FAR)
+    move(state, FAR, *ends)
+    result = evaluate(cables, state, FAR)
+    x, force = state.node.x[:2], state.cable.force[0]
+    moment = np.cross(x, force).sum(axis=0) + result.wrench[0, 3:]
+    moment += np.cross(FAR.translation, result.wrench[0, :3])
+    np.testing.assert_allclose(moment, 0.0, atol=1e-14)
+    assert not result.couple.any()
+
+
+def test_a_very_small_radius_is_a_sharp_edge():
+    forces = []
+    for radius in (0.0, 2e-4):
+        cables, state = one_cable(radius)
+        move(state, Pose.at_origin(), *PLACES[1])
+        evaluate(cables, state, Pose.at_origin())
+        forces.append(state.cable.force[0].copy())
+    np.testing.assert_allclose(forces[1], forces[0], atol=1e-3 * np.abs(forces[0]).max())
+
+
+@pytest.mark.parametrize("joint", ["adhesion", "free"])
+def test_the_work_counts_where_the_tool_turns(joint):
+    law = CohesiveLaw(joint=joint)
+    cables, state = one_cable(0.2, law=law)
+    state.dt = 1.0
+    begin = sum(cables.energies(state))
+    # It moves on and turns about an axis along its edge, which takes moments of both branches.
+    n, work, by_law, last = 4000, 0.0, 0.0, np.zeros(6)
+    for k in range(1, n + 1):
+        turn, way = 0.6 * k / n, 0.8 * k / n
+        cos, sin = np.cos(turn), np.sin(turn)
+        pose = Pose.of([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]], [way, 0.1 * way, 0.2 * way])
+        result = evaluate(cables, state, pose)
+        wrench = result.wrench[0]
+        twist = np.array([0.8, 0.08, 0.16, 0, 0, 0.6]) / n
+        work -= 0.5 * (wrench + last) @ twist
+        last = wrench.copy()
+        by_law += result.work
+        assert abs(result.friction_work) < 1e-9
+    grown = sum(cables.energies(state)) - begin
+    assert grown > 0.3
+    # The trapezoidal rule, second order in steps of 1/4000; the first one begins from nothing.
+    assert by_law == pytest.approx(grown, rel=1e-3)
+    assert work == pytest.approx(grown, rel=1e-3)
+
+
+def test_friction_on_the_arc_is_that_of_a_stretching_belt():
+    mu, radius, n = 0.3, 0.1, 8000
+    law = CohesiveLaw(joint="slip", joint_friction=mu)
+    cables, state = one_cable(radius, law=law)
+    w = 1.001 * radius  # the ends come to run back almost parallel
+    move(state, Pose.at_origin(), (0.0, -w, 0.0), (0.0, w, 0.0))
+    evaluate(cables, state, Pose.at_origin())
+    state.cable.opening_max[0] = state.cable.opening[0]
+    friction, expected, before = 0.0, 0.0, None
+    for k in range(1, n + 1):
+        result = evaluate(cables, state, Pose(np.eye(3), np.array([1.5 * k / n, 0.0, 0.0])))
+        friction += result.friction_work
+        c = state.cable
+        length = c.opening[0] + c.joint_slack[0]
+        (_, phi) = naive.rho_and_turn(w, 1.5 * k / n, radius)
+        half = mu * phi  # of both sides together 2 phi
+        held = 2.0 * phi * radius * (1.0 - (1.0 - np.exp(-half)) / half)
+        now = c.traction[0] * AREA * held / (length - held)
+        if before is not None:
+            expected += 0.5 * (now + before[0]) * (length - before[1])
+        before = now, length
+    assert c.arc_grip[0] == pytest.approx(held / (length - held), rel=1e-9)
+    assert abs(c.grip[0]) < 1e-12  # round-off: both sides are alike
+    # It sets in over the sliding way: a hundredth of a millimetre of some tenths.
+    assert friction == pytest.approx(expected, rel=0.03)
+    assert friction / (law.fracture_energy * AREA) > 0.02
+
+
+# --- a run -------------------------------------------------------------------------------------
+
+
+def blunt_cut():
+    inputs = dict(cutting().inputs)
+    inputs["tool"] = straight_blade(
+        half_thickness=0.1, length=2.0, height=2.0, edge_radius=0.05
+    ).translated((-0.02, 0.0, 0.0))
+    inputs["law"] = CohesiveLaw(
+        opening_a=0.05, opening_p=0.2, opening_u=0.3, joint="slip", joint_friction=0.3
+    )
+    return type(cutting())(**inputs)
+
+
+def test_a_blunt_cut_keeps_its_ledger_and_goes_on_from_a_checkpoint(tmp_path):
+    def drags(sim):
+        return sim.ledger.joint_friction > 0.0 and sim.state.cable.arc_grip.any()
+
+    check_goes_on(blunt_cut, drags, tmp_path / "half.h5", n_step=300)

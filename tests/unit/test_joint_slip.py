@@ -1,0 +1,289 @@
+"""Joints that slip along the cutting edge, and cables that slip around it."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from gone_on import check_goes_on
+from naive import cable as naive
+from notched_strip import cutting
+from shellcut import Tool, guillotine
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.directional_cable import CableSet
+from shellcut.cables.joint_slip import neighbours
+from shellcut.mesh.structured import rectangle
+from shellcut.mitc4.initial_state import initial_state
+from shellcut.state import BROKEN, JOINTED
+from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.pose import Pose
+from shellcut.tool.shapes import straight_blade, tooth_ring
+
+AREA = 0.03
+FREE = CohesiveLaw(joint="free")
+BLADE = straight_blade(height=40.0)  # edge x = y = 0, blade at x < 0, plus is y > 0
+FAR = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
+
+
+def slip(mu):
+    return CohesiveLaw(joint="slip", joint_friction=mu)
+
+
+def one_cable(law, minus, plus, *, pose=None, tool=BLADE):
+    """A cable just met by the edge, and what evaluates it."""
+    pose = pose or Pose.at_origin()
+    state = initial_state(rectangle(2.0, 1.0, n_x=1, n_y=1))
+    state.node.contact_area[:] = 0.25 * 0.4**2
+    state.cable.append_blank()
+    state.cable.ends[0] = 0, 1
+    state.cable.m[0] = pose.rotation @ [0.0, 1.0, 0.0]
+    state.cable.area[0] = AREA
+    cables = CableSet(law, tool)
+    move(state, pose, minus, plus)
+    cables.add_forces(state, pose)
+    assert state.cable.status[0] == JOINTED
+    return cables, state
+
+
+def move(state, pose, minus, plus):
+    """Put the ends at points of the body frame."""
+    state.node.x[:2] = pose.to_space(np.array([minus, plus], float))
+
+
+def pulls(state):
+    """Tensions of the minus and the plus branch [N]."""
+    return np.linalg.norm(state.cable.force[0], axis=1)
+
+
+ENDS = [
+    ((-0.4, -0.3, 0.5), (-0.6, 0.2, 0.7)),
+    ((-1.2, -0.05, -0.4), (-1.0, 0.05, 0.9)),
+    ((-0.02, -0.3, 1.0), (-0.5, 0.1, -1.0)),
+    ((-0.9, -0.3, 1.4), (-0.8, 0.3, 1.2)),
+]
+
+
+@pytest.mark.parametrize("pose", [Pose.at_origin(), Pose.of(*FAR)], ids=["here", "far"])
+@pytest.mark.parametrize("ends", ENDS)
+def test_a_free_joint_lies_where_the_cable_is_shortest(ends, pose):
+    cables, state = one_cable(FREE, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0), pose=pose)
+    move(state, pose, *ends)
+    forces = cables.add_forces(state, pose)
+
+    def length(z):
+        return sum(np.linalg.norm(np.subtract(end, (0, 0, z))) for end in ends)
+
+    shortest = scipy.optimize.minimize_scalar(length, bounds=(-5, 5), options={"xatol": 1e-12})
+    # A minimum is found to the root of the precision.
+    np.testing.assert_allclose(state.cable.joint_body[0], [0, 0, shortest.x], atol=3e-8)
+    on_tool = pose.rotation.T @ forces.wrench[0, :3]
+    assert abs(on_tool[2]) < 1e-13  # round-off: a smooth edge takes no force along itself
+    assert np.linalg.norm(on_tool) > 0.1
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("ends", ENDS)
+def test_a_joint_slips_to_the_limit_of_friction_and_no_farther(ends, mu):
+    cables, state = one_cable(slip(mu), (-0.01, -0.3, 3.0), (-0.01, 0.3, 3.0))
+    before = state.cable.joint_body[0].copy()
+    move(state, Pose.at_origin(), *ends)
+    cables.add_forces(state, Pose.at_origin())
+    place = naive.place_at_rest(
+        *np.array(ends), np.zeros(3), *np.array([(0, 0, 1), (-1, 0, 0), (0, 1, 0)]), before[2], mu
+    )
+    assert place < before[2]
+    assert state.cable.joint_body[0, 2] == pytest.approx(place, abs=1e-10)
+    # There it stays, bit for bit, whatever the stress: friction grows with the tension.
+    slipped = state.cable.joint_body[0].copy()
+    for _ in range(3):
+        cables.add_forces(state, Pose.at_origin())
+    np.testing.assert_array_equal(state.cable.joint_body[0], slipped)
+
+
+def test_a_joint_rests_within_the_limit():
+    mu, z = 0.3, 0.4  # tan(theta) = z / 1 is below mu pi / 2
+    cables, state = one_cable(slip(mu), (-0.001, -0.001, 0.0), (-0.001, 0.001, 0.0))
+    before = state.cable.joint_body[0].copy()
+    move(state, Pose.at_origin(), (-1.0, -0.001, z), (-1.0, 0.001, z))
+    forces = cables.add_forces(state, Pose.at_origin())
+    np.testing.assert_array_equal(state.cable.joint_body[0], before)
+    assert forces.friction_work == 0.0
+    assert forces.wrench[0, 2] == pytest.approx(z * -forces.wrench[0, 0], rel=1e-9)
+
+
+def dragged(law, xi, n=4000):
+    """Drag one cable by a blade that advances by 1 and slides by xi per time, to its end."""
+    w = 1e-3  # of 4 mm: the branches are parallel
+    cables, state = one_cable(law, (-1e-6, -w, 0.0), (-1e-6, w, 0.0))
+    begin = sum(cables.energies(state))  # of the opening 2 w that it was born with
+    state.dt = dt = 2.2 / n
+    work, friction, last = np.zeros(3), 0.0, np.zeros(3)
+    motion = np.array([1.0, 0.0, xi])
+    for k in range(1, n + 1):
+        state.time = k * dt
+        done = cables.add_forces(state, Pose(np.eye(3), state.time * motion))
+        force = -done.wrench[0, :3]
+        work += 0.5 * (force + last) * dt * motion
+        friction += done.friction_work
+        last = force
+    assert state.cable.status[0] == BROKEN
+    return work, friction, cables.energies(state)[1] - begin, state
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("mu", [None, 0.0, 0.2, 0.6])
+def test_slice_and_push_of_one_cable(xi, mu):
+    law = {None: CohesiveLaw(), 0.0: FREE}.get(mu) or slip(mu)
+    (push, _, along), friction, dissipated, state = dragged(law, xi)
+    whole = law.fracture_energy * AREA
+    rho = xi if mu is None else min(xi, 0.5 * np.pi * mu)
+    # First step and onset: 5e-3 mm of 2 mm; for the friction, w of the way until it has built up.
+    assert push / whole == pytest.approx(1.0 / (1.0 + rho**2), rel=5e-3)
+    assert along / whole == pytest.approx(xi * rho / (1.0 + rho**2), rel=5e-3, abs=1e-12)
+    assert friction / whole == pytest.approx(rho * (xi - rho) / (1.0 + rho**2), rel=1e-2, abs=1e-12)
+    # The ledger: a step is 1/4000 of the way, the first of them from a standing start.
+    assert push + along == pytest.approx(dissipated + friction, rel=5e-4)
+    assert state.cable.grip[0] == 0.0  # nothing goes around the edge
+
+
+def test_around_the_edge_the_tensions_part_as_euler_says():
+    mu, law = 0.3, slip(0.3)
+    cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
+    there = Pose.at_origin()
+    ratios, friction, by_law = [], 0.0, 0.0
+    ends = np.array([(-0.6, -0.2, 0.0), (-0.6, 0.2, 0.0)])
+    move(state, there, *ends)
+    cables.add_forces(state, there)
+    begin = sum(cables.energies(state))
+    n, way = 400, 0.2
+    state.dt = 1.0
+    done = 0.0
+    for _ in range(n):
+        # The minus end runs away from the edge, the plus end comes nearer by half as much.
+        step = np.array([(-way / n, 0, 0), (0.5 * way / n, 0, 0)])
+        before = state.cable.force[0].copy()
+        ends = ends + step
+        state.node.velocity_half[:2] = step
+        move(state, there, *ends)
+        result = cables.add_forces(state, there)
+        done -= np.sum(0.5 * (before + state.cable.force[0]) * step)
+        friction += result.friction_work
+        by_law += result.work
+        ratios.append(np.divide(*pulls(state)))
+    branches = ends[:, :2] / np.linalg.norm(ends[:, :2], axis=1)[:, None]
+    turn = np.pi - np.arccos(branches[0] @ branches[1])
+    assert ratios[-1] == pytest.approx(np.exp(mu * turn), rel=1e-9)
+    assert ratios[0] < 1.1  # it builds up over the sliding way
+    assert friction > 0.0
+    # Each part by its own forces, and together all that the nodes have done.
+    assert by_law == pytest.approx(sum(cables.energies(state)) - begin, rel=1e-5)
+    assert by_law + friction == pytest.approx(done, rel=1e-12)
+    # Turned round, it sticks first and then slides the other way.
+    for _ in range(n):
+        ends = ends - step
+        move(state, there, *ends)
+        cables.add_forces(state, there)
+    assert np.divide(*pulls(state)) == pytest.approx(np.exp(-mu * turn), rel=0.05)
+
+
+def test_free_and_adhering_cables_carry_one_stress():
+    for law in (FREE, CohesiveLaw()):
+        cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
+        move(state, Pose.at_origin(), (-0.6, -0.2, 0.3), (-0.9, 0.2, 0.1))
+        cables.add_forces(state, Pose.at_origin())
+        assert np.divide(*pulls(state)) == pytest.approx(1.0, rel=1e-14)
+
+
+def test_a_joint_goes_on_over_the_vertices_of_an_edge():
+    tool = tooth_ring(n_teeth=1, radius=6.0)
+    chain = tool.vertices[np.append(tool.edges[:, 0], tool.edges[-1, 1])]
+    first, back = 3, tool.edge_back[3]
+    middle = tool.point(first, 0.5) + 0.01 * back
+    side = 0.2 * tool.edge_normal[first]
+    cables, state = one_cable(FREE, middle - side, middle + side, tool=tool)
+    ends = [p + 0.5 * tool.edge_back[8] for p in (tool.point(8, 0.2), tool.point(9, 0.3))]
+    ends = [ends[0] - 0.1 * tool.edge_normal[8], ends[1] + 0.2 * tool.edge_normal[8]]
+    move(state, Pose.at_origin(), *ends)
+    cables.add_forces(state, Pose.at_origin())
+    assert state.cable.edge[0] in (8, 9)
+
+    def length(s):
+        k = min(int(s), len(chain) - 2)
+        p = chain[k] + (s - k) * (chain[k + 1] - chain[k])
+        return np.linalg.norm(p - ends[0]) + np.linalg.norm(p - ends[1])
+
+    places = np.linspace(0, len(chain) - 1, 200_001)
+    shortest = min(length(s) for s in places)
+    to_joint = np.linalg.norm(np.array(ends) - state.cable.joint_body[0], axis=1).sum()
+    assert to_joint == pytest.approx(shortest, abs=1e-8)
+
+
+def test_a_joint_is_held_at_the_open_end_of_its_edge():
+    blade = straight_blade(height=2.0)
+    cables, state = one_cable(FREE, (-0.01, -0.3, 0.5), (-0.01, 0.3, 0.5), tool=blade)
+    move(state, Pose.at_origin(), (-0.5, -0.3, 1.8), (-0.5, 0.3, 1.8))
+    cables.add_forces(state, Pose.at_origin())
+    np.testing.assert_allclose(state.cable.joint_body[0], [0, 0, 1.0], atol=1e-15)
+
+
+def test_neighbours_along_the_edges():
+    assert neighbours(None).shape == (0, 2)
+    assert neighbours(BLADE).tolist() == [[-1, -1]]
+    ring = tooth_ring(n_teeth=2)
+    n = ring.n_edge // 2
+    expected = [[k - 1, k + 1] for k in range(2 * n)]
+    expected[0][0] = expected[n - 1][1] = expected[n][0] = expected[-1][1] = -1
+    assert neighbours(ring).tolist() == expected
+    # A square plate with all four upper edges cutting is a closed chain.
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    sides = [(k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)]
+    quads = [*sides, (3, 2, 1, 0), (4, 5, 6, 7)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    box = Tool.from_triangles(corners, triangles, edges=[(4, 5), (5, 6), (6, 7), (7, 4)])
+    assert neighbours(box).tolist() == [[3, 1], [0, 2], [1, 3], [2, 0]]
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"joint": "glue"}, "joint must be 'adhesion', 'slip' or 'free', got 'glue'"),
+        ({"joint": "slip"}, "needs a joint_friction that is positive and finite, got 0.0"),
+        ({"joint": "slip", "joint_friction": np.inf}, "positive and finite, got inf"),
+        ({"joint": "slip", "joint_friction": -0.1}, "joint_friction must be a number that is not"),
+        ({"joint": "slip", "joint_friction": np.nan}, "joint_friction must be a number that is"),
+        ({"joint": "free", "joint_friction": 0.1}, "joint_friction is of joint = 'slip'"),
+        ({"joint_friction": 0.1}, "got 0.1 with joint = 'adhesion'"),
+    ],
+)
+def test_impossible_joints_are_refused(keys, said):
+    with pytest.raises(ValueError, match=said):
+        CohesiveLaw(**keys)
+
+
+def test_an_edge_that_leaves_the_film_is_refused():
+    with pytest.raises(
+        ValueError, match=r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm"
+    ):
+        guillotine(
+            1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.5, tool=straight_blade(height=4.0)
+        )
+    with pytest.raises(ValueError, match="slice_ratio must be a finite number, got nan"):
+        guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=np.nan)
+    blunt = Tool.from_triangles(BLADE.vertices, BLADE.triangles, edges=np.zeros((0, 2), int))
+    with pytest.raises(ValueError, match="slice_ratio is of a cutting edge"):
+        guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.0, tool=blunt)
+
+
+def slicing():
+    sim = cutting(motion=StraightMotion((1.0, 0.0, 1.0), 3e4, ramp=5e-6))
+    law = CohesiveLaw(
+        opening_a=0.05, opening_p=0.2, opening_u=0.3, joint="slip", joint_friction=0.2
+    )
+    inputs = {k: v for k, v in sim.inputs.items() if k != "law"}
+    return type(sim)(law=law, **inputs)
+
+
+def test_a_run_with_slipping_joints_goes_on_from_a_checkpoint_bit_for_bit(tmp_path):
+    def slips(sim):
+        return sim.cables.n_joint_made >= 2 and sim.ledger.joint_friction > 0.0
+
+    check_goes_on(slicing, slips, tmp_path / "half.h5")

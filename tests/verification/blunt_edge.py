@@ -1,0 +1,96 @@
+"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [FILE.csv].
+
+A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness
+0.3 mm) whose edge has a radius, with cables that adhere and with cables that slip with friction.
+Prints a table and writes it as CSV, ready to be plotted. Beside the friction stands what it would
+be if the film lay on the blade (:func:`on_the_blade`).
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from shellcut import CohesiveLaw, guillotine
+from shellcut.tool.shapes import straight_blade
+
+THICKNESS = 0.074  # mm
+HALF_ANGLE = np.radians(10.0)
+FRICTION = 0.3
+SIZE = 0.8  # mm
+LENGTH = 20.0  # mm
+RADII = (0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)
+COLUMNS = (
+    *("joint", "joint_friction", "edge_radius_mm", "r_over_h", "F_over_Gh"),
+    *("cables", "friction", "friction_on_the_blade", "damping", "imbalance"),
+)
+
+
+def cut(radius, **joint):
+    """Return the tool's work, its parts and the largest imbalance, per length over G h."""
+    law = CohesiveLaw(**joint)
+    blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)
+    case = guillotine(SIZE, length=LENGTH, law=law, tool=blade)
+    sim, rows = case.simulation, []
+    while sim.state.time < case.duration:
+        sim.step()
+        book, path = sim.ledger, sim.motion.coordinate(sim.state.time)
+        parts = (book.tool_work, book.cohesive_work, book.joint_friction, book.damping)
+        rows.append((path, *parts, book.imbalance))
+    path, *parts, imbalance = np.array(rows).T
+    n = int((path[-1] - 8.0) / SIZE)
+    ends = np.array([8.0, 8.0 + n * SIZE])
+    whole = law.fracture_energy * THICKNESS * n * SIZE
+    means = [float(np.diff(np.interp(ends, path, part))[0] / whole) for part in parts]
+    return (*means, float(np.abs(imbalance).max() / parts[0].max()))
+
+
+def on_the_blade(radius, friction, law=None):
+    """Return friction over G h of cables whose ends lie on the flanks of the blade.
+
+    Drawn out evenly (shellcut.cables.joint_slip), the cable of length l has the arc r phi on the
+    round, phi = l / r until it is the whole of it, pi - 2 a. The mean of the tension over the
+    length is that of the law.
+    """
+    if not radius * friction:
+        return 0.0
+    law = law or CohesiveLaw()
+    opening = np.linspace(0.0, law.opening_u, 400_001)[1:]
+    phi = np.minimum(opening / radius, np.pi - 2.0 * HALF_ANGLE)
+    half = 0.5 * friction * phi
+    held = radius * phi * (1.0 + np.expm1(-half) / half)
+    stress = np.array([law.traction(x) for x in opening[::100]])
+    extra = np.interp(opening, opening[::100], stress) * held / (opening - held)
+    return float(np.trapezoid(extra, opening) / law.fracture_energy)
+
+
+def table(radii=RADII):
+    """Yield the rows of the table, by the names of ``COLUMNS``."""
+    for mu in (0.0, FRICTION):
+        joint = {"joint": "slip", "joint_friction": mu} if mu else {"joint": "adhesion"}
+        for radius in radii:
+            force, cables, friction, damping, imbalance = cut(radius, **joint)
+            values = (
+                *(joint["joint"], mu, radius, radius / THICKNESS, force),
+                *(cables, friction, on_the_blade(radius, mu), damping, imbalance),
+            )
+            yield dict(zip(COLUMNS, values, strict=True))
+
+
+def main() -> None:
+    print(" ".join(f"{name:>12.12}" for name in COLUMNS))
+    rows = []
+    for row in table():
+        rows.append(row)
+        said = (v if isinstance(v, str) else f"{v:.5g}" for v in row.values())
+        print(" ".join(f"{value:>12}" for value in said), flush=True)
+    if len(sys.argv) > 1:
+        with Path(sys.argv[1]).open("w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
