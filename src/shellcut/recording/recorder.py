@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,11 +26,10 @@ from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
+from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
-from shellcut.simulation.hooks import Trigger
-from shellcut.simulation.simulation import Simulation
 from shellcut.view.progress import Progress
 
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
@@ -44,6 +43,9 @@ from .run_options import RunOptions
 from .run_summary import run_summary
 from .schedule import Schedule
 from .status_line import status_line
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _log = logging.getLogger(__name__)
 
