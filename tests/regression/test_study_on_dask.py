@@ -12,6 +12,7 @@ import shellcut as sc
 from tiny_study import ANGLES, SETTINGS
 
 distributed = pytest.importorskip("distributed")
+from shellcut.study import dask_engine  # noqa: E402
 
 
 def free_port():
@@ -51,7 +52,7 @@ class Cluster:
 
 
 @pytest.mark.slow
-def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
+def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path, monkeypatch):
     by_turn = sc.sweep(
         "guillotine", ANGLES, tmp_path / "turn", settings=SETTINGS, executor=1, say=str
     )
@@ -61,7 +62,13 @@ def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
         scheduler, workers = cluster.scheduler(), [cluster.worker(), cluster.worker()]
         client = close.enter_context(distributed.Client(cluster.address, timeout=60))
         client.wait_for_workers(2, timeout=60)
-        lines = []
+        lines, made = [], []
+
+        def connected(*arguments, **options):
+            made.append(distributed.Client(*arguments, **options))
+            return made[-1]
+
+        monkeypatch.setattr(dask_engine, "Client", connected)
 
         def lose_all():
             scheduler.kill()
@@ -84,5 +91,7 @@ def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
             executor=client,
             say=say,
         )
+    assert made
+    assert {one.status for one in made} == {"closed"}
     assert lines[0] == "4 runs, 0 of them done before; 2 at a time"
     assert found.table.read_bytes() == by_turn.table.read_bytes()

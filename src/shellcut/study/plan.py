@@ -65,7 +65,7 @@ class Plan:
     settings : mapping from str to value
         Keys that have the same value in all runs.
     factors : tuple of Factor
-        Keys that have not.
+        Keys that have not, alone or together.
     design : Design
         Which values go together.
     runs : tuple of PlannedRun
@@ -141,8 +141,8 @@ def _try_values(
     """Read the model with every single value of the factors."""
     first = dict(combined[0])
     problems: dict[Problem, None] = {}
-    tried = [first]
-    tried += [{**first, f.key: v} for f in factors for v in f.probes() if v != first[f.key]]
+    each = [first | factor.settings(value) for factor in factors for value in factor.probes()]
+    tried = [first, *(values for values in each if values != first)]
     for values in tried:
         try:
             variants.read(values)
