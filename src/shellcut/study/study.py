@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -201,7 +202,8 @@ def carry_out(
     open_ = [run for run in planned.runs if run.number not in found and run.number not in again]
     if not open_:
         return
-    _compile(planned)
+    if engine.jobs > 1:
+        _compile(planned)
     (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
@@ -244,4 +246,14 @@ def _compile(planned: Plan) -> None:
             # Left out, the path is decided when the model is built.
             paths |= {section.path} if section.path else {"edges", "free"}
         precisions.add(model.head.precision)
-    warmup(sorted(criteria) or ["force"], sorted(precisions), sorted(paths) or ["edges"])
+    _compile_for(
+        tuple(sorted(criteria)) or ("force",),
+        tuple(sorted(precisions)),
+        tuple(sorted(paths)) or ("edges",),
+    )
+
+
+@functools.cache
+def _compile_for(criteria: Any, precisions: Any, paths: Any) -> None:
+    """Compile once in a process: a fit comes here before every few runs."""
+    warmup(criteria, precisions, paths)
