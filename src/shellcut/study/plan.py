@@ -83,14 +83,14 @@ class Plan:
     figures: tuple[str, ...] = ()
 
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
-        """Return the model of a run, with its share of the cores if it gives no threads.
+        """Return the model of a run, with its share of the cores if several run at a time.
 
+        A model that gives its threads keeps them. A run that is alone takes what its film can use.
         Whether its values fit together shows when it is built.
         """
         model = self.variants.read(run.values, try_out=False)
-        if model.head.threads is None:
-            threads = max(1, available_cores() // jobs)
-            model = model.with_threads(threads)
+        if model.head.threads is None and jobs > 1:
+            model = model.with_threads(max(1, available_cores() // jobs))
         return model
 
 
