@@ -1,5 +1,6 @@
 """The parts of a fit: energy that is kept, misfit of curves, intervals; and a fit of real runs."""
 
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import compare
 from shellcut.results.run_results import read
-from shellcut.study.curve_misfit import independent_points, residuals
+from shellcut.study.curve_misfit import compared, independent_points, residuals
 from shellcut.study.fit_result import _covariance
 from shellcut.study.free_parameters import FreeParameters
 from tiny_study import SETTINGS
@@ -86,6 +87,21 @@ def test_the_misfit_is_the_mean_square_over_the_peak(known):
     assert independent_points([white]) > 0.6 * off.x.size
     slow = replace(off, simulated=off.measured + np.sin(3.0 * off.x))
     assert independent_points([slow]) < 0.1 * off.x.size
+
+
+def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):
+    history = read(known).history
+    curve = sc.FitCurve(sc.MeasuredCurve(history["path"], history["force"], "mm", "N"))
+    points = compared(known, curve, 0.3).x
+    other = tmp_path / "other"
+    shutil.copytree(known, other)
+    rows = (known / "history.csv").read_text().splitlines(keepends=True)
+    # A run of another step ends a row earlier or later.
+    (other / "history.csv").write_text("".join(rows[:-1]))
+    np.testing.assert_array_equal(compared(other, curve, 0.3, points).x, points)
+    (other / "history.csv").write_text("".join(rows[: len(rows) // 2]))
+    with pytest.raises(ValueError, match="the run must reach from"):
+        compared(other, curve, 0.3, points)
 
 
 def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
@@ -186,6 +202,34 @@ def test_a_curve_cannot_set_what_is_fitted(tmp_path, key):
     with pytest.raises(ValueError, match=f"is fitted, so a curve must not set it, got {key}"):
         sc.fit("guillotine", curves, [PLATEAU], tmp_path / "none")
     assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.slow
+def test_keys_that_do_the_same_to_the_curve_are_told(tmp_path):
+    # Force is G h: a plateau and a thickness that are 12 MPa and 0.074 mm, from 10 and 0.08.
+    both = [PLATEAU, "material.thickness"]
+    settings = {**SETTINGS, "membrane.length": 8, "travel": 4.0}
+    known = sc.sweep("guillotine", {}, tmp_path / "known", settings=settings, executor=1, say=str)
+    history = read(known.plan.runs[0].folder(known.folder)).history
+    x, force = history["path"], history["force"]
+    noise = np.random.default_rng(0).standard_normal(x.size)
+    measured = sc.MeasuredCurve(x, force + 0.03 * force.max() * noise, "mm", "N")
+    found = sc.fit(
+        "guillotine",
+        [sc.FitCurve(measured)],
+        both,
+        tmp_path / "fit",
+        settings={**settings, PLATEAU: 10.0, both[1]: 0.08},
+        executor=1,
+        say=str,
+    )
+    assert found.correlation[0, 1] < -0.95
+    told = [note for note in found.notes if note.startswith("the data cannot tell")]
+    assert len(told) == 1
+    assert f"{PLATEAU} and material.thickness apart" in told[0]
+    # Only the product is determined: to the noise of 3 % at a point.
+    product = found.values[0].value * found.values[1].value
+    assert product == pytest.approx(12.0 * 0.074, rel=0.03)
 
 
 @pytest.mark.slow

@@ -63,7 +63,9 @@ class FitRuns:
         several = {_text(curve.settings): dict(curve.settings) for curve in curves}
         self._settings = list(several.values())
         self._run_of = [list(several).index(_text(curve.settings)) for curve in curves]
+        # Of each curve; every run is compared at the points of the first one.
         self._windows: list[float] = []
+        self._points: list[Floats] = []
         self._known: dict[tuple[float, ...], tuple[Floats, list[Comparison]]] = {}
         self.n_run = 0
         """Runs so far, those found done included."""
@@ -98,7 +100,7 @@ class FitRuns:
             window = window_of(folder, outcomes[0][which].figures, n_body, curve)
             self._windows.append(window)
             try:
-                compared(folder, curve, window)
+                self._points.append(compared(folder, curve, window).x)
             except (ValueError, OSError) as problem:
                 problems.append(str(problem))
         if problems:
@@ -182,10 +184,15 @@ class FitRuns:
         if failed:
             self._fail(point, failed[0])
             return
-        comparisons = [
-            compared(folders[which], curve, window)
-            for curve, which, window in zip(self.curves, self._run_of, self._windows, strict=True)
-        ]
+        each = zip(self.curves, self._run_of, self._windows, self._points, strict=True)
+        try:
+            comparisons = [
+                compared(folders[which], curve, window, points)
+                for curve, which, window, points in each
+            ]
+        except ValueError as problem:  # a run that ended early
+            self._fail(point, str(problem))
+            return
         self._known[_key(point)] = residuals(comparisons), comparisons
 
     def _fail(self, point: Floats, reason: str) -> None:
