@@ -33,11 +33,12 @@ def smoothed(g, g_m):
     return (g / g_m) ** 3 * (3 * g_m - 2 * g) if g < g_m else g
 
 
-def node_force(x, tool, pose, side, area, penalty, g_m):
+def node_force(x, tool, pose, side, area, penalty, g_m, share=1.0):
     """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
 
     Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
-    the tool there is one answer: no force, and no tooth.
+    the tool there is one answer: no force, and no tooth. The ``share`` of a node's stiffness is
+    less than one beside a cut through quads.
     """
     p = pose.rotation.T @ (x - pose.translation)
     if winding_number(p, tool) < 0.5:
@@ -51,6 +52,6 @@ def node_force(x, tool, pose, side, area, penalty, g_m):
         if distance[k] < least + 1e-12:
             normal = tool.triangle_normals[k]
             depth = (places[k] - p) @ normal
-            size = penalty * area * smoothed(depth, g_m)
+            size = share * penalty * area * smoothed(depth, g_m)
             answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_body[k])))
     return answers
