@@ -188,7 +188,7 @@ def test_refusals():
 def test_one_grid_a_tool_and_none_of_no_tool():
     blade = straight_blade()
     assert ClosestTriangleGrid.of(blade) is ClosestTriangleGrid.of(blade)
-    other = straight_blade(length=3.0)
+    other = straight_blade(length=2.0)
     assert ClosestTriangleGrid.of(other) is not ClosestTriangleGrid.of(blade)
     for tool in (blade, other):
         np.testing.assert_array_equal(
