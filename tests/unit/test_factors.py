@@ -115,6 +115,16 @@ def test_a_plan_goes_into_its_study_file_and_comes_back(tmp_path):
     assert head == f"run,{WEDGE},{SPEED},{ANGLE},status,folder,reason"
 
 
+def test_cores_are_shared_by_runs_that_go_together(monkeypatch):
+    monkeypatch.setattr("shellcut.study.plan.available_cores", lambda: 6)
+    several, _ = factors_of(GIVEN)
+    planned = plan("guillotine", {}, several, Design())
+    threads = [planned.model_of(planned.runs[0], jobs).head.threads for jobs in (1, 2, 6, 8)]
+    assert threads == [None, 3, 1, 1]  # one alone takes what its film can use
+    given = plan("guillotine", {"threads": 4}, several, Design())
+    assert given.model_of(given.runs[0], 6).head.threads == 4
+
+
 def test_every_value_of_linked_keys_is_tried_before_any_run():
     several, _ = factors_of({LINKED: "10:500, 14:-800, 200:800"})
     with pytest.raises(ModelFileError) as refused:
