@@ -11,9 +11,6 @@ import pytest
 import shellcut as sc
 from tiny_study import ANGLES, SETTINGS
 
-distributed = pytest.importorskip("distributed")
-from shellcut.study import dask_engine  # noqa: E402
-
 
 def free_port():
     with socket.socket() as here:
@@ -53,6 +50,10 @@ class Cluster:
 
 @pytest.mark.slow
 def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path, monkeypatch):
+    # Imported here: two seconds that the collection of all tests would take.
+    distributed = pytest.importorskip("distributed")
+    from shellcut.study import dask_engine
+
     by_turn = sc.sweep(
         "guillotine", ANGLES, tmp_path / "turn", settings=SETTINGS, executor=1, say=str
     )
