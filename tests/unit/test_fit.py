@@ -236,7 +236,7 @@ def test_keys_that_do_the_same_to_the_curve_are_told(tmp_path):
 def test_a_search_of_the_box_fits_several_curves_at_once(tmp_path):
     wedges = {"wedge_half_angle_deg": [10, 20]}
     settings = {**SETTINGS, PLATEAU: 12.0}
-    known = sc.sweep("guillotine", wedges, tmp_path / "known", settings=settings, executor=2)
+    known = sc.sweep("guillotine", wedges, tmp_path / "known", settings=settings, executor=1)
     curves = []
     for run in known.plan.runs:
         history = read(run.folder(known.folder)).history
@@ -253,7 +253,7 @@ def test_a_search_of_the_box_fits_several_curves_at_once(tmp_path):
         tmp_path / "fit",
         settings={**SETTINGS, PLATEAU: 18.0},
         search=sc.Search(method="global", max_runs=30),
-        executor=2,
+        executor=1,
     )
     assert found.values[0].value == pytest.approx(12.0, rel=0.01)
     assert [settings["wedge_half_angle_deg"] for settings in found.settings] == [10, 20, 10]

@@ -4,7 +4,8 @@ The misfit is that of :mod:`.curve_misfit`. ``local`` is SciPy's least squares w
 region), whose derivatives are differences over steps of 8 %: far above the noise that an explicit
 run leaves in its smoothed curve, so the misfit looks smooth to it. All runs of a derivative go to
 the engine together. ``global`` first spreads runs over the box, lays a smooth surface through their
-curves, seeks its least misfit anywhere, and adds that point, until it stays or no runs are left.
+curves, seeks its least misfit anywhere, and adds that point; once it lies within a step of a run,
+least squares go on from the best one.
 
 Every run is kept by the hash of its inputs: a fit that is called again takes the same way without
 running anything, and goes on where it was ended.
@@ -208,7 +209,8 @@ def _globally(runs: FitRuns) -> None:
         )
         nearest = float(np.abs(tried - found.x).max(axis=1).min())
         runs.residuals(found.x)
-        if nearest < _CLOSE:
+        if nearest < _STEP:  # the basin is found; a surface would creep to its bottom
+            _locally(runs, runs.best())
             return
 
 
