@@ -26,9 +26,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="how much is cut")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     parser.add_argument("--mesh", choices=["quick", "M1", "M2"], default="quick")
+    parser.add_argument("--duration", type=float, default=6e-3, help="of the run [s]")
     options = parser.parse_args()
 
-    shellcut.opening_test(options.mesh).run(options.out, n_snapshot=0, progress=False)
+    case = shellcut.opening_test(options.mesh, duration=options.duration)
+    case.run(options.out, n_snapshot=0, progress=False)
     results = shellcut.read(options.out)
     cut = results.cut_quality()
 

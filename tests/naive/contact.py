@@ -52,13 +52,14 @@ def rounded_depth(p, planes, radius):
     return radius - np.linalg.norm(w), w / np.linalg.norm(w)
 
 
-def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0):
+def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0, share=1.0):
     """What a node at x may feel: (force [N], depth [mm], tooth), one for each closest triangle.
 
     The edges of the tool, a convex one, are rounded with a radius if that is given.
 
     Where the closest point lies on an edge or corner, any of the triangles there will do. Outside
-    the tool there is one answer: no force, and no tooth.
+    the tool there is one answer: no force, and no tooth. The ``share`` of a node's stiffness is
+    less than one beside a cut through quads.
     """
     p = pose.rotation.T @ (x - pose.translation)
     if winding_number(p, tool) < 0.5:
@@ -75,6 +76,6 @@ def node_force(x, tool, pose, side, area, penalty, g_m, radius=0.0):
             if radius:
                 planes = tool.vertices[tool.triangles[allowed, 0]], tool.triangle_normals[allowed]
                 depth, normal = rounded_depth(p, planes, radius)
-            size = penalty * area * smoothed(max(depth, 0.0), g_m)
+            size = share * penalty * area * smoothed(max(depth, 0.0), g_m)
             answers.append((size * (pose.rotation @ normal), depth, int(tool.triangle_body[k])))
     return answers

@@ -1,11 +1,13 @@
 """Studies on real processes: the same table however they run, and nothing lost when they die."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from functools import partial
 from multiprocessing import active_children
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 
 import shellcut as sc
 from shellcut.study.one_run import OUTCOME, STOP
+from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
 from tiny_study import ANGLES, SETTINGS
 
 
@@ -27,6 +30,20 @@ def study(out, executor=1, lines=None, **more):
 def done(tmp_path_factory):
     """Return a study that is done, one run after the other."""
     return study(tmp_path_factory.mktemp("study") / "in_turn")
+
+
+@pytest.fixture
+def part(done, tmp_path):
+    """Return a function that copies the study without some of its runs, and gives the folder."""
+
+    def without(*numbers):
+        out = tmp_path / "part"
+        shutil.copytree(done.folder, out)
+        for number in numbers:
+            shutil.rmtree(done.plan.runs[number].folder(out))
+        return out
+
+    return without
 
 
 def begun(out):
@@ -45,9 +62,8 @@ def test_a_study_gives_a_row_a_run(done):
     assert len(table) == 5
 
 
-def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, tmp_path):
-    out = tmp_path / "again"
-    shutil.copytree(done.folder, out)
+def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, part):
+    out = part()
     before, lines = begun(out), []
     again = study(out, lines=lines)
     assert begun(out) == before
@@ -59,24 +75,25 @@ def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, tm
     assert any(line.startswith("2 runs, 1 of them done before") for line in lines)
 
 
-def test_processes_give_the_same_table_though_one_is_killed(done, tmp_path):
+def test_processes_give_the_same_table_though_one_is_killed(done, part):
     lines, killed = [], []
 
     def say(line):
         lines.append(line)
-        if line.startswith("[1/"):
+        if line.startswith("[2/"):
             child = active_children()[-1]
             killed.append(child.pid)
             child.kill()
 
-    found = sc.sweep("guillotine", ANGLES, tmp_path, settings=SETTINGS, executor=2, say=say)
+    out = part(0, 1, 2)
+    found = sc.sweep("guillotine", ANGLES, out, settings=SETTINGS, executor=2, say=say)
     assert killed
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
-def test_an_executor_of_the_caller_gives_the_same_table(done, tmp_path):
+def test_an_executor_of_the_caller_gives_the_same_table(done, part):
     with ThreadPoolExecutor(1) as executor:
-        found = study(tmp_path, executor)
+        found = study(part(1, 2), executor)
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
@@ -105,18 +122,51 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     assert {path: begun(tmp_path)[path] for path in before} == before
 
 
-def test_a_failed_run_says_why_and_is_tried_again(done, tmp_path):
-    # A file where the folder of the second run should be, as a full disk would be in its way.
-    second = done.plan.runs[1].folder(tmp_path)
-    second.parent.mkdir(parents=True)
+def test_a_failed_run_says_why_and_is_tried_again(done, part):
+    # A file where the folder of the second run should be.
+    out = part(1, 2)
+    second = done.plan.runs[1].folder(out)
     second.write_text("in the way")
-    found = study(tmp_path)
+    found = study(out)
     assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
     row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
     assert row.startswith("1,14,failed")
     assert second.name in row
     second.unlink()
-    assert study(tmp_path).table.read_bytes() == done.table.read_bytes()
+    assert study(out).table.read_bytes() == done.table.read_bytes()
+
+
+@pytest.mark.parametrize("disk", ["of the run", "with a limit on files"])
+def test_a_full_disk_ends_its_run_and_not_the_study(done, part, disk):
+    out, lines = part(1, 2), []
+    first = done.plan.runs[1].folder(out)
+    with ExitStack() as at_last, ExitStack() as full:
+        if disk == "of the run":
+            at_last.enter_context(small_disk(first, kilobytes=64))
+        else:
+            full.enter_context(files_of_at_most(230_000))
+
+        def say(line):
+            lines.append(line)
+            if line.startswith("[3/"):  # the first of the two has ended
+                full.close()
+
+        settings = {"settings": SETTINGS, "executor": 1}
+        found = sc.sweep("guillotine", ANGLES, out, **settings, say=say)
+        assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
+        assert re.search(REFUSAL, found.outcomes[1].reason)
+        row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
+        assert row.startswith("1,14,failed")
+        assert re.search(REFUSAL, row)
+        assert any(line.startswith("[3/4]") and "failed" in line for line in lines)
+        assert first.joinpath("history.csv").exists()  # it had begun
+        if disk == "of the run":
+            enlarge(first, kilobytes=64_000)
+        before = begun(out)
+        again = sc.sweep("guillotine", ANGLES, out, **settings, say=str)
+        assert again.table.read_bytes() == done.table.read_bytes()
+        assert begun(out).keys() - before.keys() == {first / OUTCOME}
+        assert {path: begun(out)[path] for path in before} == before
 
 
 def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):
@@ -133,8 +183,9 @@ def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):
     assert run.joinpath("summary.json").read_text() == figures  # it was not run again
 
 
-def test_a_stop_that_was_left_behind_stops_nothing(done, tmp_path):
+def test_a_stop_that_was_left_behind_stops_nothing(part):
     # By a study that was killed while its runs were stopping.
-    (tmp_path / STOP).touch()
-    assert study(tmp_path).count("done") == 4
-    assert not (tmp_path / STOP).exists()
+    out = part(3)
+    (out / STOP).touch()
+    assert study(out).count("done") == 4
+    assert not (out / STOP).exists()

@@ -11,8 +11,6 @@ import pytest
 import shellcut as sc
 from tiny_study import ANGLES, SETTINGS
 
-distributed = pytest.importorskip("distributed")
-
 
 def free_port():
     with socket.socket() as here:
@@ -51,7 +49,11 @@ class Cluster:
 
 
 @pytest.mark.slow
-def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
+def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path, monkeypatch):
+    # Imported here: two seconds that the collection of all tests would take.
+    distributed = pytest.importorskip("distributed")
+    from shellcut.study import dask_engine
+
     by_turn = sc.sweep(
         "guillotine", ANGLES, tmp_path / "turn", settings=SETTINGS, executor=1, say=str
     )
@@ -61,7 +63,13 @@ def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
         scheduler, workers = cluster.scheduler(), [cluster.worker(), cluster.worker()]
         client = close.enter_context(distributed.Client(cluster.address, timeout=60))
         client.wait_for_workers(2, timeout=60)
-        lines = []
+        lines, made = [], []
+
+        def connected(*arguments, **options):
+            made.append(distributed.Client(*arguments, **options))
+            return made[-1]
+
+        monkeypatch.setattr(dask_engine, "Client", connected)
 
         def lose_all():
             scheduler.kill()
@@ -84,5 +92,7 @@ def test_a_study_outlives_a_worker_and_the_scheduler(tmp_path):
             executor=client,
             say=say,
         )
+    assert made
+    assert {one.status for one in made} == {"closed"}
     assert lines[0] == "4 runs, 0 of them done before; 2 at a time"
     assert found.table.read_bytes() == by_turn.table.read_bytes()

@@ -603,7 +603,9 @@ case().run({folder!r}, checkpoint_every=0.0, **RECORDS)
 
 
 @pytest.mark.usefixtures("_no_pictures")
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     script = _KILLED.format(
         tests=str(Path(__file__).parent), signal=int(number), folder=str(tmp_path)

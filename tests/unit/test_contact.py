@@ -68,6 +68,8 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     state = nodes_at(points)
     contact = PenaltyContact(tool, Contact(penalty=2e4), FILM, EDGE)
     g_m = contact.law.smoothing_depth
+    shares = np.random.default_rng(4).uniform(0.1, 1.0, len(points))
+    state.node.contact_share[: len(points)] = shares
     forces, result = evaluate(contact, state, pose)
     wrench = np.zeros((tool.n_body, 6))
     inside = 0
@@ -75,7 +77,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
         side = int(state.node.contact_side[n])
         # The points under the ring, which is not convex, are none near an edge.
         radius = contact.law.rounding if tool is BLADE else 0.0
-        answers = naive.node_force(p, tool, pose, side, AREA, 2e4, g_m, radius)
+        answers = naive.node_force(p, tool, pose, side, AREA, 2e4, g_m, radius, shares[n])
         force, depth, body = min(answers, key=lambda a: np.linalg.norm(a[0] - forces[n]))
         # Round-off: a depth of 1e-3 mm or more from positions of 10 mm, 1e-13 of it.
         np.testing.assert_allclose(forces[n], force, rtol=0, atol=1e-10 * 2e4 * AREA)
@@ -89,8 +91,8 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
     depths = state.node.contact_depth[: len(points)]
     assert result.deepest == depths.max()
     np.testing.assert_allclose(result.wrench, wrench, atol=1e-10 * np.abs(wrench).max())
-    stored = sum(2e4 * AREA * smoothed_integral(max(g, 0.0), g_m) for g in depths)
-    assert result.stored == pytest.approx(stored, rel=1e-12)
+    energies = [2e4 * AREA * smoothed_integral(max(g, 0.0), g_m) for g in depths]
+    assert result.stored == pytest.approx(shares @ energies, rel=1e-12)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -1,21 +1,19 @@
 """The parts of a fit: energy that is kept, misfit of curves, intervals; and a fit of real runs."""
 
-import sys
+import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import shellcut as sc
+from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
 from shellcut.results.comparison import compare
 from shellcut.results.run_results import read
-from shellcut.study.curve_misfit import independent_points, residuals
+from shellcut.study.curve_misfit import compared, independent_points, residuals
 from shellcut.study.fit_result import _covariance
 from shellcut.study.free_parameters import FreeParameters
-
-sys.path.append(str(Path(__file__).parents[1] / "regression"))
 from tiny_study import SETTINGS
 
 PLATEAU, OPENING = "cohesive.plateau", "cohesive.opening_u"
@@ -91,6 +89,21 @@ def test_the_misfit_is_the_mean_square_over_the_peak(known):
     assert independent_points([slow]) < 0.1 * off.x.size
 
 
+def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):
+    history = read(known).history
+    curve = sc.FitCurve(sc.MeasuredCurve(history["path"], history["force"], "mm", "N"))
+    points = compared(known, curve, 0.3).x
+    other = tmp_path / "other"
+    shutil.copytree(known, other)
+    rows = (known / "history.csv").read_text().splitlines(keepends=True)
+    # A run of another step ends a row earlier or later.
+    (other / "history.csv").write_text("".join(rows[:-1]))
+    np.testing.assert_array_equal(compared(other, curve, 0.3, points).x, points)
+    (other / "history.csv").write_text("".join(rows[: len(rows) // 2]))
+    with pytest.raises(ValueError, match="the run must reach from"):
+        compared(other, curve, 0.3, points)
+
+
 def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     history = read(known).history
     curve = sc.FitCurve(sc.MeasuredCurve(history["path"], history["force"], "mm", "N"))
@@ -135,16 +148,104 @@ def test_too_few_runs_are_refused_before_any(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
+@pytest.fixture
+def asked(monkeypatch):
+    """Return a function that gives the curves a command would fit; nothing runs."""
+    seen = {}
+
+    def not_run(model, curves, free, out, **options):
+        seen["curves"] = curves
+        raise ValueError("not run")
+
+    monkeypatch.setattr("shellcut.study.fit.fit", not_run)
+
+    def curves_of(*arguments):
+        assert main(["fit", "guillotine", *arguments, "--free", PLATEAU, "-o", "x"]) == 2
+        return seen.pop("curves", None)
+
+    return curves_of
+
+
+def test_the_command_gives_each_curve_its_keys(asked):
+    slow, fast, third = asked(
+        *("slow.csv", "fast.csv", "third.csv"),
+        *("--for", "fast.csv", "motion.speed=8000", "--for", "fast.csv", "tool.edge_angle_deg=50"),
+        *("--for", "3", "motion.speed=8 m/s"),
+    )
+    assert slow.settings == {}
+    assert fast.settings == {"motion.speed": 8000, "tool.edge_angle_deg": 50}
+    assert (third.measured, third.settings) == ("third.csv", {"motion.speed": "8 m/s"})
+    # Two columns of a table, of two experiments.
+    first, second = asked(
+        "both.csv", "--y", "force=A", "--y", "force=B", "--for", "2", "motion.speed=3000"
+    )
+    assert (first.columns[1], first.settings) == ("A", {})
+    assert (second.columns[1], second.settings) == ("B", {"motion.speed": 3000})
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("b.csv", "motion.speed=1"), "must be one of the files a.csv, or 1"),
+        (("2", "motion.speed=1"), "--for 2: must be one of"),
+        (("a.csv", "motion.speed"), "must be KEY=VALUE"),
+    ],
+)
+def test_keys_of_no_curve_are_refused(asked, capsys, given, said):
+    assert asked("a.csv", "--for", *given) is None
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("key", [PLATEAU, "plateau"])
+def test_a_curve_cannot_set_what_is_fitted(tmp_path, key):
+    curves = [sc.FitCurve("a.csv"), sc.FitCurve("b.csv", settings={key: 9.0})]
+    with pytest.raises(ValueError, match=f"is fitted, so a curve must not set it, got {key}"):
+        sc.fit("guillotine", curves, [PLATEAU], tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
 @pytest.mark.slow
-def test_a_search_of_the_box_fits_two_curves_at_once(tmp_path):
+def test_keys_that_do_the_same_to_the_curve_are_told(tmp_path):
+    # Force is G h: a plateau and a thickness that are 12 MPa and 0.074 mm, from 10 and 0.08.
+    both = [PLATEAU, "material.thickness"]
+    settings = {**SETTINGS, "membrane.length": 8, "travel": 4.0}
+    known = sc.sweep("guillotine", {}, tmp_path / "known", settings=settings, executor=1, say=str)
+    history = read(known.plan.runs[0].folder(known.folder)).history
+    x, force = history["path"], history["force"]
+    noise = np.random.default_rng(0).standard_normal(x.size)
+    measured = sc.MeasuredCurve(x, force + 0.03 * force.max() * noise, "mm", "N")
+    found = sc.fit(
+        "guillotine",
+        [sc.FitCurve(measured)],
+        both,
+        tmp_path / "fit",
+        settings={**settings, PLATEAU: 10.0, both[1]: 0.08},
+        executor=1,
+        say=str,
+    )
+    assert found.correlation[0, 1] < -0.95
+    told = [note for note in found.notes if note.startswith("the data cannot tell")]
+    assert len(told) == 1
+    assert f"{PLATEAU} and material.thickness apart" in told[0]
+    # Only the product is determined: to the noise of 3 % at a point.
+    product = found.values[0].value * found.values[1].value
+    assert product == pytest.approx(12.0 * 0.074, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_search_of_the_box_fits_several_curves_at_once(tmp_path):
     wedges = {"wedge_half_angle_deg": [10, 20]}
     settings = {**SETTINGS, PLATEAU: 12.0}
-    known = sc.sweep("guillotine", wedges, tmp_path / "known", settings=settings, executor=2)
+    known = sc.sweep("guillotine", wedges, tmp_path / "known", settings=settings, executor=1)
     curves = []
     for run in known.plan.runs:
         history = read(run.folder(known.folder)).history
         measured = sc.MeasuredCurve(history["path"], history["force"], "mm", "N")
         curves.append(sc.FitCurve(measured, settings=run.values))
+    # Half a curve of the first experiment: it takes no run of its own, and keeps its place.
+    whole = curves[0].measured
+    half = sc.MeasuredCurve(whole.x[whole.x < 1.0], whole.y[whole.x < 1.0], "mm", "N")
+    curves.append(replace(curves[0], measured=half))
     found = sc.fit(
         "guillotine",
         curves,
@@ -152,8 +253,10 @@ def test_a_search_of_the_box_fits_two_curves_at_once(tmp_path):
         tmp_path / "fit",
         settings={**SETTINGS, PLATEAU: 18.0},
         search=sc.Search(method="global", max_runs=30),
-        executor=2,
+        executor=1,
     )
     assert found.values[0].value == pytest.approx(12.0, rel=0.01)
-    assert len(found.comparisons) == 2
+    assert [settings["wedge_half_angle_deg"] for settings in found.settings] == [10, 20, 10]
+    assert [one.x[-1] < 1.0 for one in found.comparisons] == [False, False, True]
+    assert found.n_run % 2 == 0
     assert found.rms < 0.02

@@ -65,7 +65,8 @@ def fill_up_to_many_sizes(folder):
 
 def test_whatever_the_size_the_frames_before_are_there(tmp_path):
     pytest.importorskip("resource", reason="needs limits on the size of files")
-    script = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+    here = Path(__file__).parent
+    script = f"import sys; sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
     script += "from test_hdf_target import fill_up_to_many_sizes\n"
     script += f"fill_up_to_many_sizes({str(tmp_path)!r})"
     done = subprocess.run(

@@ -272,7 +272,7 @@ X86 = pytest.mark.skipif(
             {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""},
             "0 haswell",
             id="AVX2",
-            marks=X86,
+            marks=[X86, pytest.mark.slow],
         ),
         pytest.param(
             {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},

@@ -1,5 +1,7 @@
 """Films meshed from their outline by Gmsh."""
 
+import os
+import signal
 import sys
 
 import numpy as np
@@ -64,6 +66,22 @@ class TestWithGmsh:
             assert gmsh.option.getNumber("Mesh.RecombineAll") == 0
         finally:
             gmsh.finalize()
+
+    @pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="pipes of POSIX")
+    def test_a_closed_pipe_is_an_error_as_before(self):
+        # Gmsh would have the system end the process: a command behind which `head` has read enough.
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+        mesh_from_outline(L_SHAPE, size=2.0)
+        child = os.fork()
+        if not child:
+            reading, writing = os.pipe()
+            os.close(reading)
+            try:
+                os.write(writing, b"line")
+            except BrokenPipeError:
+                os._exit(3)
+            os._exit(4)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
 
     def test_the_same_outline_gives_the_same_mesh(self):
         one, two = (mesh_from_outline(L_SHAPE, size=0.7) for _ in range(2))

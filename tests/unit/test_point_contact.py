@@ -12,6 +12,7 @@ from shellcut.arrays import Floats
 from shellcut.contact.contact_points import contact_points
 from shellcut.contact.foot_on_quad import foot_on_quad, point_of, quad_surface
 from shellcut.contact.missed_penetration import ToolWires
+from shellcut.contact.point_contact import felt_nodes
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
@@ -19,7 +20,6 @@ from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
 from shellcut.numerics.jit import kernel
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
-from shellcut.simulation.contact_terms import felt_nodes
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose

@@ -29,6 +29,14 @@ MATERIALS = {
 }
 
 
+# Kernels that nothing else calls take six seconds each to compile: points one by one, and points in
+# singles. Their quick siblings are the same tests of the other materials.
+BY_POINTS_SLOW = [
+    pytest.param(name, marks=[pytest.mark.slow] if "by points" in name else [])
+    for name in MATERIALS
+]
+
+
 def moved_twice(mesh, material, *, by_lanes=True, chains=True, precision="double"):
     """Forces and work after two damped steps from rest to a far state."""
     shell = MITC4Shell(mesh, material, damping_beta=2e-7, by_lanes=by_lanes, precision=precision)
@@ -50,7 +58,7 @@ def moved_twice(mesh, material, *, by_lanes=True, chains=True, precision="double
     return result
 
 
-@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("material", BY_POINTS_SLOW)
 @pytest.mark.parametrize("case", cases.ALL)
 def test_lanes_and_plain_floats_agree_to_round_off(case, material):
     mesh = cases.ALL[case](11, 3)  # rows of eight quads in a chain, and three that are not
@@ -63,7 +71,7 @@ def test_lanes_and_plain_floats_agree_to_round_off(case, material):
         np.testing.assert_allclose(work, wanted_work, rtol=0, atol=1e-13 * scale + 1e-24)
 
 
-@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("material", BY_POINTS_SLOW)
 @pytest.mark.parametrize("case", cases.ALL)
 def test_singles_agree_to_their_own_round_off(case, material):
     # Far from the origin, where positions themselves would lose three digits more in singles.
@@ -94,13 +102,15 @@ def test_at_rest_there_is_no_force_not_even_one_of_round_off(case, precision, by
     assert not state.node.force_rows.any()
 
 
-@pytest.mark.parametrize("material", ["film", "film by points"])
 @pytest.mark.parametrize(
-    ("case", "precision", "columns"),
+    ("case", "precision", "columns", "material"),
     [
-        *((case, "double", 11) for case in cases.ALL),
-        ("flat", "single", 19),
-        ("warped", "single", 19),
+        *((case, "double", 11, "film") for case in cases.ALL),
+        *((case, "double", 11, "film by points") for case in cases.ALL),
+        ("flat", "single", 19, "film"),
+        ("warped", "single", 19, "film"),
+        pytest.param("flat", "single", 19, "film by points", marks=pytest.mark.slow),
+        pytest.param("warped", "single", 19, "film by points", marks=pytest.mark.slow),
     ],
 )
 def test_chains_are_loaded_as_they_would_be_gathered(case, material, precision, columns):
@@ -191,8 +201,15 @@ def _setting():
 @pytest.mark.skipif(
     platform.machine().lower() not in ("x86_64", "amd64"), reason="x86 only has the setting"
 )
-@pytest.mark.parametrize("precision", ["double", "single"])
-@pytest.mark.parametrize("material", ["film", "film by points"])
+@pytest.mark.parametrize(
+    ("precision", "material"),
+    [
+        ("double", "film"),
+        ("double", "film by points"),
+        ("single", "film"),
+        pytest.param("single", "film by points", marks=pytest.mark.slow),
+    ],
+)
 def test_a_step_leaves_the_processor_as_it_was(precision, material):
     before = _setting() & 0x8040
     sim = Simulation(

@@ -14,10 +14,15 @@ import scipy
 import shellcut as sc
 from shellcut.command_line import main
 from shellcut.model_file.writer import model_text
+from shellcut.study.design import Design
+from shellcut.study.factors import factors_of
+from shellcut.study.one_run import Outcome
+from shellcut.study.plan import plan
 from shellcut.study.report import report_study
 from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.surrogate import surface
+from shellcut.study.table import write_table
 from test_report import CHROMIUM, LISTEN, Outline, sentences
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -187,6 +192,47 @@ class TestWhatIsMissing:
         folder = made(tmp_path / "s", THREE, n=1)
         assert main(["report", str(folder), "--measured", "cap.csv"]) == 2
         assert "give the folder of a run" in capsys.readouterr().err
+
+
+def planned_folder(folder, given):
+    """Write a study of openings, as if done."""
+    folder.mkdir()
+    several, _ = factors_of(given)
+    planned = plan("opening", {"mesh": "quick"}, several, Design())
+    write_study(folder / "study.toml", planned)
+    outcomes = {
+        run.number: Outcome("done", figures={"torque_plateau_Nmm": 130.0 + run.number**2})
+        for run in planned.runs
+    }
+    write_table(folder, planned, outcomes)
+    return folder
+
+
+class TestValuesThatGoTogether:
+    def test_numbers_of_the_first_key_stand_for_them(self, tmp_path):
+        linked = {
+            "tool.edge_inclination_deg, motion.pitch": "40:12, 60:20, 80:20",
+            "tool.wedge_half_angle_deg": "6, 16",
+        }
+        folder = planned_folder(tmp_path / "s", linked)
+        study = read_folder(folder)
+        assert [one.name for one in study.factors] == [
+            "edge inclination with pitch",
+            "wedge half angle",
+        ]
+        assert study.factors[0].values.tolist() == [40.0, 40.0, 60.0, 60.0, 80.0, 80.0]
+        assert (study.factors[0].unit, study.factors[0].ends) == ("°", (40.0, 80.0))
+        page = page_of(folder)
+        for head in ("edge inclination [°]", "pitch [mm]", "wedge half angle [°]"):
+            assert f">{head}</th>" in page  # the table has every key
+        assert "edge inclination with pitch [°]" in page  # the axis of an effect
+        assert "run 2: edge inclination 60°, pitch 20 mm, wedge half angle 6°" in page
+
+    def test_values_that_the_first_does_not_tell_apart_are_names(self, tmp_path):
+        linked = {"tool.edge_inclination_deg, motion.pitch": [[40, 12], [40, 20], [60, 20]]}
+        (one,) = read_folder(planned_folder(tmp_path / "s", linked)).factors
+        assert one.names == ("40 with 12", "40 with 20", "60 with 20")
+        assert one.values.tolist() == [0.0, 1.0, 2.0]
 
 
 @pytest.fixture(scope="module")

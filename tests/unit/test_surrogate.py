@@ -76,6 +76,7 @@ class TestSensitivity:
 
 
 class TestIshigami:
+    @pytest.mark.slow  # the product of TestSensitivity is its quick sibling
     def test_a_process_of_128_runs_finds_its_indices(self):
         if not is_there():
             pytest.skip("needs shellcut[study]")

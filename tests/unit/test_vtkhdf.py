@@ -289,11 +289,14 @@ def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
     assert_same(VtkHdfReader(path).frame(-1), after)
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-@pytest.mark.parametrize("moment", ["_count", "write", "between frames"])
-def test_a_killed_run_leaves_a_readable_file(tmp_path, moment):
-    # Killed after 40 frames: when the next one is about to count, at its first data, or in peace.
-    path = tmp_path / "run.vtkhdf"
+# After 40 frames: when the next one is about to count, at its first data, or in peace.
+MOMENTS = ["_count", "write", "between frames"]
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """Folder with a file for each moment, whose process was killed then."""
+    folder = tmp_path_factory.mktemp("killed")
     script = textwrap.dedent(f"""
         import dataclasses, os, signal, sys
         sys.path.insert(0, {str(Path(__file__).parent)!r})
@@ -303,16 +306,29 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path, moment):
         def kill(*_):
             os.kill(os.getpid(), signal.SIGKILL)
 
+        def run(moment):
+            writer = VtkHdfWriter(f"{{sys.argv[1]}}/{{moment}}.vtkhdf")
+            for k in range(41):
+                if k == 40:
+                    setattr(writer._columns if moment == "write" else writer, moment, kill)
+                writer.append(dataclasses.replace(frames[k % 2], time=1.0 + k))
+            kill()
+
         frames = [opening_frame(a, n_side=10) for a in (20.0, 40.0)]
-        writer = VtkHdfWriter({str(path)!r})
-        for k in range(41):
-            if k == 40:
-                setattr(writer._columns if {moment!r} == "write" else writer, {moment!r}, kill)
-            writer.append(dataclasses.replace(frames[k % 2], time=1.0 + k))
-        kill()
+        for moment in {MOMENTS}:
+            child = os.fork()
+            if not child:
+                run(moment)
+            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
     """)
-    done = subprocess.run([sys.executable, "-c", script], check=False)
-    assert done.returncode == -signal.SIGKILL
+    subprocess.run([sys.executable, "-c", script, str(folder)], check=True)
+    return folder
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_a_killed_run_leaves_a_readable_file(killed, moment):
+    path = killed / f"{moment}.vtkhdf"
     n_frame = 41 if moment == "between frames" else 40
     frames = [opening_frame(angle, n_side=10) for angle in (20.0, 40.0)]
     reading = Reading(path)

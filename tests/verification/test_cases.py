@@ -4,8 +4,15 @@ import pytest
 
 from harness import load_cases, run_case
 
+SIBLINGS = {"B09": "B03", "C03": "C01", "C04": "C05", "C13": "C15", "D04": "D07"}
+"""Cases of some seconds, each with a quick one of the same kind that is in the default tests."""
+CASES = [
+    pytest.param(module, id=module.ID, marks=[pytest.mark.slow] if module.ID in SIBLINGS else [])
+    for module in load_cases(fast_only=True)
+]
 
-@pytest.mark.parametrize("module", load_cases(fast_only=True), ids=lambda m: m.ID)
+
+@pytest.mark.parametrize("module", CASES)
 def test_case(module):
     result = run_case(module)
     assert result.checks

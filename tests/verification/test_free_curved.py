@@ -67,7 +67,12 @@ def worst(tool, imbalance):
 
 @pytest.mark.parametrize(
     ("angle", "kind", "amount"),
-    [(0.0, "random", 0.2), (90.0, "offset", 0.3), (90.0, "turned", 20.0), (30.0, "random", 0.2)],
+    [
+        pytest.param(0.0, "random", 0.2, marks=pytest.mark.slow),
+        (90.0, "offset", 0.3),
+        pytest.param(90.0, "turned", 20.0, marks=pytest.mark.slow),
+        (30.0, "random", 0.2),
+    ],
 )
 def test_force_on_a_cylinder_is_the_tearing_energy(angle, kind, amount):
     strip = moved(rectangle(24.0, WIDTH, size=SIZE), kind, amount, SIZE)

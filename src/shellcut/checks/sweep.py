@@ -22,7 +22,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
-from shellcut.imprinting import crack_lead
+from shellcut.cables.crack_lead import crack_lead
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +24,8 @@ def add_to(commands: Any) -> None:
         description="Fit keys of a model to measured curves by least squares. Writes "
         "OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are "
         "kept: the same call again runs nothing, an ended one goes on.",
-        epilog="example: shellcut fit opening cap.csv --free cohesive.plateau,cohesive.opening_u "
-        "--max-runs 40 -o OUT",
+        epilog="example: shellcut fit opening slow.csv fast.csv --for fast.csv "
+        "motion.duration=3e-3 --free cohesive.plateau,cohesive.opening_u -o OUT",
     )
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
@@ -61,6 +62,16 @@ def add_to(commands: Any) -> None:
         action="append",
         default=[],
         help="the quantity, as of compare; once for each file, or several of one file",
+    )
+    parser.add_argument(
+        "--for",
+        nargs=2,
+        metavar=("CURVE", "KEY=VALUE"),
+        action="append",
+        default=[],
+        dest="of_curves",
+        help="a key that one experiment had otherwise: CURVE is its file, or its number from 1 on; "
+        "any number of times. Curves of the same keys share a run",
     )
     parser.add_argument("--units", help='units of the files\' columns, as "deg, N*cm"')
     add_engine_to(parser)
@@ -113,11 +124,36 @@ def _curves(arguments: argparse.Namespace) -> list[FitCurve]:
             f"are {len(names)} for {len(files)} files"
         )
     x, x_column = parted(arguments.x)
+    settings = _settings_of_curves(files, arguments.of_curves)
     curves = []
-    for file, name in zip(files, names, strict=True):
+    for file, name, own in zip(files, names, settings, strict=True):
         y, y_column = parted(name)
-        curves.append(FitCurve(file, x, y, (x_column, y_column), arguments.units))
+        curves.append(FitCurve(file, x, y, (x_column, y_column), arguments.units, own))
     return curves
+
+
+def _settings_of_curves(
+    files: Sequence[str], given: Sequence[Sequence[str]]
+) -> list[dict[str, object]]:
+    """Return the settings of each curve."""
+    from shellcut.model_file.source import parse_value
+
+    found: list[dict[str, object]] = [{} for _ in files]
+    problems = []
+    for curve, text in given:
+        key, equals, value = text.partition("=")
+        of = [k for k, file in enumerate(files) if curve in (file, str(k + 1))]
+        if not of:
+            known = ", ".join(dict.fromkeys(files))
+            numbers = "1" if len(files) == 1 else f"1 to {len(files)}"
+            problems.append(f"--for {curve}: must be one of the files {known}, or {numbers}")
+        if not equals or not key.strip():
+            problems.append(f"--for {curve} {text}: must be KEY=VALUE")
+        for k in of:
+            found[k][key.strip()] = parse_value(value.strip())
+    if problems:
+        raise ValueError("\n".join(problems))
+    return found
 
 
 def _bounds(arguments: argparse.Namespace) -> dict[str, tuple[float, float]]:

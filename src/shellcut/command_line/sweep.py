@@ -25,7 +25,8 @@ def add_to(commands: Any) -> None:
         help="run a model with many values: a study",
         description="Run a model with many values of some keys, or the runs of a study file. A key "
         "with several values (40,60,80), with files (caps/*.stl), or with a range (12:20, for "
-        "--design sobol or lhs) is a factor. Runs that are done are found and not repeated, "
+        "--design sobol or lhs) is a factor; tool.edge_inclination_deg,motion.pitch=40:12,60:20 is "
+        "one of values that go together. Runs that are done are found and not repeated, "
         "interrupted ones go on. OUT/table.csv has a row for each run.",
     )
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")

@@ -32,6 +32,7 @@ at again when it may have come down, at ``_PER_STEP`` of an edge a step (film th
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -368,3 +369,9 @@ def _farthest(
         way = sub(load(x, nodes[i]), load(before, i))
         far = max(far, dot(way, way))
     return sqrt(shift) + radius * sqrt(turned) + sqrt(far)
+
+
+def felt_nodes(terms: Iterable[object]) -> Ints:
+    """Return the nodes of the quads that a point of the tool presses on, ascending."""
+    felt = [term.felt_nodes() for term in terms if isinstance(term, PointContact)]
+    return np.unique(np.concatenate(felt)) if felt else np.zeros(0, np.int64)

@@ -3,7 +3,7 @@
 May import ``cables``, ``mesh``, ``tool``, ``material``, ``view`` and rows below.
 """
 
-from .blade_path import blade_path, crack_lead
+from .blade_path import blade_path
 from .film_plane import ImprintError
 from .imprint import ImprintResult, imprint, lies_in
 from .path_curve import PathCurve
@@ -13,7 +13,6 @@ __all__ = [
     "ImprintResult",
     "PathCurve",
     "blade_path",
-    "crack_lead",
     "imprint",
     "lies_in",
 ]

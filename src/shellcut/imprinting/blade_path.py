@@ -21,6 +21,7 @@ import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.crack_lead import crack_lead
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
@@ -31,13 +32,6 @@ from .path_curve import PathCurve
 
 N_TIME = 400
 """Number of equal time intervals at which the edges are sampled."""
-
-LEAD_OF_OPENING, LEAD_OF_TOOL = 0.75, 5.0
-"""A path is extended by this multiple of the opening at which a cable breaks, or of the tool's half
-thickness V / A (about the length of its wedge), whichever is more: a crack runs as far ahead as the
-cables or the wedge open it. With the paper's law, openings up to 4 mm, that is 3 mm; in the
-guillotine the crack runs ahead by 1.4 mm. The blade opens it backwards too: 1.5 mm behind the start
-of a slanted cut, 0.6 mm behind the end of a tooth that comes down flat."""
 
 FIT = 5e-3
 """Points this close to a line or circle (in edge lengths) lie on it."""
@@ -74,7 +68,7 @@ def blade_path(
     ahead, behind : float, optional
         Extension of the path beyond the blade's last place, and behind its first, or behind its
         body where that presses on the film behind the edge [mm]: the ``leads`` of the curves. By
-        default :func:`crack_lead`.
+        default :func:`~shellcut.cables.crack_lead.crack_lead`.
     n_time : int
         Number of time steps sampled.
 
@@ -115,19 +109,6 @@ def blade_path(
     arcs = _joined_arcs([c for c in found if isinstance(c, _Arc)], h)
     splines = [c for c in found if isinstance(c, PathCurve)]
     return [c.mapped(film.lift) for c in (*lines, *arcs, *splines)]
-
-
-def crack_lead(tool: Tool, law: CohesiveLaw | None = None) -> float:
-    """Return how far a crack may run ahead of a tool, or open behind its first place [mm].
-
-    Examples
-    --------
-    >>> from shellcut.tool.shapes import straight_blade
-    >>> crack_lead(straight_blade())
-    3.0
-    """
-    opening = (law or CohesiveLaw()).opening_u
-    return max(LEAD_OF_OPENING * opening, LEAD_OF_TOOL * tool.half_thickness())
 
 
 # --- what the points lie on ----------------------------------------------------------------------

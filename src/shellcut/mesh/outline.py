@@ -8,6 +8,8 @@ smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import isfinite
@@ -212,6 +214,7 @@ def _gmsh() -> Iterator[Any]:
     was_running = bool(gmsh.isInitialized())
     if not was_running:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
+        _keep_closed_pipes_harmless()
     kept = {name: gmsh.option.getNumber(name) for name in [*_OPTIONS, "Mesh.Algorithm"]}
     current = gmsh.model.getCurrent() if was_running else None
     try:
@@ -225,6 +228,17 @@ def _gmsh() -> Iterator[Any]:
             gmsh.model.setCurrent(current)
         else:
             gmsh.finalize()
+
+
+def _keep_closed_pipes_harmless() -> None:
+    """Put back what Python does with SIGPIPE: Gmsh lets a closed pipe end the process silently.
+
+    ``shellcut run ... | head`` would then lose its run. Only the main thread may do so.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        handler = signal.getsignal(signal.SIGPIPE)
+        if handler is not None:
+            signal.signal(signal.SIGPIPE, handler)
 
 
 def _meshed(

@@ -24,14 +24,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from shellcut.files.whole_file import atomic_write, write_all
-from shellcut.simulation.simulation import Simulation
 from shellcut.tool.pose import Pose
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _KIND = "shellcut checkpoint"
 _FORMAT = 14  # raise it whenever names or meaning of the saved values change

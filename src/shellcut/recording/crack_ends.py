@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.fracture.quad_fans import arriving, fans_of
-from shellcut.simulation.simulation import Simulation
 from shellcut.state import local_edge_length
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 
 class CrackEnds(NamedTuple):

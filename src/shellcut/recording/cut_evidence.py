@@ -15,12 +15,15 @@ cables_rel              work of the cables over all dissipated work; damping and
 from __future__ import annotations
 
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellcut.checks import Sweep
-from shellcut.simulation.simulation import Simulation
 from shellcut.state import SplitRecord
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 OFF_PATH = 0.2
 """In edge lengths: a row of nodes under the path lies within 0.03, including chord error."""

@@ -24,17 +24,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
-from shellcut.simulation.simulation import Simulation
 from shellcut.state import JOINTED, NOT_MET
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .crack_ends import CrackEnds, directors_at
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 # Distance of a node beside the path, in local edge lengths: where a boundary crosses the path
 # between two of its nodes, one of them lies within half of that.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -18,10 +18,12 @@ from shellcut.fracture.quad_fans import open_edge_copies
 from shellcut.frame import Frame
 from shellcut.mitc4.centre_stress import FaceStresses
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.simulation.simulation import Simulation
 from shellcut.state import BROKEN, JOINTED, CableTable, NodeTable, QuadTable, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 # Node arrays that a frame needs and that change during the run; only these are copied.
 _OF_NODES = (

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
-from shellcut.simulation.simulation import Simulation
 
 from .cut_front import CutFront
 from .resistance import AnyResistance
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _ENERGIES = (
     "tool_work",

@@ -17,21 +17,20 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellcut.checks import ModelCheck, check_model
 from shellcut.contact.missed_penetration import ToolWires, missed_penetration
+from shellcut.contact.point_contact import felt_nodes
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
+from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
 from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
-from shellcut.simulation.contact_terms import felt_nodes
-from shellcut.simulation.hooks import Trigger
-from shellcut.simulation.simulation import Simulation
 from shellcut.view.progress import Progress
 
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
@@ -45,6 +44,9 @@ from .run_options import RunOptions
 from .run_summary import run_summary
 from .schedule import Schedule
 from .status_line import status_line
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _log = logging.getLogger(__name__)
 

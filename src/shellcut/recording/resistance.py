@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
-from shellcut.simulation.simulation import Simulation
+from typing import TYPE_CHECKING, TypeAlias
 
 from .support_pull import SupportPull
 from .tool_resistance import Resistance
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 AnyResistance: TypeAlias = Resistance | SupportPull
 

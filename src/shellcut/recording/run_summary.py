@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellcut.arrays import Floats
 from shellcut.results.energy_balance import largest_shares, trusted_rows
 from shellcut.results.steady_window import steady_figures
-from shellcut.simulation.simulation import Simulation
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 
 def run_summary(

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.simulation.hooks import Trigger
+from shellcut.numerics.trigger import Trigger
 
 _N_LOOK = 100
 """Measurements of the penetration between nodes over a run; independent of the output intervals,

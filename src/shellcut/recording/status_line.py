@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.checks import Sweep, edge_line
-from shellcut.simulation.simulation import Simulation
 from shellcut.view.progress import percent
 
 if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
+
     from .resistance import AnyResistance
 
 # Time of a step [s] from the opening test in docs/performance.md, M1 and M2 on one free core: a

@@ -12,11 +12,14 @@ speed it is the sum of the forces on both.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellcut.loads.supports import Support
-from shellcut.simulation.simulation import Simulation
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 _N_SAMPLE = 20_000  # times at which the way is integrated; it then grows linearly
 

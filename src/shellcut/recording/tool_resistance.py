@@ -28,13 +28,16 @@ The whole wrench is also given in world axes, with its moment about the world's 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellcut.arrays import Floats
-from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
 
 COMPONENTS = [(f"force_{c}", "N") for c in "xyz"] + [(f"moment_{c}", "N*mm") for c in "xyz"]
 """Names and units of the wrench; the moment is about the world's origin."""

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
-from shellcut.arrays import Ints
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
@@ -42,9 +39,3 @@ def contact_terms(
         finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
         terms.append(PointContact(contact, finer))
     return contact, terms
-
-
-def felt_nodes(terms: Iterable[ToolTerm]) -> Ints:
-    """Return the nodes of the quads that a point of the tool presses on, ascending."""
-    felt = [term.felt_nodes() for term in terms if isinstance(term, PointContact)]
-    return np.unique(np.concatenate(felt)) if felt else np.zeros(0, np.int64)

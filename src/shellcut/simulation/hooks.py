@@ -8,8 +8,9 @@ run ends after all hooks of that step have been served.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from shellcut.numerics.trigger import Trigger
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -68,26 +69,6 @@ class Hook(Protocol):
     def close(self) -> None:
         """Release what is held; called when the run ends, however it ends."""
         ...
-
-
-@dataclass
-class Trigger:
-    """Due at t = 0, then at the first step past every multiple of an interval of time [s]."""
-
-    interval: float
-    next: float = 0.0
-    """The next moment [s]."""
-
-    def __post_init__(self) -> None:
-        if not self.interval > 0:
-            raise ValueError(f"interval must be a positive time in s, got {self.interval!r}")
-
-    def __call__(self, time: float) -> bool:
-        """Whether the moment has come; each moment is reported once."""
-        if time < self.next:
-            return False
-        self.next = (time // self.interval + 1.0) * self.interval
-        return True
 
 
 class StopWhen:

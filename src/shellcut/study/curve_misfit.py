@@ -31,6 +31,9 @@ _PERIODS = 2.0
 _FEWEST = 5
 """Points at which curves must be compared."""
 
+_MARGIN = 0.01
+"""Of the compared range, left out at both ends: more than the way of a row of the history."""
+
 _LARGEST_WINDOW = 0.2
 """Of the measured range: wider, little would be left of the curve."""
 
@@ -75,15 +78,27 @@ def window_of(folder: Path, figures: Mapping[str, Any], n_body: int, curve: FitC
     return float(min(_PERIODS * edge * across / per_body, _LARGEST_WINDOW * across))
 
 
-def compared(folder: Path, curve: FitCurve, window: float) -> Comparison:
+def compared(
+    folder: Path, curve: FitCurve, window: float, points: Floats | None = None
+) -> Comparison:
     """Compare a run with its measured curve, both averaged over the window.
 
-    The points are those at which both windows lie within their curves.
+    Parameters
+    ----------
+    folder : Path
+        Of the run.
+    curve : FitCurve
+    window : float
+        Width of the averages.
+    points : ndarray, optional
+        Coordinates at which to compare: those of an earlier comparison. By default those at which
+        both windows lie within their curves, a hundredth of the range away from the ends: where a
+        run ends depends on the length of its steps.
 
     Raises
     ------
     ValueError
-        If columns, units or ranges do not fit.
+        If columns, units or ranges do not fit, or the run does not reach all ``points``.
     """
     found = compare(
         folder,
@@ -97,6 +112,17 @@ def compared(folder: Path, curve: FitCurve, window: float) -> Comparison:
     (m, _), (s, _) = found.measured_curve, found.simulated_curve
     low, high = max(m[0], s[0]) + 0.5 * window, min(m[-1], s[-1]) - 0.5 * window
     inside = (found.x >= low) & (found.x <= high)
+    if points is not None:
+        inside &= np.isin(found.x, points)
+        if inside.sum() < len(points):
+            raise ValueError(
+                f"the run must reach from {points[0]:.4g} to {points[-1]:.4g} {found.x_unit} to be "
+                f"compared, with half a window of {window:.3g} at both ends, but its curve goes "
+                f"from {s[0]:.4g} to {s[-1]:.4g}"
+            )
+    else:
+        margin = _MARGIN * (high - low)
+        inside &= (found.x >= low + margin) & (found.x <= high - margin)
     if inside.sum() < _FEWEST:
         raise ValueError(
             f"the measured curve must have {_FEWEST} points or more where it is compared, from "

@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from distributed import Client, KilledWorker, LocalCluster, as_completed
@@ -53,11 +53,13 @@ class DaskEngine:
     Parameters
     ----------
     client : distributed.Client
-        It is not closed. If its scheduler is lost, the study goes on with a client of its own.
+        It is not closed. If its scheduler is lost, the study goes on with a client of its own,
+        which is.
     """
 
     def __init__(self, client: Any) -> None:
-        self._client, self._address = client, client.scheduler.address
+        self._client = self._given = client
+        self._address = client.scheduler.address
         self.jobs = max(1, sum(client.nthreads().values()))
 
     def outcomes(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Outcome]]:
@@ -69,12 +71,15 @@ class DaskEngine:
             If the scheduler is lost and does not come back.
         """
         waiting = {task.key: task for task in tasks}
-        while waiting:
-            for task, outcome in self._round(list(waiting.values())):
-                del waiting[task.key]
-                yield task, outcome
-            if waiting:
-                self._connect_again()
+        try:
+            while waiting:
+                for task, outcome in self._round(list(waiting.values())):
+                    del waiting[task.key]
+                    yield task, outcome
+                if waiting:
+                    self._connect_again()
+        finally:
+            self._close_own()
 
     def _round(self, tasks: list[Task]) -> Iterator[tuple[Task, Outcome]]:
         """Yield the outcomes that the present scheduler lives to see."""
@@ -104,6 +109,7 @@ class DaskEngine:
 
     def _connect_again(self) -> None:
         """Wait for a scheduler at the address of the lost one."""
+        self._close_own()
         end = time.monotonic() + _PATIENCE
         while True:
             try:
@@ -117,3 +123,10 @@ class DaskEngine:
                         "is kept"
                     ) from problem
                 time.sleep(1.0)
+
+    def _close_own(self) -> None:
+        """Close a client that was made here; one whose scheduler is lost may say so."""
+        if self._client is not self._given:
+            with suppress(OSError, TimeoutError, CancelledError):
+                self._client.close(timeout=5.0)
+            self._client = self._given

@@ -67,9 +67,8 @@ class Design:
         if self.kind == "grid":
             return _grid(factors)
         points = self._points(len(factors))
-        keys = [factor.key for factor in factors]
         return [
-            dict(zip(keys, (f.at(u) for f, u in zip(factors, row, strict=True)), strict=True))
+            _together(factors, [f.at(u) for f, u in zip(factors, row, strict=True)])
             for row in points
         ]
 
@@ -90,14 +89,22 @@ class Design:
 
 
 def _grid(factors: Sequence[Factor]) -> list[dict[str, object]]:
-    ranges = [f"{f.key} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
+    ranges = [f"{f.name} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
     if ranges:
         raise ValueError(
             f"a grid takes lists of values, and {', '.join(ranges)} is a range: write the values, "
             "or choose the design sobol or lhs with a number of runs"
         )
-    keys = [factor.key for factor in factors]
     return [
-        dict(zip(keys, values, strict=True))
+        _together(factors, values)
         for values in itertools.product(*(factor.values for factor in factors))
     ]
+
+
+def _together(factors: Sequence[Factor], values: Sequence[object]) -> dict[str, object]:
+    """Return what a value of each factor sets, by key."""
+    return {
+        key: one
+        for factor, value in zip(factors, values, strict=True)
+        for key, one in factor.settings(value).items()
+    }

@@ -1,4 +1,8 @@
-"""Factors of a study: a key of the model file with a list of values, or a range of numbers."""
+"""Factors of a study: a key of the model file with a list of values, or a range of numbers.
+
+Several keys may be one factor, whose values go together: edges of 40° with a pitch of 12 mm, edges
+of 60° with 20 mm, and no other pair.
+"""
 
 from __future__ import annotations
 
@@ -6,34 +10,51 @@ import glob
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from shellcut.model_file.source import parse_value
 
 _RANGE = re.compile(r"([^:]+):([^:]+)")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 _OPENING, _CLOSING = "[{", "]}"
+_BETWEEN_KEYS, _BETWEEN_VALUES = ",", ":"
+"""Of keys whose values go together, and of such values in a text."""
 
 
 @dataclass(frozen=True)
 class Factor:
-    """A key that takes several values.
+    """A key, or several keys, with several values.
 
     Attributes
     ----------
-    key : str
-        As of ``--set``: section and key, or the key alone.
+    keys : tuple of str
+        As of ``--set``: section and key, or the key alone. Of several the values go together.
     values : tuple
-        The values, as in a model file; empty for a range.
+        The values, as in a model file; of several keys a tuple each; empty for a range.
     ends : tuple of float or None
         Least and largest value of a range.
     unit : str
         Written after the numbers of a range; empty for that of the key.
     """
 
-    key: str
-    values: tuple[object, ...] = ()
+    keys: tuple[str, ...]
+    values: tuple[Any, ...] = ()
     ends: tuple[float, float] | None = None
     unit: str = ""
+
+    @property
+    def name(self) -> str:
+        """The keys, as one writes them."""
+        return f"{_BETWEEN_KEYS} ".join(self.keys)
+
+    @property
+    def is_linked(self) -> bool:
+        """Whether several keys go together."""
+        return len(self.keys) > 1
+
+    def settings(self, value: Any) -> dict[str, object]:
+        """Return what one of its values sets, by key."""
+        return dict(zip(self.keys, value if self.is_linked else (value,), strict=True))
 
     def at(self, share: float) -> object:
         """Return the value at a share of the range, or of the list, in [0, 1)."""
@@ -55,36 +76,45 @@ class Factor:
         return self.of_number(self.ends[0]), self.of_number(self.ends[1])
 
 
-def factor(key: str, given: object) -> Factor:
+def factor(name: str, given: object) -> Factor:
     """Return a factor from a value of ``--set``, of a study file, or of Python.
 
     A text is split at its commas: ``40,60,80``, ``M1,quick``, ``caps/*.stl``; ``10:20`` and
-    ``1 mm : 2 mm`` are ranges. A list is taken as it is.
+    ``1 mm : 2 mm`` are ranges. A list is taken as it is. The values of several keys, ``a, b``, are
+    ``40:12, 60:20``, or a list of lists.
 
     Raises
     ------
     ValueError
-        If there is no value, a range does not go up, or no file fits a pattern.
+        If there is no value, a range does not go up, no file fits a pattern, or the values of
+        several keys are not one for each.
 
     Examples
     --------
     >>> factor("motion.pitch", "12, 20").values, factor("motion.pitch", "12:20").ends
     ((12, 20), (12.0, 20.0))
+    >>> factor("tool.edge_inclination_deg, motion.pitch", "40:12, 60:20").values
+    ((40, 12), (60, 20))
     """
-    if isinstance(given, str):
+    keys = tuple(key.strip() for key in name.split(_BETWEEN_KEYS))
+    if "" in keys or len(set(keys)) < len(keys):
+        raise ValueError(f"{name}: keys that go together must be names, each once, with commas")
+    if len(keys) > 1:
+        values = _groups(name, len(keys), given)
+    elif isinstance(given, str):
         if (found := _RANGE.fullmatch(given)) and (ends := _numbers(found[1], found[2])):
-            return _range(key, *ends)
-        values = [one for part in _parts(given) for one in _files(key, parse_value(part))]
+            return _range(name, *ends)
+        values = [one for part in _parts(given, ",") for one in _files(name, parse_value(part))]
     elif isinstance(given, Sequence):
         values = list(given)
     else:
         values = [given]
     if not values:
-        raise ValueError(f"{key} must have at least one value, got {given!r}")
+        raise ValueError(f"{name} must have at least one value, got {given!r}")
     repeated = [one for k, one in enumerate(values) if one in values[:k]]
     if repeated:
-        raise ValueError(f"{key} must have each value once, got {repeated[0]!r} twice")
-    return Factor(key, tuple(values))
+        raise ValueError(f"{name} must have each value once, got {repeated[0]!r} twice")
+    return Factor(keys, tuple(values))
 
 
 def factors_of(given: Mapping[str, object]) -> tuple[list[Factor], dict[str, object]]:
@@ -95,20 +125,43 @@ def factors_of(given: Mapping[str, object]) -> tuple[list[Factor], dict[str, obj
     ValueError
         With all that is wrong.
     """
-    factors, settings, problems = [], {}, []
-    for key, value in given.items():
+    factors: list[Factor] = []
+    settings: dict[str, object] = {}
+    problems = []
+    seen: set[str] = set()
+    for name, value in given.items():
         try:
-            one = factor(key, value)
+            one = factor(name, value)
         except ValueError as problem:
             problems.append(str(problem))
             continue
+        problems += [f"{key} must be in one factor only" for key in one.keys if key in seen]
+        seen.update(one.keys)
         if one.ends is None and len(one.values) == 1:
-            settings[key] = one.values[0]
+            settings |= one.settings(one.values[0])
         else:
             factors.append(one)
     if problems:
         raise ValueError("\n".join(problems))
     return factors, settings
+
+
+def _groups(name: str, n_key: int, given: object) -> list[object]:
+    """Return the values of keys that go together, a tuple for each run."""
+    if isinstance(given, str):
+        groups: list[object] = [
+            tuple(parse_value(value) for value in _parts(part, _BETWEEN_VALUES))
+            for part in _parts(given, ",")
+        ]
+    else:
+        groups = list(given) if isinstance(given, Sequence) else [given]
+    for group in groups:
+        if isinstance(group, str) or not isinstance(group, Sequence) or len(group) != n_key:
+            raise ValueError(
+                f"{name} must have {n_key} values together, as "
+                f"{_BETWEEN_VALUES.join('123456789'[:n_key])}, got {group!r}"
+            )
+    return [tuple(group) for group in groups if isinstance(group, Sequence)]
 
 
 def _numbers(first: str, last: str) -> tuple[float, float, str] | None:
@@ -122,11 +175,11 @@ def _numbers(first: str, last: str) -> tuple[float, float, str] | None:
 def _range(key: str, low: float, high: float, unit: str) -> Factor:
     if not low < high:
         raise ValueError(f"{key}: a range must go up, low:high, got {low:g}:{high:g}")
-    return Factor(key, ends=(low, high), unit=unit)
+    return Factor((key,), ends=(low, high), unit=unit)
 
 
-def _parts(text: str) -> list[str]:
-    """Return the parts between commas that are in no brackets and no quotes."""
+def _parts(text: str, between: str) -> list[str]:
+    """Return the parts between signs that are in no brackets and no quotes."""
     parts, depth, quote = [""], 0, ""
     for letter in text:
         if quote:
@@ -135,7 +188,7 @@ def _parts(text: str) -> list[str]:
             quote = letter
         else:
             depth += (letter in _OPENING) - (letter in _CLOSING)
-        if letter == "," and not depth and not quote:
+        if letter == between and not depth and not quote:
             parts.append("")
         else:
             parts[-1] += letter

@@ -4,7 +4,8 @@ The misfit is that of :mod:`.curve_misfit`. ``local`` is SciPy's least squares w
 region), whose derivatives are differences over steps of 8 %: far above the noise that an explicit
 run leaves in its smoothed curve, so the misfit looks smooth to it. All runs of a derivative go to
 the engine together. ``global`` first spreads runs over the box, lays a smooth surface through their
-curves, seeks its least misfit anywhere, and adds that point, until it stays or no runs are left.
+curves, seeks its least misfit anywhere, and adds that point; once it lies within a step of a run,
+least squares go on from the best one.
 
 Every run is kept by the hash of its inputs: a fit that is called again takes the same way without
 running anything, and goes on where it was ended.
@@ -143,6 +144,7 @@ def fit(
     search = search or Search()
     variants = ModelVariants(model, {**FEW_FILES, **(settings or {})})
     parameters = FreeParameters(variants, free, search.bounds, keep_energy=search.keep_energy)
+    _refuse_free_settings(curves, free)
     least = len(parameters.varied) + 2
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
@@ -160,6 +162,19 @@ def fit(
         found = result_of(runs, _slopes_at_best(runs), ended)
         found.write(folder)
     return found
+
+
+def _refuse_free_settings(curves: Sequence[FitCurve], free: Sequence[str]) -> None:
+    """Refuse a curve whose settings hold what is fitted."""
+    names = {name: key for key in free for name in (key, key.rpartition(".")[2])}
+    problems = {
+        f"{names[key]} is fitted, so a curve must not set it, got {key} = {value}": None
+        for curve in curves
+        for key, value in curve.settings.items()
+        if key in names
+    }
+    if problems:
+        raise ValueError("\n".join(problems))
 
 
 def _locally(runs: FitRuns, start: Floats | None = None) -> None:
@@ -194,7 +209,8 @@ def _globally(runs: FitRuns) -> None:
         )
         nearest = float(np.abs(tried - found.x).max(axis=1).min())
         runs.residuals(found.x)
-        if nearest < _CLOSE:
+        if nearest < _STEP:  # the basin is found; a surface would creep to its bottom
+            _locally(runs, runs.best())
             return
 
 

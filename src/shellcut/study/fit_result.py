@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from shellcut.arrays import Floats
 from shellcut.files.whole_file import atomic_write
 from shellcut.results.comparison import Comparison
 
-from .curve_misfit import independent_points
+from .curve_misfit import independent_points, residuals
 from .fit_runs import FitRuns
 
 FIT, PICTURE = "fit.json", "fit.png"
@@ -77,6 +78,8 @@ class FitResult:
         The curves at the best parameters.
     at_start : list of Comparison
         The same at the start.
+    settings : tuple of mapping
+        Keys that the experiment of each curve had otherwise.
     """
 
     values: tuple[FittedValue, ...]
@@ -87,6 +90,7 @@ class FitResult:
     notes: tuple[str, ...]
     comparisons: list[Comparison]
     at_start: list[Comparison]
+    settings: tuple[Mapping[str, object], ...]
 
     def __str__(self) -> str:
         """Return a small table and the notes."""
@@ -110,6 +114,14 @@ class FitResult:
             "correlation": self.correlation.tolist(),
             "n_run": self.n_run,
             "notes": list(self.notes),
+            "curves": [
+                {
+                    "y": one.y_name,
+                    "settings": dict(settings),
+                    "rms_relative": float(np.linalg.norm(residuals([one]))),
+                }
+                for one, settings in zip(self.comparisons, self.settings, strict=True)
+            ],
         }
         with atomic_write(folder / FIT) as temporary:
             temporary.write_text(_json(figures), encoding="utf-8")
@@ -123,8 +135,11 @@ class FitResult:
                     now.simulated_curve,
                     (now.x_name, now.x_unit),
                     (now.y_name, now.y_unit),
+                    ", ".join(f"{key} = {value}" for key, value in settings.items()),
                 )
-                for now, before in zip(self.comparisons, self.at_start, strict=True)
+                for now, before, settings in zip(
+                    self.comparisons, self.at_start, self.settings, strict=True
+                )
             ]
             draw_fit(folder / PICTURE, curves)
 
@@ -169,6 +184,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
         notes=tuple(notes),
         comparisons=comparisons,
         at_start=at_start,
+        settings=tuple(curve.settings for curve in runs.curves),
     )
 
 

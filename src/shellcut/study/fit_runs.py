@@ -60,8 +60,12 @@ class FitRuns:
         self._variants, self._folder, self._engine = variants, folder, engine
         self._most, self._say = most, say
         # Curves of the same settings share a run.
-        self._settings = list({_text(c.settings): dict(c.settings) for c in curves}.values())
+        several = {_text(curve.settings): dict(curve.settings) for curve in curves}
+        self._settings = list(several.values())
+        self._run_of = [list(several).index(_text(curve.settings)) for curve in curves]
+        # Of each curve; every run is compared at the points of the first one.
         self._windows: list[float] = []
+        self._points: list[Floats] = []
         self._known: dict[tuple[float, ...], tuple[Floats, list[Comparison]]] = {}
         self.n_run = 0
         """Runs so far, those found done included."""
@@ -85,19 +89,20 @@ class FitRuns:
         """
         start = np.zeros(len(self.parameters.varied))
         outcomes, folders = self._run([self.parameters.values(start.tolist())])
-        problems = []
-        for which, outcome in enumerate(outcomes[0]):
+        for outcome in outcomes[0]:
             if outcome.status != "done":
                 raise RuntimeError(f"the run at the start has {outcome.status}: {outcome.reason}")
-            for curve in self._of(which):
-                model = self._variants.read(curve.settings, try_out=False)
-                n_body = int(getattr(model.sections.get("tool"), "teeth", 1))
-                window = window_of(folders[0][which], outcome.figures, n_body, curve)
-                self._windows.append(window)
-                try:
-                    compared(folders[0][which], curve, window)
-                except (ValueError, OSError) as problem:
-                    problems.append(str(problem))
+        problems = []
+        for curve, which in zip(self.curves, self._run_of, strict=True):
+            model = self._variants.read(curve.settings, try_out=False)
+            n_body = int(getattr(model.sections.get("tool"), "teeth", 1))
+            folder = folders[0][which]
+            window = window_of(folder, outcomes[0][which].figures, n_body, curve)
+            self._windows.append(window)
+            try:
+                self._points.append(compared(folder, curve, window).x)
+            except (ValueError, OSError) as problem:
+                problems.append(str(problem))
         if problems:
             raise ValueError("\n".join(problems))
         self._take(start, outcomes[0], folders[0])
@@ -156,10 +161,6 @@ class FitRuns:
         """Return residuals and comparisons of a set that has been run."""
         return self._known[_key(logs)]
 
-    def _of(self, which: int) -> list[FitCurve]:
-        """Return the curves of one of the settings."""
-        return [c for c in self.curves if _text(c.settings) == _text(self._settings[which])]
-
     def _run(
         self, values: Sequence[dict[str, float]]
     ) -> tuple[list[list[Outcome]], list[list[Path]]]:
@@ -183,10 +184,15 @@ class FitRuns:
         if failed:
             self._fail(point, failed[0])
             return
-        comparisons, window = [], iter(self._windows)
-        for which, folder in enumerate(folders):
-            for curve in self._of(which):
-                comparisons.append(compared(folder, curve, next(window)))
+        each = zip(self.curves, self._run_of, self._windows, self._points, strict=True)
+        try:
+            comparisons = [
+                compared(folders[which], curve, window, points)
+                for curve, which, window, points in each
+            ]
+        except ValueError as problem:  # a run that ended early
+            self._fail(point, str(problem))
+            return
         self._known[_key(point)] = residuals(comparisons), comparisons
 
     def _fail(self, point: Floats, reason: str) -> None:

@@ -65,7 +65,7 @@ class Plan:
     settings : mapping from str to value
         Keys that have the same value in all runs.
     factors : tuple of Factor
-        Keys that have not.
+        Keys that have not, alone or together.
     design : Design
         Which values go together.
     runs : tuple of PlannedRun
@@ -83,14 +83,14 @@ class Plan:
     figures: tuple[str, ...] = ()
 
     def model_of(self, run: PlannedRun, jobs: int = 1) -> Model:
-        """Return the model of a run, with its share of the cores if it gives no threads.
+        """Return the model of a run, with its share of the cores if several run at a time.
 
+        A model that gives its threads keeps them. A run that is alone takes what its film can use.
         Whether its values fit together shows when it is built.
         """
         model = self.variants.read(run.values, try_out=False)
-        if model.head.threads is None:
-            threads = max(1, available_cores() // jobs)
-            model = model.with_threads(threads)
+        if model.head.threads is None and jobs > 1:
+            model = model.with_threads(max(1, available_cores() // jobs))
         return model
 
 
@@ -141,8 +141,8 @@ def _try_values(
     """Read the model with every single value of the factors."""
     first = dict(combined[0])
     problems: dict[Problem, None] = {}
-    tried = [first]
-    tried += [{**first, f.key: v} for f in factors for v in f.probes() if v != first[f.key]]
+    each = [first | factor.settings(value) for factor in factors for value in factor.probes()]
+    tried = [first, *(values for values in each if values != first)]
     for values in tried:
         try:
             variants.read(values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -101,7 +102,8 @@ def sweep(
         Model file, or name of a shipped model.
     factors : mapping from str to values
         By key, as of :func:`read_model`: a list, a text like ``"40,60,80"``, or a range like
-        ``"10:20"`` or ``"1 mm : 2 mm"``, for designs other than a grid.
+        ``"10:20"`` or ``"1 mm : 2 mm"``, for designs other than a grid. Values of several keys
+        that go together: ``{"tool.edge_inclination_deg, motion.pitch": [(40, 12), (60, 20)]}``.
     out : str or path
         Folder of the study; each run has a folder in it.
     settings : mapping, optional
@@ -200,7 +202,8 @@ def carry_out(
     open_ = [run for run in planned.runs if run.number not in found and run.number not in again]
     if not open_:
         return
-    _compile(planned)
+    if engine.jobs > 1:
+        _compile(planned)
     (folder / STOP).unlink(missing_ok=True)  # of a study that was killed while it stopped
 
     def stop() -> None:
@@ -243,4 +246,14 @@ def _compile(planned: Plan) -> None:
             # Left out, the path is decided when the model is built.
             paths |= {section.path} if section.path else {"edges", "free"}
         precisions.add(model.head.precision)
-    warmup(sorted(criteria) or ["force"], sorted(precisions), sorted(paths) or ["edges"])
+    _compile_for(
+        tuple(sorted(criteria)) or ("force",),
+        tuple(sorted(precisions)),
+        tuple(sorted(paths)) or ("edges",),
+    )
+
+
+@functools.cache
+def _compile_for(criteria: Any, precisions: Any, paths: Any) -> None:
+    """Compile once in a process: a fit comes here before every few runs."""
+    warmup(criteria, precisions, paths)

@@ -9,6 +9,7 @@ figures = ["torque_plateau_Nmm"]     # for the report; its own choice, if left o
 [factors]
 "tool.edge_inclination_deg" = [40, 60, 80]
 "motion.pitch" = "12 mm : 20 mm"
+"cohesive.plateau, cohesive.strength" = [[12, 18], [10, 15]]     # values that go together
 
 [design]
 kind = "sobol"
@@ -142,7 +143,7 @@ def write_study(path: Path, planned: Plan) -> None:
         *(f"{written(key)} = {written(value)}" for key, value in planned.settings.items()),
         "",
         "[factors]",
-        *(f"{written(f.key)} = {_values(f)}" for f in planned.factors),
+        *(f"{written(f.name)} = {_values(f)}" for f in planned.factors),
         "",
         "[design]",
         f"kind = {written(planned.design.kind)}",
@@ -165,6 +166,7 @@ def _figures_line(path: Path, planned: Plan) -> list[str]:
 
 def _values(factor: Factor) -> str:
     if factor.ends is None:
-        return written(list(factor.values))
+        # Lists of lists, not of tuples: those are the way to write a table.
+        return written([list(v) if factor.is_linked else v for v in factor.values])
     low, high = (f"{end!r} {factor.unit}".strip() for end in factor.ends)
     return written(f"{low} : {high}")

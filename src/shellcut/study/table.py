@@ -24,7 +24,7 @@ def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], 
     there = {name for one in outcomes.values() for name in one.figures if _is_number(one, name)}
     there -= set(_OF_THE_MACHINE)
     known = [name for name in LABELS if name in there]
-    return [f.key for f in plan.factors], [*known, *sorted(there - set(known))]
+    return [key for f in plan.factors for key in f.keys], [*known, *sorted(there - set(known))]
 
 
 def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:

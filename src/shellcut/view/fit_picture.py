@@ -24,6 +24,8 @@ class FittedCurve(NamedTuple):
     """Name and unit of the coordinate."""
     y: tuple[str, str]
     """Name and unit of the value."""
+    title: str = ""
+    """What its experiment had otherwise."""
 
 
 def draw_fit(
@@ -44,6 +46,7 @@ def draw_fit(
         axes.plot(*curve.start, color="#92c5de", lw=1.2, label="at the start")
         axes.plot(*curve.fitted, color="#b2182b", lw=1.6, label="fitted")
         axes.set_xlabel(f"{curve.x[0]} [{pretty(curve.x[1])}]")
+        axes.set_title(curve.title, fontsize="medium")
         axes.legend(frameon=False)
         dress(axes, f"{curve.y[0]} [{pretty(curve.y[1])}]")
     figure.tight_layout()

@@ -72,7 +72,7 @@ def said_of(study: Study, one: Analysed) -> list[str]:
 
 def said_of_row(study: Study, row: int) -> str:
     """Return number and inputs of a run."""
-    inputs = ", ".join(f"{f.name} {_text(f, row)}" for f in study.factors)
+    inputs = ", ".join(f"{f.name} {_text(f, row)}" for f in study.inputs)
     return f"run {study.numbers[row]}: {inputs}"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from shellcut.arrays import Bools, Floats
 from shellcut.model_file.key_index import tables
 from shellcut.model_file.quantity import quantity
 from shellcut.results.summary_figures import label_of, unit_of
-from shellcut.study.factors import factors_of
+from shellcut.study.factors import Factor, factors_of
 from shellcut.study.plan import RUNS
 from shellcut.study.study_file import STUDY, StudyFile, read_study
 from shellcut.study.surrogate.inputs import Input
@@ -34,12 +34,12 @@ _SPELT = {"°": "deg", "·": "*", "²": "^2"}
 
 @dataclass(frozen=True)
 class Studied:
-    """A factor with its value in each run.
+    """A key, or a factor, with its value in each run.
 
     Attributes
     ----------
     key : str
-        As in the study file.
+        As in the study file; of a factor of several keys all of them.
     name, unit : str
         As printed.
     values : ndarray, shape (n_run,)
@@ -92,7 +92,11 @@ class Study:
     numbers, status, keys, reasons : tuple of str
         Of each run: its number, ``done``, ``failed``, ``stopped`` or ``waits``, the name of its
         folder, and why it failed.
+    inputs : tuple of Studied
+        Every key of the factors.
     factors : tuple of Studied
+        What varies independently: of keys that go together the first stands for all, where its
+        numbers tell the runs apart, else the values as names.
     figures : tuple of FigureOfRuns
         Those of interest.
     all_figures : mapping from str to ndarray, shape (n_run,)
@@ -107,6 +111,7 @@ class Study:
     status: tuple[str, ...]
     keys: tuple[str, ...]
     reasons: tuple[str, ...]
+    inputs: tuple[Studied, ...]
     factors: tuple[Studied, ...]
     figures: tuple[FigureOfRuns, ...]
     all_figures: Mapping[str, Floats]
@@ -166,6 +171,8 @@ def read_folder(folder: Path) -> Study:
     first = head.index("status")
     figures = {name: _numbers(columns[name]) for name in head[first + 1 : -2]}
     chosen, lacking = _of_interest(file, figures)
+    planned, _ = factors_of(file.factors)
+    inputs = _inputs(planned, {key: columns[key] for key in head[1:first]})
     return Study(
         folder,
         file,
@@ -173,7 +180,8 @@ def read_folder(folder: Path) -> Study:
         columns["status"],
         columns["folder"],
         columns["reason"],
-        _factors(file, {key: columns[key] for key in head[1:first]}),
+        inputs,
+        _factors(planned, inputs),
         tuple(FigureOfRuns(n, label_of(n, _STEADY), unit_of(n), figures[n]) for n in chosen),
         figures,
         lacking,
@@ -188,9 +196,8 @@ def _of_interest(file: StudyFile, there: Mapping[str, Floats]) -> tuple[list[str
     return [name for name in found if name is not None], ()
 
 
-def _factors(file: StudyFile, columns: Mapping[str, Sequence[str]]) -> tuple[Studied, ...]:
-    several, _ = factors_of(file.factors)
-    given = {one.key: one for one in several}
+def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> tuple[Studied, ...]:
+    """Return every key of the table with its values."""
     units = {key: _unit_of_key(key) for key in columns}
     short = [key.rpartition(".")[2] for key in columns]
     found = []
@@ -198,8 +205,12 @@ def _factors(file: StudyFile, columns: Mapping[str, Sequence[str]]) -> tuple[Stu
         plain = key.rpartition(".")[2]
         name = plain if short.count(plain) == 1 else key
         name = name.removesuffix("_deg").replace("_", " ")
-        planned = given.get(key)
-        probes = [str(one) for one in planned.probes()] if planned else []
+        probes = [
+            str(one.settings(value)[key])
+            for one in planned
+            if key in one.keys
+            for value in one.probes()
+        ]
         numbers = [_number(text, units[key]) for text in (*texts, *probes)]
         if all(number is not None for number in numbers):
             values = np.array(numbers, float)
@@ -213,6 +224,34 @@ def _factors(file: StudyFile, columns: Mapping[str, Sequence[str]]) -> tuple[Stu
         unit = units[key].replace("deg", "°").replace("*", "·")
         found.append(Studied(key, name, unit, values, tuple(texts), names, ends))
     return tuple(found)
+
+
+def _factors(planned: Sequence[Factor], inputs: Sequence[Studied]) -> tuple[Studied, ...]:
+    """Return what varies independently, in the order of the table."""
+    by_key = {one.key: one for one in inputs}
+    linked = {
+        key: [by_key[other] for other in factor.keys]
+        for factor in planned
+        if factor.is_linked and all(other in by_key for other in factor.keys)
+        for key in factor.keys
+    }
+    return tuple(
+        _as_one(linked[one.key]) if one.key in linked else one
+        for one in inputs
+        if one.key not in linked or linked[one.key][0] is one
+    )
+
+
+def _as_one(inputs: Sequence[Studied]) -> Studied:
+    """Return keys that go together as one factor."""
+    first = inputs[0]
+    key, name = ", ".join(one.key for one in inputs), " with ".join(one.name for one in inputs)
+    texts = tuple(" with ".join(each) for each in zip(*(one.texts for one in inputs), strict=True))
+    names = tuple(dict.fromkeys(texts))
+    if not first.names and len(np.unique(first.values)) == len(names):
+        return replace(first, key=key, name=name)
+    values = np.array([names.index(text) for text in texts], float)
+    return Studied(key, name, "", values, texts, names, (0.0, len(names) - 1.0))
 
 
 def _number(text: str, unit: str) -> float | None:

@@ -75,7 +75,7 @@ def _ends_early(study: Study) -> int:
 
 def runs(study: Study, page: Path) -> str:
     """Return the table of all runs; its headings sort it."""
-    heads = [("run", "run"), *((in_unit(f.name, f.unit), f.key) for f in study.factors)]
+    heads = [("run", "run"), *((in_unit(f.name, f.unit), f.key) for f in study.inputs)]
     heads += [(in_unit(f.name, f.unit), f.key) for f in study.figures]
     heads += [("status", "done, failed, stopped or waits"), ("folder", "of the run")]
     head = "".join(
@@ -96,8 +96,8 @@ def runs(study: Study, page: Path) -> str:
 
 def _row(study: Study, row: int, page: Path) -> str:
     status, cells = study.status[row], []
-    for factor in study.factors:
-        cells.append(_cell(factor.texts[row] if factor.names else factor.values[row]))
+    for one in study.inputs:
+        cells.append(_cell(one.texts[row] if one.names else one.values[row]))
     cells += [_cell(figure.values[row]) for figure in study.figures]
     kind = {"failed": "bad", "done": ""}.get(status, "waits")
     reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""

@@ -7,5 +7,6 @@ SETTINGS = {
     "notch": 1,
     "travel": 2.0,
     "output.frames": 2,
+    "output.rows": 300,
 }
 ANGLES = {"wedge_half_angle_deg": "10,14,18,22"}
