@@ -7,7 +7,7 @@ Source: exact as statements of energy. Without friction F = G h for every radius
 the work still goes into the law. With friction mu = 0.3 the force is G h and what friction takes;
 a cable whose ends lie on the blade gives that in closed form (tests/verification/blunt_edge.py).
 
-Bands: without friction 3 % for damping and waves, which grow with the radius, to 2.7 % at 0.2 mm; a
+Bands: without friction 3 % for damping and waves, to 2.9 % at 0.05 mm; a
 radius of 1 µm within 0.5 % of the sharp edge, as asked for. Beside: the ends of the cables are not
 on the blade but fly beside it, and as they swing the cables slide to and fro.
 """
