@@ -122,7 +122,8 @@ def _after_impact(
     spent, before = memory.work[sheet], memory.force[sheet]
     pushed, mass = _pushed_in(node, way, quads, nodes, tables.ties)
     if mass > 0.0:
-        force = min(force, largest_rebound(spent, before, went, pushed, mass, dt))
+        put_in = spent + 0.5 * before * went
+        force = min(force, largest_rebound(put_in, went, pushed, mass, dt))
     return spent + 0.5 * (before + force) * went, force
 
 

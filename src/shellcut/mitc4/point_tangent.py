@@ -1,10 +1,11 @@
 """Stiffness dr/ds of quads with thickness points, by differentiation of the law.
 
 The resultants r of a quad are functions of its sixteen strains s and of the history of t_{n-1}.
-Their central differences, each strain moved by some 1e-8 there and back, are far finer than any yield
-strain and differ from the derivative by round-off, 1e-8 of the moduli: Newton's iteration with them
-converges as with exact ones until it has gained eight digits, and by as many in every turn then. It is the *consistent* tangent
-([SimoTaylor1985]): the whole return to the yield surface is differentiated, not its rate form.
+Their central differences, each strain moved by some 1e-8 there and back, are far finer than any
+yield strain and differ from the derivative by round-off, 1e-8 of the moduli: Newton's iteration
+with them converges as with exact ones until it has gained eight digits, and by as many in every
+turn then. It is the *consistent* tangent ([SimoTaylor1985]): the whole return to the yield surface
+is differentiated, not its rate form.
 
 With frozen laws (:class:`~shellcut.material.point_law.PointLaw`) it is the stiffness of the film if
 it unloads from the present state, which bounds that of the step.
