@@ -29,7 +29,6 @@ from shellcut.results.run_results import read
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from shellcut.simulation.simulation import Simulation
-from shellcut.statics import Statics
 
 TOY = Damaging()
 FILM = ShellMaterial([Layer(TOY, 0.074)])

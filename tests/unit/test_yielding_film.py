@@ -19,6 +19,8 @@ from shellcut.material import (
 )
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
+from shellcut.simulation.instability import UnstableStep
+from shellcut.simulation.stable_step import Stepping
 from shellcut.statics import Statics
 
 E, NU, H = 1678.0, 0.3, 0.074
@@ -274,3 +276,18 @@ def test_the_ledger_of_a_run_closes_with_the_plastic_work():
     assert abs(ledger.imbalance) < 1e-3 * ledger.support_work
     thickness = sim.shell.face_stresses(sim.state).thickness
     assert thickness.min() < 0.995 * H
+
+
+def test_a_quad_folded_flat_stops_the_run_by_name():
+    mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
+    shut = sc.Support("right", velocity={"x": lambda t: -1e4})
+    flat = sc.Support(np.arange(mesh.n_node), translation="z", rotation="xyz")
+    sim = sc.Simulation(
+        mesh,
+        RUBBER,
+        supports=[sc.Support.clamped("left"), shut, flat],
+        stepping=Stepping(evaluate_every=20),
+    )
+    with pytest.raises(UnstableStep, match=r"quad \d+ at .* has been folded flat at step"):
+        sim.run(2.1e-4)
+    assert np.isfinite(sim.state.node.force).all()

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats
+from shellcut.arrays import Floats, Ints
 from shellcut.numerics.jit import kernel
 
 from .law_dispatch import HistoryStep, PointLaws, point_stress, point_thickness
@@ -114,7 +114,7 @@ class MaterialPoint:
         free = np.array([2]) if sides_held else np.array([1, 2])
         return self._solved(np.zeros(3), start, free, dt)
 
-    def _solved(self, wanted: Floats, strain: Floats, free: Floats, dt: float) -> PointState:
+    def _solved(self, wanted: Floats, strain: Floats, free: Ints, dt: float) -> PointState:
         """Take a step on which some components of the stress are as wanted, the others free."""
         slope = self._moduli[np.ix_(free, free)]
         size = 1e-10 * max(float(np.abs(wanted).max()), 1e-6 * float(self._moduli.max()))

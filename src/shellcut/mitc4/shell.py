@@ -17,6 +17,7 @@ from shellcut.state import State
 
 from .blocks import QuadBlocks, build_blocks
 from .centre_stress import CentreStress, FaceStresses
+from .collapsed_quads import LEAST_AREA, smallest_area_ratio
 from .element import N_STRAIN
 from .forces import add_flat_quads, add_full_quads
 from .frequency import QuadFrequencies
@@ -439,6 +440,17 @@ class MITC4Shell:
             rows=rows,
         )
         return rows[:, :3], rows[:, 3:]
+
+    def collapsed_quad(self, state: State) -> tuple[int, float] | None:
+        """Return a quad that has been folded flat and its share of area left, or None.
+
+        Of films with a law that cannot stand it; all others are as they are.
+        """
+        if self._frozen_rule is None:
+            return None
+        present = Surface(state.node.x, state.node.t, state.quads)
+        ratio, quad = smallest_area_ratio(self._reference, present)
+        return (quad, ratio) if ratio < LEAST_AREA else None
 
     def evaluate_frequencies(self, state: State, quads: Ints) -> None:
         """Evaluate the frequencies of some quads anew, at the present positions and directors."""

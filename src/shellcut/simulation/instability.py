@@ -127,7 +127,12 @@ class StabilityGuard:
             raise self._blown_up(state)
 
     def check_balance(self, state: State, book: Ledger) -> None:
-        """Raise BalanceLost if the ledger misses too much; it is looked at every CHECK_EVERY."""
+        """Raise BalanceLost if the ledger misses too much, UnstableStep if a quad has collapsed.
+
+        Both are looked at every CHECK_EVERY steps.
+        """
+        if state.step % CHECK_EVERY == 0:
+            self._check_area(state)
         if state.step == 1:
             self._balance.begin(book)
         elif state.step % CHECK_EVERY == 0 and self._balance.lost(book):
@@ -140,6 +145,18 @@ class StabilityGuard:
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._balance.restore(saved)
+
+    def _check_area(self, s: State) -> None:
+        collapsed = self._shell.collapsed_quad(s)
+        if collapsed is None:
+            return
+        quad, ratio = collapsed
+        raise UnstableStep(
+            f"{self._said(s, quad)} has been folded flat at step {s.step}, t = {s.time:.6g} s: "
+            f"{100.0 * ratio:.2g} % of its area is left, and the logarithmic strain of the film's "
+            "law has no bound there; use smaller quads where the film folds, or a tool and motion "
+            "that do not crush it"
+        )
 
     def _blown_up(self, s: State) -> UnstableStep:
         worst = self._worst_quad(s)
@@ -168,7 +185,9 @@ class StabilityGuard:
         )
 
     def _worst_quad(self, s: State) -> str:
-        quad = s.most_strained_quad()
+        return self._said(s, s.most_strained_quad())
+
+    def _said(self, s: State, quad: int) -> str:
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
 
