@@ -161,7 +161,8 @@ def test_torque_of_teeth(run_example, tmp_path):
 
 @pytest.mark.slow  # compiles the kernels of a film that yields, and runs four cuts
 def test_yielding_film(run_example, tmp_path):
-    quick = "--size", "0.8", "--length", "10", "--angle", "12"
+    # The first split of the opening test leaves 5e-3 N·mm in either film: 0.5 % of the work at 12°.
+    quick = "--size", "0.8", "--length", "10", "--angle", "25"
     said = run_example("yielding_film.py", tmp_path, *quick)
     plastic = [float(share) for share in re.findall(r"material ([\d.]+) %", said)]
     assert len(plastic) == 2  # of the yielding films only

@@ -62,7 +62,7 @@ class BandedStrip(Section):
 
 @section("material", of=ShellMaterial.homogeneous)
 class BrittleFilm(Homogeneous):
-    """A single elastic layer."""
+    """A single layer."""
 
     young: float = again(Homogeneous, "young", YOUNG)
     poisson: float = again(Homogeneous, "poisson", POISSON)

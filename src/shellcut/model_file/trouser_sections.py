@@ -35,7 +35,7 @@ class TrouserStrip(Section):
 
 @section("material", of=ShellMaterial.homogeneous)
 class TornFilm(Homogeneous):
-    """A single elastic layer."""
+    """A single layer."""
 
     thickness: float = again(Homogeneous, "thickness", THICKNESS)
 
