@@ -77,6 +77,9 @@ _LOOK_EVERY = 5
 # come together in a step at most, over the edge length.
 _REST, _PER_STEP = 8, 0.03
 
+# Of the edge length, far above the round-off of a place.
+_ROUND_OFF = 1e-10
+
 # Reach of a point in the bound on the step beyond its own shape functions, over the edge length.
 _SOON = 0.25
 
@@ -304,7 +307,8 @@ def _add_point_forces(
             for c in range(4):
                 area += 0.25 * film.contact_area[film.quads[q, c]]
             # Beyond the rim a point is more beside the film than above it.
-            kept = far <= CAPTURE * local_edge_length(area) and far <= 1.5 * abs(height) + 1e-12
+            size = local_edge_length(area)
+            kept = far <= CAPTURE * size and far <= 1.5 * abs(height) + _ROUND_OFF * size
         if not kept:
             absorbed += springs.stored[k]
             side[k] = 0
