@@ -327,7 +327,7 @@ def test_the_tangent_of_the_step_carries_the_stress_of_the_law_and_the_elastic_m
     free = linear.tangents(state, which, row)  # without stress
     damage = TOY.largest * (1 - TOY.onset / 0.01)
     wanted = (1 - damage) * strained + damage * free
-    got = shell._tangents(state.node.x, state.node.t, which)
+    got = shell._tangent_bounds(state.node.x, state.node.t, which)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * abs(wanted).max())
 
 

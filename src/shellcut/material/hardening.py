@@ -105,10 +105,6 @@ class Hardening:
         """The largest σ_y at any strain [MPa]; inf where it grows without end."""
         return math.inf
 
-    def stored_share(self) -> float:
-        """Return the share of isotropic hardening that is stored: none, all is heat."""
-        return 0.0
-
 
 def _not_negative(**values: float) -> list[str]:
     return [

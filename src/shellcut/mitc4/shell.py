@@ -20,6 +20,7 @@ from .centre_stress import CentreStress, FaceStresses
 from .collapsed_quads import LEAST_AREA, smallest_area_ratio
 from .dropped_quads import DroppedQuads
 from .element import N_STRAIN
+from .film_tangents import FilmTangents
 from .forces import add_flat_quads, add_full_quads
 from .frequency import QuadFrequencies
 from .places import Places
@@ -30,27 +31,16 @@ from .point_forces import (
     write_point_corner_forces,
 )
 from .point_output import PointOutput
-from .point_tangent import differentiate_resultants, frozen_rule
 from .present_quads import PresentQuads
-from .quad_strains import LinearTables, PointQuads, PointStep, PointTables, QuadStep
+from .quad_strains import LinearTables, PointStep, PointTables, QuadStep
 from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
-from .tangent import (
-    N_FREEDOM,
-    add_stressed_products,
-    add_tangent_products,
-    quad_tangents,
-    stressed_tangents,
-)
 from .work import Work, linear_work
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
 _INERTIA_AREA = 8.0
-
-# Stands for the moduli of the linear film.
-_NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
 
 Precision: TypeAlias = Literal["double", "single"]
 
@@ -130,9 +120,9 @@ class MITC4Shell:
         self._point_output = (
             None if material.is_linear else PointOutput(material, self.blocks, self.points)
         )
-        self._frozen_rule = frozen_rule(self.points.rule)
+        self._tangents = FilmTangents(self._places, self._point_output)
         self._history = self._history_at_rest()
-        self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangents)
+        self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangent_bounds)
         """Bounds of the largest frequency of each quad."""
         self.dropped = DroppedQuads(self._places, self._present, self.frequencies, damping_beta)
         """Takes quads out of the run."""
@@ -414,10 +404,8 @@ class MITC4Shell:
             films.
         """
         present = self._present.of(state)
-        if self._point_output is None:
-            return self._make_tangents(quad_tangents, present, quads, bent, _NO_MODULI)
-        resultants, moduli = self._differentiated(present, quads, state.history, state.dt)
-        return self._make_tangents(stressed_tangents, present, quads, resultants, moduli)
+        area = self.area[quads]
+        return self._tangents.of_step(present, quads, area, state.history, state.dt, bent)
 
     def tangent_product(
         self, state: State, displacement: Floats, turn: Floats, bent: Floats | None = None
@@ -429,20 +417,8 @@ class MITC4Shell:
         [N·mm] of that shape.
         """
         rows = np.zeros((state.n_node, 6))
-        slot, present = self.blocks.slot, self._present.of(state)
-        add, moduli = add_tangent_products, _NO_MODULI
-        if self._point_output is not None:
-            add, which = add_stressed_products, np.arange(slot.size)
-            bent, moduli = self._differentiated(present, which, state.history, state.dt)
-        add(
-            slot=slot,
-            quads=present.quads,
-            bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
-            moduli=moduli,
-            dx=np.asfortranarray(displacement),
-            dt=np.asfortranarray(turn),
-            rows=rows,
-        )
+        present, motion = self._present.of(state), (displacement, turn)
+        self._tangents.add_product(present, self.area, state.history, state.dt, bent, motion, rows)
         return rows[:, :3], rows[:, 3:]
 
     def collapsed_quad(self, state: State) -> tuple[int, float] | None:
@@ -450,7 +426,7 @@ class MITC4Shell:
 
         Of films with a law that cannot stand it; all others are as they are.
         """
-        if self._frozen_rule is None:
+        if not self._tangents.has_frozen_law:
             return None
         present = Surface(state.node.x, state.node.t, state.quads)
         ratio, quad = smallest_area_ratio(self._reference, present)
@@ -461,49 +437,7 @@ class MITC4Shell:
         self._present.of(state)
         self.frequencies.evaluate(state.node.x, state.node.t, state.quads, quads)
 
-    def _tangents(self, x: Floats, t: Floats, quads: Ints) -> Floats:
-        """Return a bound of the tangent stiffness of some quads, for the time step.
-
-        Of a nonlinear law it is that of the frozen law, or of the elastic moduli, with the stresses
-        of the law.
-        """
+    def _tangent_bounds(self, x: Floats, t: Floats, quads: Ints) -> Floats:
+        """Return bounds of the tangents of some quads for the time step, shape (n, 20, 20)."""
         present = self._present.at(x, t)
-        if self._point_output is None:
-            return self._make_tangents(quad_tangents, present, quads, None, _NO_MODULI)
-        resultants = self._point_output.resultants(present, quads, self._history)
-        moduli = _NO_MODULI
-        if self._frozen_rule is not None:
-            points = present.points._replace(rule=self._frozen_rule)
-            frozen = present._replace(points=points)
-            _, moduli = self._differentiated(frozen, quads, self._history, 0.0)
-        return self._make_tangents(stressed_tangents, present, quads, resultants, moduli)
-
-    def _differentiated(
-        self, present: PointQuads, quads: Ints, history: Numbers, dt: float
-    ) -> tuple[Floats, Floats]:
-        """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
-        resultants = np.empty((quads.size, N_STRAIN))
-        moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
-        differentiate_resultants(
-            slot=self.blocks.slot[quads],
-            quads=present,
-            history=history,
-            dt=dt,
-            area=self.area[quads],
-            resultants=resultants,
-            moduli=moduli,
-        )
-        return resultants, moduli
-
-    def _make_tangents(
-        self, make: Any, present: PointQuads, quads: Ints, bent: Floats | None, moduli: Floats
-    ) -> Floats:
-        tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
-        make(
-            slot=self.blocks.slot[quads],
-            quads=present.quads,
-            bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
-            moduli=moduli,
-            tangent=tangent,
-        )
-        return tangent
+        return self._tangents.bound(present, quads, self.area[quads], self._history)

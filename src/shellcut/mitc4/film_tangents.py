@@ -1,0 +1,147 @@
+"""Tangent stiffness of the quads of a film: of the linear section, of the law, and its bound.
+
+For a linear film it is the derivative of the forces. For a nonlinear law it is the consistent one
+(:mod:`.point_tangent`), of a step from the history to the present positions; and its bound, for the
+time step, is that of the frozen law, or of the elastic moduli, with the stresses of the law.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Numbers
+
+from .element import N_STRAIN
+from .places import Places
+from .point_output import PointOutput
+from .point_tangent import differentiate_resultants, frozen_rule
+from .quad_strains import PointQuads
+from .tangent import (
+    N_FREEDOM,
+    add_stressed_products,
+    add_tangent_products,
+    quad_tangents,
+    stressed_tangents,
+)
+
+# Stands for the moduli of the linear film.
+_NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
+
+
+class FilmTangents:
+    """Tangents of some quads of a film.
+
+    Parameters
+    ----------
+    places : Places
+        Where the quads stand.
+    output : PointOutput, optional
+        Of films with a nonlinear law.
+    """
+
+    def __init__(self, places: Places, output: PointOutput | None) -> None:
+        self._places, self._output = places, output
+        self._frozen = frozen_rule(places.points.rule)
+
+    @property
+    def has_frozen_law(self) -> bool:
+        """Whether a law stands between the logarithmic strain and its stress, or has a like."""
+        return self._frozen is not None
+
+    def of_step(
+        self,
+        present: PointQuads,
+        quads: Ints,
+        area: Floats,
+        history: Numbers,
+        dt: float,
+        bent: Floats | None,
+    ) -> Floats:
+        """Return the tangents of a step, shape (n, 20, 20).
+
+        Parameters
+        ----------
+        present : PointQuads
+            All quads at the present positions.
+        quads, area : ndarray, shape (n,)
+            Which quads, and their reference areas [mm²].
+        history : ndarray
+            Of the thickness points at the start of the step.
+        dt : float
+            Its length [s].
+        bent : ndarray, shape (n, 16), optional
+            Part of the strains that is left out of the stresses, of linear films.
+        """
+        if self._output is None:
+            return self._made(quad_tangents, present, quads, bent, _NO_MODULI)
+        resultants, moduli = self._differentiated(present, quads, area, history, dt)
+        return self._made(stressed_tangents, present, quads, resultants, moduli)
+
+    def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Numbers) -> Floats:
+        """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
+        if self._output is None:
+            return self._made(quad_tangents, present, quads, None, _NO_MODULI)
+        resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
+        if self._frozen is not None:
+            points = present.points._replace(rule=self._frozen)
+            frozen = present._replace(points=points)
+            _, moduli = self._differentiated(frozen, quads, area, history, 0.0)
+        return self._made(stressed_tangents, present, quads, resultants, moduli)
+
+    def add_product(
+        self,
+        present: PointQuads,
+        area: Floats,
+        history: Numbers,
+        dt: float,
+        bent: Floats | None,
+        motion: tuple[Floats, Floats],
+        rows: Floats,
+    ) -> None:
+        """Add the tangent of the whole film times a motion to rows : (n_node, 6)."""
+        slot = self._places.blocks.slot
+        add, moduli = add_tangent_products, _NO_MODULI
+        if self._output is not None:
+            add, every = add_stressed_products, np.arange(slot.size)
+            bent, moduli = self._differentiated(present, every, area, history, dt)
+        add(
+            slot=slot,
+            quads=present.quads,
+            bent=np.zeros((slot.size, N_STRAIN)) if bent is None else bent,
+            moduli=moduli,
+            dx=np.asfortranarray(motion[0]),
+            dt=np.asfortranarray(motion[1]),
+            rows=rows,
+        )
+
+    def _differentiated(
+        self, present: PointQuads, quads: Ints, area: Floats, history: Numbers, dt: float
+    ) -> tuple[Floats, Floats]:
+        """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
+        resultants = np.empty((quads.size, N_STRAIN))
+        moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
+        differentiate_resultants(
+            slot=self._places.blocks.slot[quads],
+            quads=present,
+            history=history,
+            dt=dt,
+            area=area,
+            resultants=resultants,
+            moduli=moduli,
+        )
+        return resultants, moduli
+
+    def _made(
+        self, make: Any, present: PointQuads, quads: Ints, bent: Floats | None, moduli: Floats
+    ) -> Floats:
+        tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
+        make(
+            slot=self._places.blocks.slot[quads],
+            quads=present.quads,
+            bent=np.zeros((quads.size, N_STRAIN)) if bent is None else bent,
+            moduli=moduli,
+            tangent=tangent,
+        )
+        return tangent
