@@ -61,6 +61,11 @@ def test_what_cannot_be_is_refused(wrong, said):
         oscillating(1.5, **wrong)
 
 
+@pytest.mark.xfail(
+    strict=True,
+    reason="OPEN: with the tool's edges rounded the path swings by 1.7 mm and turns back once; it "
+    "passes with settings.ROUNDING = 1e-6. To be settled on finer meshes before a release",
+)
 def test_the_crack_runs_ahead_of_the_bar():
     # Four quads a diameter are too few for the wave, which takes minutes to grow
     # (docs/theory/oscillating.md): the crack comes to the bar's line and keeps to it.
@@ -71,9 +76,7 @@ def test_the_crack_runs_ahead_of_the_bar():
     front = sim.pose.translation[0]
     assert path[-1, 0] > front  # it tears ahead of the bar
     assert path[0, 1] == pytest.approx(2.1)  # round-off: the end of the notch
-    # It swings by less than it began aside. Measured 1.7 mm; 0.4 mm while the facets of the bar
-    # threw the film from normal to normal: which is right on so coarse a mesh is not known.
-    assert np.abs(path[path[:, 0] > 18.0, 1]).max() < 2.1
+    assert np.abs(path[path[:, 0] > 18.0, 1]).max() < 1.0  # measured 0.4
     assert (np.diff(path[:, 0]) > -1e-9).all()
     assert len(sim.cracks.free.tips) == 1
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 0.01
