@@ -1,13 +1,13 @@
 """Another tooth
 =============
 
-Compare the torque of four teeth whose edges stand at 60° to the film with that of six at 40°. ::
+Compare the torque of four teeth whose edges stand at 60° to the film with that of five at 40°. ::
 
     python examples/own_tooth.py --out DIR
 
-writes both runs and torque.png into DIR. The six teeth from the command line::
+writes both runs and torque.png into DIR. The five teeth from the command line::
 
-    shellcut run opening --set mesh=quick --set teeth=6 --set edge_inclination_deg=40 -o DIR
+    shellcut run opening --set mesh=quick --set teeth=5 --set edge_inclination_deg=40 -o DIR
 """
 
 import argparse
@@ -24,21 +24,21 @@ SETTINGS = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="four teeth and six of another shape")
+    parser = argparse.ArgumentParser(description="four teeth and five of another shape")
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")
     options = parser.parse_args()
 
     four = cut(options.out / "four", {})
-    six = cut(options.out / "six", {"tool.teeth": 6, "tool.edge_inclination_deg": 40.0})
+    five = cut(options.out / "five", {"tool.teeth": 5, "tool.edge_inclination_deg": 40.0})
     draw_torque(
         options.out / "torque.png",
-        six.history["angle"],
-        six.history["torque"],
+        five.history["angle"],
+        five.history["torque"],
         second=(four.history["angle"], four.history["torque"]),
         second_label="four teeth at 60°",
-        title="total torque of six teeth at 40°, and of four",
+        title="total torque of five teeth at 40°, and of four",
     )
-    for name, results in (("four", four), ("six", six)):
+    for name, results in (("four", four), ("five", five)):
         window = results.steady_window.text("deg")
         print(f"{name} teeth: {results.summary['torque_plateau_Nmm']:.0f} N*mm over {window}")
 
