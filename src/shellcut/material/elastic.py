@@ -15,10 +15,10 @@ from .material import Material, density_problems, refuse
 from .point_law import History, PointLaw, register
 
 
-def _stress(
+def linear_stress(
     p: Floats, strain: Vector, history: History, dt: float
 ) -> tuple[Vector, Number, Number, History]:
-    """Return S = C E and ½ E·C·E; p : (6,), the upper triangle of C."""
+    """Return S = C E and ½ E·C·E; p : the upper triangle of C, first."""
     e1, e2, e12 = strain
     s1 = p[0] * e1 + p[1] * e2 + p[2] * e12
     s2 = p[1] * e1 + p[3] * e2 + p[4] * e12
@@ -53,7 +53,7 @@ class Elastic(Material):
     """
 
     law: ClassVar[PointLaw] = register(
-        PointLaw("St.Venant-Kirchhoff", _stress, _thickness_stretch, linear=True)
+        PointLaw("St.Venant-Kirchhoff", linear_stress, _thickness_stretch, linear=True)
     )
 
     young: float

@@ -11,6 +11,7 @@ import numpy as np
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.lane_functions import larger, square_root
 
+from .elastic import linear_stress
 from .material import Material, density_problems, refuse
 from .point_law import History, PointLaw, register
 
@@ -32,19 +33,8 @@ def strain_turn(angle_deg: float) -> Floats:
     )
 
 
-def _stress(
-    p: Floats, strain: Vector, history: History, dt: float
-) -> tuple[Vector, Number, Number, History]:
-    """Return S = C E and ½ E·C·E; p : (9,), the upper triangle of C and the slope of E_33."""
-    e1, e2, e12 = strain
-    s1 = p[0] * e1 + p[1] * e2 + p[2] * e12
-    s2 = p[1] * e1 + p[3] * e2 + p[4] * e12
-    s12 = p[2] * e1 + p[4] * e2 + p[5] * e12
-    return (s1, s2, s12), 0.5 * (s1 * e1 + s2 * e2 + s12 * e12), 0.0, history
-
-
 def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
-    """Return √(1 + 2 E_33)."""
+    """Return √(1 + 2 E_33); p : (9,), the upper triangle of C and the slope of E_33."""
     thinner = p[6] * strain[0] + p[7] * strain[1] + p[8] * strain[2]
     return square_root(larger(1.0 - 2.0 * thinner, 0.0))
 
@@ -91,7 +81,7 @@ class Orthotropic(Material):
     law: ClassVar[PointLaw] = register(
         PointLaw(
             "orthotropic St.Venant-Kirchhoff",
-            _stress,
+            linear_stress,
             _thickness_stretch,
             linear=True,
             oriented=True,
