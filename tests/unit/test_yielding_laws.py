@@ -123,6 +123,9 @@ def test_steps_of_any_size_are_those_of_the_plain_twin(material):
             np.testing.assert_allclose(state.stress, T, rtol=0, atol=1e-9 * abs(T).max())
             names = list(state.history.values())
             assert names[0] == pytest.approx(history[0], rel=1e-9)
+            # What the next step begins with: the last correction counts here, too.
+            above = float(material.hardening.stress(names[0])) - material.hardening.first_yield
+            assert names[1] == pytest.approx(above, rel=1e-9, abs=1e-10)
             np.testing.assert_allclose(names[2:], history[1], atol=1e-9 * max(history[0], 1e-3))
             elastic = strain - history[1]
             back = material.kinematic * np.linalg.solve(P, history[1])
