@@ -97,6 +97,27 @@ def test_the_site_has_every_page_and_the_start_page_leads_to_it():
     assert linked == stored - {"index"}
 
 
+def test_files_and_functions_are_short():
+    # Kernels may be longer: they are one loop over rows, and what they call is inlined anyway.
+    long = {}
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if (n_line := text.count("\n")) > 450:
+            long[path.name] = n_line
+        for node in ast.walk(ast.parse(text)):
+            if not isinstance(node, ast.FunctionDef):
+                continue
+            if any(
+                "kernel" in ast.unparse(d) or "inline" in ast.unparse(d)
+                for d in node.decorator_list
+            ):
+                continue
+            first = node.body[min(ast.get_docstring(node) is not None, len(node.body) - 1)]
+            if (n_line := node.end_lineno - first.lineno + 1) > 60:
+                long[f"{path.name}: {node.name}"] = n_line
+    assert long == {}
+
+
 def test_rooms_picture_table_and_folders_are_the_contract():
     sys.path.insert(0, str(ROOT / "docs"))
     import rooms_picture

@@ -85,36 +85,7 @@ def partings_of(
     fans = fans_of(state, node)
     fan = fans[0]
     cracks = arriving(state, fans)
-    held = np.argwhere(state.cable.ends[: state.n_cable] == node).tolist()
-
-    def way(
-        minus: tuple[int, ...],
-        plus: tuple[int, ...],
-        back: tuple[int, ...],
-        ahead: tuple[int, ...],
-    ) -> Parting:
-        # Each arriving crack counts once; ``back`` and ``ahead`` name both its flank copies.
-        ends = {int(state.node.origin[n]): n for n in (*back, *ahead)}
-        length = 0.0
-        for n in ends.values():
-            if origin_edge(state, node, n) not in free_edges:
-                edge = state.node.X[n] - state.node.X[node]
-                length += 0.5 * float(np.linalg.norm(edge))
-        sides = [np.array(quads) for quads in (minus, plus)]
-        mass = [quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
-        cables = [(int(state.cable.row[k, end] in plus), k, end) for k, end in held]
-        return Parting(
-            node,
-            minus,
-            plus,
-            back,
-            ahead,
-            length,
-            (float(mass[0]), float(mass[1])),
-            tuple(cables),
-            _cosine_of_turn(state.node.X, node, back, ahead),
-        )
-
+    way = _Around(state, node, quad_mass, free_edges).parting
     if len(fans) > 1:
         rest = tuple(e for other in fans[1:] for e in other.quads)
         mine = {fan.far[0], fan.far[-1]}
@@ -131,6 +102,45 @@ def partings_of(
         ]
     back: tuple[int, ...] = cracks[0] if cracks else ()
     return [way(quads[:j], quads[j:], back, (far[j],)) for j in range(1, len(quads))]
+
+
+class _Around(NamedTuple):
+    """A node and what its partings are counted from."""
+
+    state: State
+    node: int
+    quad_mass: Floats
+    free_edges: frozenset[tuple[int, int]]
+
+    def parting(
+        self,
+        minus: tuple[int, ...],
+        plus: tuple[int, ...],
+        back: tuple[int, ...],
+        ahead: tuple[int, ...],
+    ) -> Parting:
+        state, node = self.state, self.node
+        # Each arriving crack counts once; ``back`` and ``ahead`` name both its flank copies.
+        ends = {int(state.node.origin[n]): n for n in (*back, *ahead)}
+        length = 0.0
+        for n in ends.values():
+            if origin_edge(state, node, n) not in self.free_edges:
+                edge = state.node.X[n] - state.node.X[node]
+                length += 0.5 * float(np.linalg.norm(edge))
+        sides = [np.array(quads) for quads in (minus, plus)]
+        mass = [self.quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
+        held = np.argwhere(state.cable.ends[: state.n_cable] == node).tolist()
+        return Parting(
+            node,
+            minus,
+            plus,
+            back,
+            ahead,
+            length,
+            (float(mass[0]), float(mass[1])),
+            tuple((int(state.cable.row[k, end] in plus), k, end) for k, end in held),
+            _cosine_of_turn(state.node.X, node, back, ahead),
+        )
 
 
 def _cosine_of_turn(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,18 @@ from shellcut.state import RESERVE, CableTable, FlankTable, NodeTable, QuadTable
 
 def initial_state(mesh: Mesh) -> State:
     """Allocate the state of an unloaded mesh at rest; the shell adds strains and history."""
+    return State(
+        node=_nodes(mesh),
+        cable=_cables(),
+        flank=_flank_points(),
+        quad=_quads(mesh),
+        strain=np.zeros((0, 0, 0)),
+        strain_before=np.zeros((0, 0, 0)),
+        history=np.zeros((0, 0, 0)),
+    )
+
+
+def _nodes(mesh: Mesh) -> NodeTable:
     n, cap = mesh.n_node, mesh.n_node + RESERVE
 
     def rows(*shape: int) -> Floats:
@@ -27,7 +40,7 @@ def initial_state(mesh: Mesh) -> State:
     halved = np.zeros(cap, np.bool_)
     halved[:n] = np.bincount(mesh.origin, minlength=n)[mesh.origin] > 1
     quads_at, n_quad_at = quads_of_nodes(mesh.quads, cap)
-    node = NodeTable(
+    return NodeTable(
         count=n,
         X=X,
         x=x,
@@ -59,39 +72,38 @@ def initial_state(mesh: Mesh) -> State:
         friction_spring=rows(3),
         friction_force=rows(3),
     )
-    cable = CableTable(
+
+
+def _cables() -> CableTable:
+    names = [f.name for f in fields(CableTable) if f.name != "count"]
+    rows: dict[str, Any] = {
+        name: np.zeros((RESERVE, *shape), dtype)
+        for name, (shape, dtype) in zip(names, _CABLE_ROWS, strict=True)
+    }
+    return CableTable(count=0, **rows)
+
+
+def _flank_points() -> FlankTable:
+    return FlankTable(
         count=0,
-        **{
-            f.name: np.zeros((RESERVE, *shape), dtype)
-            for f, (shape, dtype) in zip(
-                [f for f in fields(CableTable) if f.name != "count"], _CABLE_ROWS, strict=True
-            )
-        },
+        node=np.zeros(RESERVE, np.int64),
+        row=np.zeros(RESERVE, np.int64),
+        place=np.zeros((RESERVE, 2)),
+        inward=np.zeros((RESERVE, 2)),
+        nodes=np.zeros((RESERVE, 4), np.int64),
+        weight=np.zeros((RESERVE, 4)),
     )
-    return State(
-        node=node,
-        cable=cable,
-        flank=FlankTable(
-            count=0,
-            node=np.zeros(RESERVE, np.int64),
-            row=np.zeros(RESERVE, np.int64),
-            place=np.zeros((RESERVE, 2)),
-            inward=np.zeros((RESERVE, 2)),
-            nodes=np.zeros((RESERVE, 4), np.int64),
-            weight=np.zeros((RESERVE, 4)),
-        ),
-        quad=QuadTable(
-            count=mesh.n_quad,
-            nodes=mesh.quads.astype(np.int32),
-            parent=np.arange(mesh.n_quad),
-            share=np.ones(mesh.n_quad),
-            mass_share=np.ones(mesh.n_quad),
-            centre=np.full((mesh.n_quad, 4), 0.25),
-            dropped=np.zeros(mesh.n_quad, np.bool_),
-        ),
-        strain=np.zeros((0, 0, 0)),
-        strain_before=np.zeros((0, 0, 0)),
-        history=np.zeros((0, 0, 0)),
+
+
+def _quads(mesh: Mesh) -> QuadTable:
+    return QuadTable(
+        count=mesh.n_quad,
+        nodes=mesh.quads.astype(np.int32),
+        parent=np.arange(mesh.n_quad),
+        share=np.ones(mesh.n_quad),
+        mass_share=np.ones(mesh.n_quad),
+        centre=np.full((mesh.n_quad, 4), 0.25),
+        dropped=np.zeros(mesh.n_quad, np.bool_),
     )
 
 

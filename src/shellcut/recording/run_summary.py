@@ -46,7 +46,6 @@ def run_summary(
         Largest penetration between nodes, which nodal contact misses [mm].
     """
     s, r = sim.state, resistance
-    ledger = sim.close_ledger()
     figures = {
         "n_quad": sim.mesh.n_quad,
         "n_step": s.step,
@@ -55,15 +54,7 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        **({"tool_work_Nmm": ledger.tool_work} if sim.tool is not None else {}),
-        **({"support_work_Nmm": ledger.support_work} if sim.tool is None else {}),
-        "kinetic_Nmm": ledger.kinetic,
-        "strain_Nmm": ledger.strain,
-        "material_dissipated_Nmm": ledger.material_dissipated,
-        "cohesive_work_Nmm": ledger.cohesive_work,
-        "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
-        "cohesive_stored_Nmm": ledger.cohesive_stored,
-        "damping_Nmm": ledger.damping,
+        **_of_energies(sim),
         **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
         "n_cable_broken": sim.cables.n_broken,
@@ -88,6 +79,22 @@ def run_summary(
     if sim.cracks is not None:
         finite["crack_path"] = "edges" if sim.cracks.free is None else "free"
     return finite | {"resistance": r.meaning}
+
+
+def _of_energies(sim: Simulation) -> dict[str, float]:
+    """Return the entries of the ledger [N·mm] that every film has."""
+    ledger = sim.close_ledger()
+    driven = "tool_work" if sim.tool is not None else "support_work"
+    return {
+        f"{driven}_Nmm": getattr(ledger, driven),
+        "kinetic_Nmm": ledger.kinetic,
+        "strain_Nmm": ledger.strain,
+        "material_dissipated_Nmm": ledger.material_dissipated,
+        "cohesive_work_Nmm": ledger.cohesive_work,
+        "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
+        "cohesive_stored_Nmm": ledger.cohesive_stored,
+        "damping_Nmm": ledger.damping,
+    }
 
 
 def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:

@@ -15,14 +15,33 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
 
-def negative(**numbers: float) -> Iterator[str]:
+def check_parts(
+    tool: Tool | None,
+    motion: Motion | None,
+    law: CohesiveLaw | None,
+    contact: Contact | None,
+    fracture: Fracture | None,
+    damping_alpha: float,
+    damping_beta: float,
+) -> None:
+    """Raise ValueError if what a simulation is given does not go together."""
+    problems = [
+        *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
+        *_without_partner(tool, motion, law, contact, fracture),
+        *_not_with_path(fracture, tool),
+    ]
+    if problems:
+        raise ValueError("; ".join(problems))
+
+
+def _negative(**numbers: float) -> Iterator[str]:
     """Yield which of some numbers are negative, or none at all."""
     for name, value in numbers.items():
         if not value >= 0:
             yield f"{name} must be a number that is not negative, got {value!r}"
 
 
-def without_partner(
+def _without_partner(
     tool: Tool | None,
     motion: Motion | None,
     law: CohesiveLaw | None,
@@ -41,7 +60,7 @@ def without_partner(
         )
 
 
-def not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
+def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
     """Yield what the path of the cracks does not go with."""
     if fracture is None:
         return

@@ -37,19 +37,17 @@ from .contact_terms import contact_terms
 from .film_terms import FilmTerms
 from .hooks import Hook, serve
 from .input_checks import (
-    negative,
+    check_parts,
     nodal_displacements,
     nodal_velocities,
-    not_with_path,
     points_of_notch,
-    without_partner,
 )
 from .instability import StabilityGuard
 from .ledger import Ledger
 from .loose_pieces import LoosePieces
 from .relaxation import find_rest
 from .stable_step import StableStep, Stepping
-from .tool_terms import ToolTerms
+from .tool_terms import ToolTerm, ToolTerms
 
 
 class Simulation:
@@ -123,13 +121,7 @@ class Simulation:
         precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
-        problems = [
-            *negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
-            *without_partner(tool, motion, law, contact, fracture),
-            *not_with_path(fracture, tool),
-        ]
-        if problems:
-            raise ValueError("; ".join(problems))
+        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
             "mesh": mesh,
@@ -149,52 +141,65 @@ class Simulation:
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
-        self.mesh = mesh = put_directors_into_planes(mesh, supports)
+        self.mesh = put_directors_into_planes(mesh, supports)
         self.material, self.tool, self.motion = material, tool, motion
         self.law, self.fracture = law, fracture
-
         workers = Workers(mesh.n_quad, threads)
         self.shell = MITC4Shell(
-            mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
+            self.mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
         )
-        self.supports = SupportSet(mesh, supports)
-        self.loads = LoadSet(mesh, loads, workers)
+        self.supports = SupportSet(self.mesh, supports)
+        self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
-        self.cables = CableSet(law or CohesiveLaw(), tool, directional=directional)
-        # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(tool, contact, mesh, material, fracture)
-        touching.append(self.cables)
-        self.tool_terms = ToolTerms(touching, motion, tool.n_body if tool else 1)
-        """What touches the tool, in the order of evaluation."""
-        self._flanks = FlankPoints()
-        edge_length = float(np.sqrt(np.median(mesh.quad_areas())))
-
         self.state = self._state_at_start(velocity)
-        self.cracks, self._loose = None, None
-        if law is not None:
-            self.cracks = Cracks(self.state, fracture, law, self.shell, self.loads, tool, motion)
-            if fracture.drop_loose == "clear":
-                self._loose = LoosePieces(
-                    self.shell, self.cracks, self.contact, edge_length, damping_alpha
-                )
-        self.self_contact: SelfContact | None = None
-        """Of the film with itself, if it is switched on."""
-        if contact.self_contact:
-            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
-            self.self_contact = SelfContact(contact, material, edge_length, part_of)
-        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+        touching = self._bring_tool(contact, directional)
+        self._let_crack(contact)
         self.time_step = StableStep(stepping or Stepping(), self.shell, touching, self._film_terms)
-        self._guard = StabilityGuard(mesh, self.shell, law, self.time_step)
-        self.ledger = Ledger()
+        self._guard = StabilityGuard(self.mesh, self.shell, law, self.time_step)
+        self._begin()
+
+    def _bring_tool(self, contact: Contact, directional: bool) -> list[ToolTerm]:
+        """Build all that touches the tool; return it in the order of evaluation."""
+        tool, film = self.tool, (self.mesh, self.material)
+        self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
+        # Contact comes first: it looks at the forces of the shells, without those of the cables.
+        self.contact, touching = contact_terms(tool, contact, *film, self.fracture)
+        touching.append(self.cables)
+        self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
+        """What touches the tool."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""
-        self._pose_at = poses_of(motion) if motion is not None else None
-        self._mass_damping = 0.0
-        self._dt = 0.0
-        self._between_steps = True
+        self._pose_at = poses_of(self.motion) if self.motion is not None else None
+        return touching
+
+    def _let_crack(self, contact: Contact) -> None:
+        """Build the cracks, and all that comes of them: points on flanks, loose pieces, flaps."""
+        self._flanks = FlankPoints()
+        self.cracks: Cracks | None = None
+        self._loose: LoosePieces | None = None
+        self.self_contact: SelfContact | None = None
+        """Of the film with itself, if it is switched on."""
+        edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
+        if self.law is not None:
+            self.cracks = Cracks(
+                self.state, self.fracture, self.law, self.shell, self.loads, self.tool, self.motion
+            )
+            if self.fracture.drop_loose == "clear":
+                alpha = self.integrator.damping_alpha
+                parts = self.shell, self.cracks, self.contact
+                self._loose = LoosePieces(*parts, edge_length, alpha)
+        if contact.self_contact:
+            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
+            self.self_contact = SelfContact(contact, self.material, edge_length, part_of)
+        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+
+    def _begin(self) -> None:
+        """Place the tool, which must not overlap the film, and take the first half kick."""
+        self.ledger = Ledger()
+        self._mass_damping, self._dt, self._between_steps = 0.0, 0.0, True
         self._place_tool()
         if self.contact is not None:
-            check_tool_outside(mesh, self.contact.tool, self.contact.grid, self.pose)
+            check_tool_outside(self.mesh, self.contact.tool, self.contact.grid, self.pose)
         self._start()
 
     def _state_at_start(self, velocity: Floats | None) -> State:

@@ -27,6 +27,8 @@ from math import atan, ceil, degrees, isfinite, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
+from shellcut.arrays import Floats
+
 from .rounded_edge import with_edge_radius
 from .tool import Tool, ToolError
 from .tooth import Tooth
@@ -164,14 +166,9 @@ def tooth_ring(
         one = with_edge_radius(one, edge_radius)
         straight = mirror * one.vertices - [_ahead_of_nose(one, tooth.cot), 0.0, 0.0]
         triangles, edges = one.triangles, one.edges
-    n = straight.shape[0]
-    vertices = np.empty((n_teeth, n, 3))
-    for k in range(n_teeth):
-        angle = radians(phase_deg) + 2.0 * pi * k / n_teeth + straight[:, 0] / radius
-        vertices[k, :, 0] = (radius + straight[:, 1]) * np.cos(angle)
-        vertices[k, :, 1] = (radius + straight[:, 1]) * np.sin(angle)
-        vertices[k, :, 2] = tip_clearance + straight[:, 2]
-    offsets = n * np.arange(n_teeth)[:, None, None]
+    phases = radians(phase_deg) + 2.0 * pi * np.arange(n_teeth) / n_teeth
+    vertices = _around_the_axis(straight + np.array([0.0, 0.0, tip_clearance]), radius, phases)
+    offsets = straight.shape[0] * np.arange(n_teeth)[:, None, None]
     ring = Tool.from_triangles(
         vertices.reshape(-1, 3),
         (triangles + offsets).reshape(-1, 3),
@@ -181,6 +178,16 @@ def tooth_ring(
         parameters=parameters,
     )
     return replace(ring, edge_radius=edge_radius)
+
+
+def _around_the_axis(straight: Floats, radius: float, phases: Floats) -> Floats:
+    """Wind straight teeth (s, n, z) around the axis; return x, y, z, shape (n_phase, n, 3) [mm]."""
+    s, n, z = straight.T
+    angle = phases[:, None] + s / radius
+    out = radius + n
+    return np.stack(
+        [out * np.cos(angle), out * np.sin(angle), np.broadcast_to(z, angle.shape)], axis=-1
+    )
 
 
 def _ahead_of_nose(tool: Tool, cot: float) -> float:
