@@ -42,6 +42,11 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     cache = Path(tempfile.gettempdir()) / f"shellcut-numba-{getpass.getuser()}"
     os.environ["NUMBA_CACHE_DIR"] = str(cache / _digest(_source_folder()))
 
+# Tests start Python a few hundred times. Where it may write no bytecode into the tree, each start
+# would compile four hundred modules, half a second: it writes it beside the kernels.
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+    os.environ["PYTHONPYCACHEPREFIX"] = str(Path(os.environ["NUMBA_CACHE_DIR"]) / "bytecode")
+
 # With nothing compiled two processes should begin with different kernels, or one waits for the
 # other: the first with those of the shell, the second with the others, which take no shell. Then
 # the longest files, so that no process is left with one of them at the end.
