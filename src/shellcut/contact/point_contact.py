@@ -41,7 +41,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.tool.pose import Pose, to_space, turn
@@ -244,7 +244,7 @@ def _quad_of(q: int, film: PointFilm) -> QuadSurface:
     )
 
 
-@inline
+@always_inline
 def _closest_quad(
     i: int, p: tuple[float, float, float], tables: PointTables
 ) -> tuple[int, float, float]:

@@ -109,6 +109,7 @@ def _after_impact(
     tables: SelfContactTables,
 ) -> tuple[float, float]:
     """Return the work in the spring of point i [N·mm], and the force that it may exert [N]."""
+    tables = borrowed(tables)
     memory, quads, nodes = tables.memory, tables.quads, tables.nodes
     change = way.depth - memory.depth[sheet]
     if abs(change) <= NOTICED * tables.law.smoothing_depth or dt == 0.0:
