@@ -8,13 +8,14 @@ search over all nodes is rare. The list never changes a result: its users check 
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import load
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
@@ -118,6 +119,29 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
     )
 
 
+@inline
+def tool_way(pose: Pose, then: Pose, radius: float) -> float:
+    """Return a bound on the motion of the tool within a radius around its origin [mm]."""
+    # No point of the tool has moved by more than the origin plus rotation times radius.
+    turn = 0.0
+    shift = 0.0
+    for i in range(3):
+        shift += (pose.translation[i] - then.translation[i]) ** 2
+        for j in range(3):
+            turn += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
+    return sqrt(shift) + radius * sqrt(turn)
+
+
+@always_inline
+def largest_speed(ids: Ints, count: int, velocity: Floats) -> float:
+    """Return the largest speed of the first ``count`` of some nodes [mm/s]."""
+    fastest = 0.0
+    for i in range(count):
+        v = load(velocity, ids[i])
+        fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return sqrt(fastest)
+
+
 @kernel
 def _moved(
     ids: Ints,
@@ -127,18 +151,7 @@ def _moved(
     radius: float,
 ) -> tuple[float, float]:
     """Return a bound on the motion of the tool within a radius, and the largest nodal speed."""
-    # No point of the tool has moved by more than the origin plus rotation times radius.
-    turn = 0.0
-    shift = 0.0
-    for i in range(3):
-        shift += (pose.translation[i] - then.translation[i]) ** 2
-        for j in range(3):
-            turn += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
-    fastest = 0.0
-    for i in range(ids.shape[0]):
-        v = load(velocity, ids[i])
-        fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    return np.sqrt(shift) + radius * np.sqrt(turn), np.sqrt(fastest)
+    return tool_way(pose, then, radius), largest_speed(ids, ids.shape[0], velocity)
 
 
 @kernel

@@ -16,23 +16,26 @@ from .settings import PenaltyLaw
 class PointPairs(NamedTuple):
     """Which quads are near which point; the arrays have room for more."""
 
-    used: Annotated[Ints, "(1,)"]
-    """Number of listed points."""
+    used: Annotated[Ints, "(2,)"]
+    """Number of listed points, and of nodes of the listed quads."""
     point: Annotated[Ints, "(n_point,)"]
     """Points with a quad near, or a force, ascending; the first ``used`` in use."""
     first: Annotated[Ints, "(n_first,)"]
     """First quad of each, and the end."""
     quad: Annotated[Ints, "(n_pair,)"]
     """Whole quads, ascending for each point."""
+    node: Annotated[Ints, "(n_listed,)"]
+    """Nodes of all these quads, ascending."""
 
     @classmethod
     def none(cls, n_point: int, n_pair: int) -> PointPairs:
         """Return the list of nothing near, with room for so many points and pairs."""
         return cls(
-            used=np.zeros(1, np.int64),
+            used=np.zeros(2, np.int64),
             point=np.zeros(n_point, np.int64),
             first=np.zeros(n_point + 1, np.int64),
             quad=np.zeros(n_pair, np.int64),
+            node=np.zeros(4 * n_pair, np.int64),
         )
 
     def listed(self) -> tuple[Ints, Ints]:
@@ -41,15 +44,20 @@ class PointPairs(NamedTuple):
         of = np.repeat(self.point[:n], np.diff(self.first[: n + 1]))
         return of, self.quad[: self.first[n]]
 
-    def fill(self, point: Ints, first: Ints, quad: Ints) -> PointPairs:
+    def nodes(self) -> Ints:
+        """Return the nodes of the listed quads."""
+        return self.node[: self.used[1]]
+
+    def fill(self, point: Ints, first: Ints, quad: Ints, node: Ints) -> PointPairs:
         """Replace the list; return it, or a longer one that holds it."""
         pairs = self
         if quad.size > self.quad.size:
             pairs = PointPairs.none(self.point.size, 2 * quad.size)
-        pairs.used[0] = point.size
+        pairs.used[:] = point.size, node.size
         pairs.point[: point.size] = point
         pairs.first[: first.size] = first
         pairs.quad[: quad.size] = quad
+        pairs.node[: node.size] = node
         return pairs
 
 
@@ -62,8 +70,8 @@ class PointSprings(NamedTuple):
     """How far it has passed the film [mm]."""
     stored: Annotated[Floats, "(n_point,)"]
     """Penalty energy [N·mm]."""
-    due: Annotated[Ints, "(n_point,)"]
-    """Step at which it is looked at next."""
+    until: Annotated[Floats, "(n_point,)"]
+    """Way walked from which on it may touch, and is looked at again [mm]."""
     force: Annotated[Floats, "(n_point, 3)"]
     """On the film [N]."""
     node: Annotated[Ints, "(n_point, 4)"]
@@ -78,7 +86,7 @@ class PointSprings(NamedTuple):
             side=np.zeros(n, np.int8),
             depth=np.zeros(n),
             stored=np.zeros(n),
-            due=np.zeros(n, np.int64),
+            until=np.zeros(n),
             force=np.zeros((n, 3)),
             node=np.zeros((n, 4), np.int64),
             weight=np.zeros((n, 4)),
@@ -100,6 +108,8 @@ class PointTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
     points: ContactPoints
+    radius: float
+    """Of the farthest of them, around the body's origin [mm]."""
     pairs: PointPairs
     springs: PointSprings
     film: PointFilm
