@@ -61,7 +61,8 @@ from .foot_on_quad import (
 )
 from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
-from .point_tables import PointFilm, PointPairs, PointSprings, PointTables, pairs_near
+from .point_search import list_pairs, whole_quads_near
+from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
 from .settings import node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
@@ -139,6 +140,7 @@ class PointContact:
         self._tables: PointTables | None = None
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
+        self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
         self.forces = PointForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
 
@@ -214,21 +216,29 @@ class PointContact:
 
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
-        n, quads = state.node, state.quads
-        near = np.zeros(n.count, np.bool_)
-        near[self._contact.near.ids] = True
-        cut = (state.quad.share[: state.n_quad] < 1.0) | n.halved[quads].any(axis=1)
-        whole = np.flatnonzero(near[quads].any(axis=1) & ~cut)
-        pressing = np.flatnonzero(self._springs.force.any(axis=1))
-        margin = CAPTURE * local_edge_length(n.contact_area[quads[whole]].max(axis=1)) + self._slack
-        place, corners = pose.to_space(self.points.place), n.x[quads[whole]]
-        found = pairs_near(place, corners, whole, margin, pressing)
-        nodes = np.unique(quads[found[2]]).astype(np.int64)
-        kept, self._pairs = self._pairs, self._pairs.fill(*found, nodes)
-        self._x_listed, self._listed_pose = n.x[nodes].copy(), pose
+        n, film = state.node, _film_of(state)
+        ids, low, high = np.empty(state.n_quad, np.int64), *np.empty((2, state.n_quad, 3))
+        count = self._quads(
+            self._contact.near.ids,
+            n.halved,
+            state.quad.share,
+            film,
+            (CAPTURE, self._slack),
+            ids,
+            low,
+            high,
+        )
+        boxes = ids[:count], low[:count], high[:count]
+        place, force, kept = pose.to_space(self.points.place), self._springs.force, self._pairs
+        while True:
+            n_pair = self._pair(place, force, *boxes, film.quads, self._pairs)
+            if n_pair <= self._pairs.quad.size:
+                break
+            self._pairs = PointPairs.none(len(place), 2 * n_pair)
+        self._x_listed, self._listed_pose = n.x[self._pairs.nodes()].copy(), pose
         self._walked, self._look_at = 0.0, 0.5 * self._slack
         left = np.ones(len(place), np.bool_)
-        left[found[0]] = False
+        left[self._pairs.points()] = False
         self._springs.side[left] = 0
         self._springs.until[:] = 0.0
         if self._pairs is not kept or not self._known.is_of(state):
@@ -237,19 +247,21 @@ class PointContact:
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""
-        n = state.node
         tables = PointTables(
             points=self.points,
             radius=self._radius,
             pairs=self._pairs,
             springs=self._springs,
-            film=PointFilm(
-                quads=state.quads,
-                **{name: getattr(n, name) for name in PointFilm._fields if name != "quads"},
-            ),
+            film=_film_of(state),
             law=self._contact.law,
         )
         self._tables = self._hold(tables)
+
+
+def _film_of(state: State) -> PointFilm:
+    """Return what kernels need of the film, good until the next split."""
+    n = state.node
+    return PointFilm(state.quads, *(getattr(n, name) for name in PointFilm._fields[1:]))
 
 
 @inline

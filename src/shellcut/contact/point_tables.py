@@ -6,8 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
-from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.arrays import Floats, Ints, SmallIds, SmallInts
 
 from .contact_points import ContactPoints
 from .settings import PenaltyLaw
@@ -48,17 +47,9 @@ class PointPairs(NamedTuple):
         """Return the nodes of the listed quads."""
         return self.node[: self.used[1]]
 
-    def fill(self, point: Ints, first: Ints, quad: Ints, node: Ints) -> PointPairs:
-        """Replace the list; return it, or a longer one that holds it."""
-        pairs = self
-        if quad.size > self.quad.size:
-            pairs = PointPairs.none(self.point.size, 2 * quad.size)
-        pairs.used[:] = point.size, node.size
-        pairs.point[: point.size] = point
-        pairs.first[: first.size] = first
-        pairs.quad[: quad.size] = quad
-        pairs.node[: node.size] = node
-        return pairs
+    def points(self) -> Ints:
+        """Return the listed points."""
+        return self.point[: self.used[0]]
 
 
 class PointSprings(NamedTuple):
@@ -114,52 +105,3 @@ class PointTables(NamedTuple):
     springs: PointSprings
     film: PointFilm
     law: PenaltyLaw
-
-
-def pairs_near(
-    place: Floats, corners: Floats, quads: Ints, margin: Floats, besides: Ints
-) -> tuple[Ints, Ints, Ints]:
-    """Return the points near some quads, in boxes around them, as :class:`PointPairs` lists them.
-
-    Parameters
-    ----------
-    place : ndarray, shape (n_point, 3)
-        In space [mm].
-    corners : ndarray, shape (n, 4, 3)
-        Of the quads [mm].
-    quads : ndarray of int, shape (n,)
-        Their ids, ascending.
-    margin : ndarray, shape (n,)
-        Of the boxes [mm].
-    besides : ndarray of int
-        Points that are listed in any case.
-    """
-    low, high = corners.min(axis=1) - margin[:, None], corners.max(axis=1) + margin[:, None]
-    inside = np.zeros(len(place), np.bool_)
-    if len(quads):
-        inside = ((place > low.min(axis=0)) & (place < high.max(axis=0))).all(axis=1)
-    candidates = np.flatnonzero(inside)
-    near = np.zeros((len(candidates), len(quads)), np.bool_)
-    _MARK(place[candidates], low, high, near)
-    row, column = np.nonzero(near)
-    point = np.union1d(candidates[row], besides).astype(np.int64)
-    first = np.searchsorted(candidates[row], np.append(point, len(place)))
-    return point, first, quads[column]
-
-
-@kernel
-def _mark(place: Floats, low: Floats, high: Floats, near: Bools) -> None:
-    """Mark which points lie in which boxes, near : (n_point, n_box)."""
-    for i in range(place.shape[0]):
-        for b in range(low.shape[0]):
-            near[i, b] = (
-                (low[b, 0] < place[i, 0])
-                & (place[i, 0] < high[b, 0])
-                & (low[b, 1] < place[i, 1])
-                & (place[i, 1] < high[b, 1])
-                & (low[b, 2] < place[i, 2])
-                & (place[i, 2] < high[b, 2])
-            )
-
-
-_MARK = BoundOnce(_mark)
