@@ -46,7 +46,7 @@ class NearNodes:
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
-        self._way = BoundOnce(_moved)
+        self._way, self._within = BoundOnce(_moved), BoundOnce(_within)
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
@@ -97,12 +97,9 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        inner = 0.5 * self._margin
-        body = pose.to_body(state.node.x[self.ids])
-        inside = np.zeros(self.ids.size, np.bool_)
-        for low, high in zip(self._low + inner, self._high - inner, strict=True):
-            inside |= ((body > low) & (body < high)).all(axis=1)
-        return np.asarray(self.ids[inside])
+        inner, found = 0.5 * self._margin, np.empty(self.ids.size, np.int64)
+        low, high = self._low + inner, self._high - inner
+        return found[: self._within(self.ids, state.node.x, pose, low, high, found)]
 
 
 @inline
@@ -171,6 +168,20 @@ def _inside(
         hit = False
         if not real[n]:
             continue
+        for b in range(low.shape[0]):
+            hit |= in_box(p, low, high, b)
+        found[count] = n
+        count += hit
+    return count
+
+
+@kernel
+def _within(ids: Ints, x: Floats, pose: Pose, low: Floats, high: Floats, found: Ints) -> int:
+    """Write those of some nodes that are inside any box to found : (n,), return their number."""
+    pose, count = borrowed(pose), 0
+    for n in ids:
+        p = to_body(load(x, n), pose)
+        hit = False
         for b in range(low.shape[0]):
             hit |= in_box(p, low, high, b)
         found[count] = n

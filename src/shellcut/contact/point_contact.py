@@ -63,7 +63,7 @@ from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
 from .point_search import list_pairs, whole_quads_near
 from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
-from .settings import node_stiffness, smoothed, smoothed_integral
+from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
 """Distance from the film beyond which a point does not touch it, over the local edge length."""
@@ -140,6 +140,7 @@ class PointContact:
         self._tables: PointTables | None = None
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
+        self._soon = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
         self.forces = PointForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
@@ -161,15 +162,12 @@ class PointContact:
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
-        n = state.node
-        of, quad = self._pairs.listed()
-        both = np.unique(of[:, None] * n.count + state.quads[quad])
-        point, node = np.divmod(both, n.count)
-        area = n.contact_area[node]
-        place = self._pose.to_space(self.points.place[point])
-        away = np.linalg.norm(n.x[node] - place, axis=1) / local_edge_length(area)
-        weight = np.clip(1.0 + _SOON - away, 0.0, 1.0)
-        return node, self.points.share[point] * weight * self._contact.law.steepest(area)
+        if self._tables is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        room = 4 * int(self._pairs.first[self._pairs.used[0]])
+        node, stiffness = np.empty(room, np.int64), np.empty(room)
+        count = self._soon(self._pose, self._tables, node, stiffness)
+        return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
@@ -392,6 +390,37 @@ def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
         moves = load(film.velocity_half, springs.node[k, c])
         power += springs.weight[k, c] * dot(f, moves)
     return power
+
+
+@kernel
+def _stiffness_soon(pose: Pose, tables: PointTables, node: Ints, stiffness: Floats) -> int:
+    """Write the nodes that points may press soon, with the steepest penalty : (n,) [N/mm].
+
+    Node by node for every point, ascending; return their number.
+    """
+    pose, tables = borrowed(pose), borrowed(tables)
+    points, pairs, film, law = tables.points, tables.pairs, tables.film, tables.law
+    count = 0
+    for i in range(pairs.used[0]):
+        k, begin = pairs.point[i], count
+        p = to_space(load(points.place, k), pose)
+        for j in range(pairs.first[i], pairs.first[i + 1]):
+            for c in range(4):
+                n, at = film.quads[pairs.quad[j], c], count
+                while at > begin and node[at - 1] > n:
+                    at -= 1
+                if at > begin and node[at - 1] == n:
+                    continue
+                for later in range(count, at, -1):
+                    node[later] = node[later - 1]
+                node[at] = n
+                count += 1
+        for j in range(begin, count):
+            area = film.contact_area[node[j]]
+            away = norm(sub(load(film.x, node[j]), p)) / local_edge_length(area)
+            weight = min(max(1.0 + _SOON - away, 0.0), 1.0)
+            stiffness[j] = points.share[k] * weight * STEEPEST * node_stiffness(area, law)
+    return count
 
 
 @kernel

@@ -37,12 +37,6 @@ class PointPairs(NamedTuple):
             node=np.zeros(4 * n_pair, np.int64),
         )
 
-    def listed(self) -> tuple[Ints, Ints]:
-        """Return point and quad of every pair."""
-        n = int(self.used[0])
-        of = np.repeat(self.point[:n], np.diff(self.first[: n + 1]))
-        return of, self.quad[: self.first[n]]
-
     def nodes(self) -> Ints:
         """Return the nodes of the listed quads."""
         return self.node[: self.used[1]]
