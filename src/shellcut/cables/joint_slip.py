@@ -70,6 +70,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import combine, dot, load, norm, store, sub
 from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
@@ -183,6 +184,7 @@ def slide(
 
     minus, plus : ends of the cable in the body frame [mm].  Writes edge and joint_body.
     """
+    edges, joint, cables = borrowed(edges), borrowed(joint), borrowed(cables)
     segments = edges.segments
     k = cables.edge[c]
     start, v = segment_part(segments, k, START), segment_part(segments, k, VECTOR)

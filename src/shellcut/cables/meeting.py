@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot, load, norm, store, sub
 from shellcut.state import local_edge_length
@@ -47,6 +48,7 @@ def find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTab
     Works in the body frame of the tool.  Writes edge, joint, slack, transport and overshoot of
     the cable.
     """
+    tables = borrowed(tables)
     edges, cables = tables.edges, tables.cables
     segments, m = edges.segments, load(cables.m, c)
     size = local_edge_length(tables.nodes.contact_area[cables.ends[c, 0]])

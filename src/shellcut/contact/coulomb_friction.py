@@ -37,7 +37,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -76,6 +76,8 @@ class FrictionForces(NamedTuple):
 class _Springs(NamedTuple):
     """Springs of the nodes, named as in :class:`shellcut.state.NodeTable`; the kernel writes."""
 
+    held: Annotated[Bools, "(n_near,)"]
+    """Which nodes of the contact's list have a spring that is not at rest."""
     friction_spring: Annotated[Floats, "(n_node, 3)"]
     friction_force: Annotated[Floats, "(n_node, 3)"]
 
@@ -101,7 +103,8 @@ class CoulombFriction:
         self._pose: Pose | None = None
         self._hold = Holder()
         self._call = BoundOnce(_add_friction_forces)
-        self.forces = FrictionForces(np.zeros((contact.tool.n_body, 6)), 0.0, 0.0, 0.0, 0)
+        self._none = np.zeros((contact.tool.n_body, 6))
+        self.forces = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
         """Results of the last evaluation."""
 
     def add_forces(self, state: State, pose: Pose) -> FrictionForces:
@@ -110,7 +113,7 @@ class CoulombFriction:
         lost = 0.0
         if self._tables is not self._contact.tables:
             lost = self._take_list(state)
-        wrench = np.zeros_like(self.forces.wrench)
+        wrench = self._none.copy()
         work, stored, dissipated, n_slipping = self._call.code(
             pose, before, state.dt, self.coefficient, self._tables, self._springs, wrench
         )
@@ -152,8 +155,9 @@ class CoulombFriction:
             lost = float(0.5 * stiffness @ (springs**2).sum(axis=1))
             n.friction_spring[left] = n.friction_force[left] = 0.0
         self._listed, self._tables = self._contact.near.ids, tables
+        springs = n.friction_spring
         self._springs = self._hold(
-            _Springs(**{name: getattr(n, name) for name in _Springs._fields})
+            _Springs(springs[self._listed].any(axis=1), springs, n.friction_force)
         )
         return lost
 
@@ -180,11 +184,13 @@ def _add_friction_forces(
     work = stored = dissipated = 0.0
     n_slipping = 0
     for i in range(near.node.shape[0]):
+        if not (near.within[i] or springs.held[i]):
+            continue
         n = near.node[i]
         pressed = load(nodes.contact_force, n)
         pressure = norm(pressed)
         u, old = load(spring, n), load(force, n)
-        if pressure == 0.0 and u[0] == 0.0 and u[1] == 0.0 and u[2] == 0.0:
+        if pressure == 0.0 and not springs.held[i]:
             continue
         x, moves = load(nodes.x, n), load(nodes.velocity_half, n)
         share = nodes.contact_share[n]
@@ -203,6 +209,7 @@ def _add_friction_forces(
         dissipated += 0.5 * stiffness * dot(add(u, new), sub(pulled, new))
         f = scale(-stiffness, turn(new, pose))
         work += 0.5 * dt * dot(add(old, f), moves)
+        springs.held[i] = pressure > 0.0
         store(spring, n, new)
         store(force, n, f)
         add_to(nodes.force, n, f)

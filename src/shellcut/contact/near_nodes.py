@@ -8,13 +8,14 @@ search over all nodes is rare. The list never changes a result: its users check 
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import load
 from shellcut.state import KnownTopology, State
 from shellcut.tool.pose import Pose, to_body
@@ -45,7 +46,7 @@ class NearNodes:
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
-        self._way = BoundOnce(_moved)
+        self._way, self._within = BoundOnce(_moved), BoundOnce(_within)
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
@@ -96,12 +97,9 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        inner = 0.5 * self._margin
-        body = pose.to_body(state.node.x[self.ids])
-        inside = np.zeros(self.ids.size, np.bool_)
-        for low, high in zip(self._low + inner, self._high - inner, strict=True):
-            inside |= ((body > low) & (body < high)).all(axis=1)
-        return np.asarray(self.ids[inside])
+        inner, found = 0.5 * self._margin, np.empty(self.ids.size, np.int64)
+        low, high = self._low + inner, self._high - inner
+        return found[: self._within(self.ids, state.node.x, pose, low, high, found)]
 
 
 @inline
@@ -118,6 +116,29 @@ def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> 
     )
 
 
+@inline
+def tool_way(pose: Pose, then: Pose, radius: float) -> float:
+    """Return a bound on the motion of the tool within a radius around its origin [mm]."""
+    # No point of the tool has moved by more than the origin plus rotation times radius.
+    turn = 0.0
+    shift = 0.0
+    for i in range(3):
+        shift += (pose.translation[i] - then.translation[i]) ** 2
+        for j in range(3):
+            turn += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
+    return sqrt(shift) + radius * sqrt(turn)
+
+
+@always_inline
+def largest_speed(ids: Ints, count: int, velocity: Floats) -> float:
+    """Return the largest speed of the first ``count`` of some nodes [mm/s]."""
+    fastest = 0.0
+    for i in range(count):
+        v = load(velocity, ids[i])
+        fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return sqrt(fastest)
+
+
 @kernel
 def _moved(
     ids: Ints,
@@ -127,18 +148,7 @@ def _moved(
     radius: float,
 ) -> tuple[float, float]:
     """Return a bound on the motion of the tool within a radius, and the largest nodal speed."""
-    # No point of the tool has moved by more than the origin plus rotation times radius.
-    turn = 0.0
-    shift = 0.0
-    for i in range(3):
-        shift += (pose.translation[i] - then.translation[i]) ** 2
-        for j in range(3):
-            turn += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
-    fastest = 0.0
-    for i in range(ids.shape[0]):
-        v = load(velocity, ids[i])
-        fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    return np.sqrt(shift) + radius * np.sqrt(turn), np.sqrt(fastest)
+    return tool_way(pose, then, radius), largest_speed(ids, ids.shape[0], velocity)
 
 
 @kernel
@@ -158,6 +168,20 @@ def _inside(
         hit = False
         if not real[n]:
             continue
+        for b in range(low.shape[0]):
+            hit |= in_box(p, low, high, b)
+        found[count] = n
+        count += hit
+    return count
+
+
+@kernel
+def _within(ids: Ints, x: Floats, pose: Pose, low: Floats, high: Floats, found: Ints) -> int:
+    """Write those of some nodes that are inside any box to found : (n,), return their number."""
+    pose, count = borrowed(pose), 0
+    for n in ids:
+        p = to_body(load(x, n), pose)
+        hit = False
         for b in range(low.shape[0]):
             hit |= in_box(p, low, high, b)
         found[count] = n

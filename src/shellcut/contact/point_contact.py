@@ -24,10 +24,14 @@ a mean). Until the next look at the step a point moves by a quarter of an edge a
 taken as 1.25 - distance over edge length there, from 0 to 1.
 
 *Search.* Pairs of points and quads closer than the capture and ``_SLACK`` edges are listed, among
-the quads at the nodes near the tool, until points and nodes may have moved by half of the slack;
-the other half is for nodes that are not listed. A listed point that is h above the film is looked
-at again when it may have come down, at ``_PER_STEP`` of an edge a step (film that springs back at
-100 m/s moves by that), and every ``_REST`` steps in any case.
+the quads at the nodes near the tool, until points and nodes have moved by half of the slack; the
+other half is for nodes that are not listed.
+
+*Waiting.* A step adds to the way *walked* what points and listed film may have come nearer to each
+other: the motion of the tool, and the largest nodal speed times the step. A point that is at the
+distance d from the film cannot touch it before d has been walked, and is not looked at until then;
+one that is out of reach of the film, not before it may be in reach. One that is close to the film
+but beside its rim, or edgeways to it, is looked at again after ``_UNDECIDED`` of an edge.
 """
 
 from __future__ import annotations
@@ -41,7 +45,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
-from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.tool.pose import Pose, to_space, turn
@@ -55,9 +59,11 @@ from .foot_on_quad import (
     quad_surface,
     unit_normal,
 )
+from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
-from .point_tables import PointFilm, PointPairs, PointSprings, PointTables, pairs_near
-from .settings import node_stiffness, smoothed, smoothed_integral
+from .point_search import list_pairs, whole_quads_near
+from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
+from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
 """Distance from the film beyond which a point does not touch it, over the local edge length."""
@@ -70,12 +76,12 @@ _FACING = 0.3
 # and the number of pairs that it has room for at first.
 _SLACK, _ROOM = 0.6, 512
 
-# Steps between two checks of how far points and nodes have moved.
-_LOOK_EVERY = 5
+# Way over the edge length after which a point is looked at again that film is close to, but not
+# before it.
+_UNDECIDED = 0.02
 
-# Steps for which a point that does not press is not looked at, at most; and how far points and film
-# come together in a step at most, over the edge length.
-_REST, _PER_STEP = 8, 0.03
+# Of the slack: a list with less than that left of it is made anew.
+_LEAST_LEFT = 0.05
 
 # Of the edge length, far above the round-off of a place.
 _ROUND_OFF = 1e-10
@@ -120,29 +126,33 @@ class PointContact:
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self.name = "points"
         self._contact, self._slack = contact, _SLACK * edge_length
+        self._none = np.zeros((contact.tool.n_body, 6))
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
         self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
         self._springs = PointSprings.at_rest(len(self.points.place))
         self._pairs = PointPairs.none(len(self.points.place), _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
-        self._listed: Ints = np.zeros(0, np.int64)
         self._x_listed: Floats = np.zeros((0, 3))
+        # Way walked since the list was made, and at which it is looked at whether it is old.
+        self._walked, self._look_at = 0.0, 0.0
         self._known = KnownTopology()
         self._tables: PointTables | None = None
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
-        self.forces = PointForces(np.zeros((contact.tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
+        self._soon = BoundOnce(_stiffness_soon)
+        self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
+        self.forces = PointForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
 
     def add_forces(self, state: State, pose: Pose) -> PointForces:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
-        self._pose = pose
-        if self._is_old(state, pose):
-            self._list(state, pose)
-        wrench = np.zeros_like(self.forces.wrench)
-        found = self._call.code(pose, state.dt, state.step, self._tables, wrench)
-        self.forces = PointForces(wrench, *found)
+        before, self._pose = self._pose, pose
+        if not self._known.is_of(state) or self._walked > self._look_at or state.step == 0:
+            self._renew(state, pose)
+        wrench = self._none.copy()
+        found = self._call.code(pose, before, state.dt, self._walked, self._tables, wrench)
+        self.forces, self._walked = PointForces(wrench, *found[:5]), found[5]
         return self.forces
 
     def felt_nodes(self) -> Ints:
@@ -152,15 +162,12 @@ class PointContact:
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
-        n = state.node
-        of, quad = self._pairs.listed()
-        both = np.unique(of[:, None] * n.count + state.quads[quad])
-        point, node = np.divmod(both, n.count)
-        area = n.contact_area[node]
-        place = self._pose.to_space(self.points.place[point])
-        away = np.linalg.norm(n.x[node] - place, axis=1) / local_edge_length(area)
-        weight = np.clip(1.0 + _SOON - away, 0.0, 1.0)
-        return node, self.points.share[point] * weight * self._contact.law.steepest(area)
+        if self._tables is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        room = 4 * int(self._pairs.first[self._pairs.used[0]])
+        node, stiffness = np.empty(room, np.int64), np.empty(room)
+        count = self._soon(self._pose, self._tables, node, stiffness)
+        return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
@@ -171,8 +178,9 @@ class PointContact:
         return {
             "springs": self._springs._asdict(),
             "pairs": self._pairs._asdict(),
-            "listed": self._listed,
             "x_listed": self._x_listed,
+            "walked": self._walked,
+            "look_at": self._look_at,
             "pose": self._listed_pose._asdict(),
             "revision": self._known.revision,
             "forces": self.forces._asdict(),
@@ -182,58 +190,76 @@ class PointContact:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._springs = PointSprings(**{k: v.copy() for k, v in saved["springs"].items()})
         self._pairs = PointPairs(**{k: v.copy() for k, v in saved["pairs"].items()})
-        self._listed, self._x_listed = saved["listed"].copy(), saved["x_listed"].copy()
+        self._x_listed = saved["x_listed"].copy()
+        self._walked, self._look_at = saved["walked"], saved["look_at"]
         self._listed_pose, self._pose = Pose(**saved["pose"]).copied(), pose
         self._known.restore(saved["revision"], state)
         self.forces = PointForces(**saved["forces"])
         self._collect(state)
 
-    def _is_old(self, state: State, pose: Pose) -> bool:
-        """Return whether the list may miss a pair by now."""
-        if not self._known.is_of(state):
-            return True
-        if state.step % _LOOK_EVERY:
-            return False
-        before, x, radius = self._listed_pose, state.node.x, self._radius
-        moved = self._way(pose, before, radius, self._listed, x, self._x_listed)
-        return bool(moved > 0.5 * self._slack)
+    def _renew(self, state: State, pose: Pose) -> None:
+        """Make the list anew if it may miss a pair by now.
+
+        The way walked goes back and forth with the film: only if what has moved is as far from
+        where it was, the list is old.
+        """
+        if self._known.is_of(state) and state.step > 0:
+            before, x, nodes = self._listed_pose, state.node.x, self._pairs.nodes()
+            moved = self._way(pose, before, self._radius, nodes, x, self._x_listed)
+            left = 0.5 * self._slack - moved
+            if left > _LEAST_LEFT * self._slack:
+                self._look_at = self._walked + left
+                return
+        self._list(state, pose)
 
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
-        n, quads = state.node, state.quads
-        near = np.zeros(n.count, np.bool_)
-        near[self._contact.near.ids] = True
-        cut = (state.quad.share[: state.n_quad] < 1.0) | n.halved[quads].any(axis=1)
-        whole = np.flatnonzero(near[quads].any(axis=1) & ~cut)
-        pressing = np.flatnonzero(self._springs.force.any(axis=1))
-        margin = CAPTURE * local_edge_length(n.contact_area[quads[whole]].max(axis=1)) + self._slack
-        place, corners = pose.to_space(self.points.place), n.x[quads[whole]]
-        found = pairs_near(place, corners, whole, margin, pressing)
-        kept, self._pairs = self._pairs, self._pairs.fill(*found)
-        self._listed = np.unique(quads[found[2]]).astype(np.int64)
-        self._x_listed, self._listed_pose = n.x[self._listed].copy(), pose
+        n, film = state.node, _film_of(state)
+        ids, low, high = np.empty(state.n_quad, np.int64), *np.empty((2, state.n_quad, 3))
+        count = self._quads(
+            self._contact.near.ids,
+            n.halved,
+            state.quad.share,
+            film,
+            (CAPTURE, self._slack),
+            ids,
+            low,
+            high,
+        )
+        boxes = ids[:count], low[:count], high[:count]
+        place, force, kept = pose.to_space(self.points.place), self._springs.force, self._pairs
+        while True:
+            n_pair = self._pair(place, force, *boxes, film.quads, self._pairs)
+            if n_pair <= self._pairs.quad.size:
+                break
+            self._pairs = PointPairs.none(len(place), 2 * n_pair)
+        self._x_listed, self._listed_pose = n.x[self._pairs.nodes()].copy(), pose
+        self._walked, self._look_at = 0.0, 0.5 * self._slack
         left = np.ones(len(place), np.bool_)
-        left[found[0]] = False
+        left[self._pairs.points()] = False
         self._springs.side[left] = 0
-        self._springs.due[:] = state.step
+        self._springs.until[:] = 0.0
         if self._pairs is not kept or not self._known.is_of(state):
             self._collect(state)
         self._known.take(state)
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until the list is made anew."""
-        n = state.node
         tables = PointTables(
             points=self.points,
+            radius=self._radius,
             pairs=self._pairs,
             springs=self._springs,
-            film=PointFilm(
-                quads=state.quads,
-                **{name: getattr(n, name) for name in PointFilm._fields if name != "quads"},
-            ),
+            film=_film_of(state),
             law=self._contact.law,
         )
         self._tables = self._hold(tables)
+
+
+def _film_of(state: State) -> PointFilm:
+    """Return what kernels need of the film, good until the next split."""
+    n = state.node
+    return PointFilm(state.quads, *(getattr(n, name) for name in PointFilm._fields[1:]))
 
 
 @inline
@@ -244,16 +270,15 @@ def _quad_of(q: int, film: PointFilm) -> QuadSurface:
     )
 
 
-@inline
-def _closest_quad(
-    i: int, p: tuple[float, float, float], tables: PointTables
-) -> tuple[int, float, float]:
+@always_inline
+def _closest_quad(i: int, p: Vec3, tables: PointTables) -> tuple[int, float, float, float]:
     """Return the quad closest to p among those listed for the i-th point, xi and eta; -1 for none.
 
-    Quads that are farther than a point can touch are passed over.
+    Quads that are farther than a point can touch are passed over; the last number is the way after
+    which one of them may no longer be [mm].
     """
     pairs, film = tables.pairs, tables.film
-    best, best_xi, best_eta, least = -1, 0.0, 0.0, np.inf
+    best, best_xi, best_eta, least, free = -1, 0.0, 0.0, np.inf, np.inf
     for j in range(pairs.first[i], pairs.first[i + 1]):
         q = pairs.quad[j]
         quad = _quad_of(q, film)
@@ -262,42 +287,47 @@ def _closest_quad(
         area = 0.0
         for c in range(4):
             area = max(area, film.contact_area[film.quads[q, c]])
-        if norm(away) > reach + CAPTURE * local_edge_length(area):
+        out_of_reach = norm(away) - reach - CAPTURE * local_edge_length(area)
+        if out_of_reach > 0.0:
+            free = min(free, out_of_reach)
             continue
         xi, eta = foot_on_quad(p, quad)
         away = sub(p, point_of(quad, xi, eta))
         squared = dot(away, away)
         if squared < least:
             best, best_xi, best_eta, least = q, xi, eta, squared
-    return best, best_xi, best_eta
+    return best, best_xi, best_eta, free
 
 
 @kernel
 def _add_point_forces(
-    pose: Pose, dt: float, step: int, tables: PointTables, wrench: Floats
-) -> tuple[float, float, float, int, float]:
+    pose: Pose, before: Pose, dt: float, walked: float, tables: PointTables, wrench: Floats
+) -> tuple[float, float, float, int, float, float]:
     """Add the forces of the listed points to those of the nodes and to wrench : (n_body, 6).
 
-    Writes the springs.  Returns the work on the nodes over the last step, the stored energy, that
-    of springs that have let go, the number of points that press and the largest depth.
+    walked : way that points and film may have come nearer since the list was made [mm].  Writes the
+    springs.  Returns the work on the nodes over the last step, the stored energy, that of springs
+    that have let go, the number of points that press, the largest depth and the way walked.
     """
-    pose, tables = borrowed(pose), borrowed(tables)
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     points, springs, film, law = tables.points, tables.springs, tables.film, tables.law
-    side, depth = springs.side, springs.depth
+    pairs, side, depth, until = tables.pairs, springs.side, springs.depth, springs.until
     origin = pose.translation
+    walked += tool_way(pose, before, tables.radius)
+    walked += dt * largest_speed(pairs.node, pairs.used[1], film.velocity_half)
     work = stored = absorbed = deepest = 0.0
     n_touching = 0
-    for i in range(tables.pairs.used[0]):
-        k = tables.pairs.point[i]
-        if step < springs.due[k]:
+    for i in range(pairs.used[0]):
+        k = pairs.point[i]
+        if walked < until[k]:
             continue
         old = load(springs.force, k)
         if old[0] != 0.0 or old[1] != 0.0 or old[2] != 0.0:
             work += 0.5 * dt * _power(k, old, springs, film)
             store(springs.force, k, (0.0, 0.0, 0.0))
         p = to_space(load(points.place, k), pose)
-        q, xi, eta = _closest_quad(i, p, tables)
-        kept = False
+        q, xi, eta, free = _closest_quad(i, p, tables)
+        kept, little = False, 0.0
         if q >= 0:
             quad = _quad_of(q, film)
             s, normal = point_of(quad, xi, eta), unit_normal(quad, xi, eta)
@@ -309,11 +339,14 @@ def _add_point_forces(
             # Beyond the rim a point is more beside the film than above it.
             size = local_edge_length(area)
             kept = far <= CAPTURE * size and far <= 1.5 * abs(height) + _ROUND_OFF * size
+            little = _UNDECIDED * size
         if not kept:
             absorbed += springs.stored[k]
             side[k] = 0
             depth[k] = springs.stored[k] = 0.0
-            springs.due[k] = step + _REST
+            until[k] = walked + free
+            if q >= 0:
+                until[k] = walked + max(min(far - CAPTURE * size, free), little)
             continue
         if side[k] == 0:
             facing = dot(turn(load(points.outward, k), pose), normal)
@@ -324,9 +357,9 @@ def _add_point_forces(
         depth[k] = g
         springs.stored[k] = 0.0
         if g == 0.0:
-            rest = int(abs(height) / (_PER_STEP * local_edge_length(area)))
-            springs.due[k] = step + min(max(rest, 1), _REST)
+            until[k] = walked + (min(far, max(free, little)) if side[k] != 0 else little)
             continue
+        until[k] = 0.0
         n_touching += 1
         deepest = max(deepest, g)
         stiffness = points.share[k] * node_stiffness(area, law)
@@ -346,7 +379,7 @@ def _add_point_forces(
                 film.force[springs.node[k, corner], c] += springs.weight[k, corner] * f[c]
             wrench[body, c] -= f[c]
             wrench[body, 3 + c] -= moment[c]
-    return work, stored, absorbed, n_touching, deepest
+    return work, stored, absorbed, n_touching, deepest, walked
 
 
 @inline
@@ -360,19 +393,46 @@ def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
 
 
 @kernel
+def _stiffness_soon(pose: Pose, tables: PointTables, node: Ints, stiffness: Floats) -> int:
+    """Write the nodes that points may press soon, with the steepest penalty : (n,) [N/mm].
+
+    Node by node for every point, ascending; return their number.
+    """
+    pose, tables = borrowed(pose), borrowed(tables)
+    points, pairs, film, law = tables.points, tables.pairs, tables.film, tables.law
+    count = 0
+    for i in range(pairs.used[0]):
+        k, begin = pairs.point[i], count
+        p = to_space(load(points.place, k), pose)
+        for j in range(pairs.first[i], pairs.first[i + 1]):
+            for c in range(4):
+                n, at = film.quads[pairs.quad[j], c], count
+                while at > begin and node[at - 1] > n:
+                    at -= 1
+                if at > begin and node[at - 1] == n:
+                    continue
+                for later in range(count, at, -1):
+                    node[later] = node[later - 1]
+                node[at] = n
+                count += 1
+        for j in range(begin, count):
+            area = film.contact_area[node[j]]
+            away = norm(sub(load(film.x, node[j]), p)) / local_edge_length(area)
+            weight = min(max(1.0 + _SOON - away, 0.0), 1.0)
+            stiffness[j] = points.share[k] * weight * STEEPEST * node_stiffness(area, law)
+    return count
+
+
+@kernel
 def _farthest(
     pose: Pose, then: Pose, radius: float, nodes: Ints, x: Floats, before: Floats
 ) -> float:
     """Return by how much the tool within a radius, and the nodes, may have moved [mm]."""
-    turned = shift = far = 0.0
-    for i in range(3):
-        shift += (pose.translation[i] - then.translation[i]) ** 2
-        for j in range(3):
-            turned += (pose.rotation[i, j] - then.rotation[i, j]) ** 2
+    far = 0.0
     for i in range(nodes.shape[0]):
         way = sub(load(x, nodes[i]), load(before, i))
         far = max(far, dot(way, way))
-    return sqrt(shift) + radius * sqrt(turned) + sqrt(far)
+    return tool_way(pose, then, radius) + sqrt(far)
 
 
 def felt_nodes(terms: Iterable[object]) -> Ints:

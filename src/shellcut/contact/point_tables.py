@@ -6,8 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
-from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.arrays import Floats, Ints, SmallIds, SmallInts
 
 from .contact_points import ContactPoints
 from .settings import PenaltyLaw
@@ -16,41 +15,35 @@ from .settings import PenaltyLaw
 class PointPairs(NamedTuple):
     """Which quads are near which point; the arrays have room for more."""
 
-    used: Annotated[Ints, "(1,)"]
-    """Number of listed points."""
+    used: Annotated[Ints, "(2,)"]
+    """Number of listed points, and of nodes of the listed quads."""
     point: Annotated[Ints, "(n_point,)"]
     """Points with a quad near, or a force, ascending; the first ``used`` in use."""
     first: Annotated[Ints, "(n_first,)"]
     """First quad of each, and the end."""
     quad: Annotated[Ints, "(n_pair,)"]
     """Whole quads, ascending for each point."""
+    node: Annotated[Ints, "(n_listed,)"]
+    """Nodes of all these quads, ascending."""
 
     @classmethod
     def none(cls, n_point: int, n_pair: int) -> PointPairs:
         """Return the list of nothing near, with room for so many points and pairs."""
         return cls(
-            used=np.zeros(1, np.int64),
+            used=np.zeros(2, np.int64),
             point=np.zeros(n_point, np.int64),
             first=np.zeros(n_point + 1, np.int64),
             quad=np.zeros(n_pair, np.int64),
+            node=np.zeros(4 * n_pair, np.int64),
         )
 
-    def listed(self) -> tuple[Ints, Ints]:
-        """Return point and quad of every pair."""
-        n = int(self.used[0])
-        of = np.repeat(self.point[:n], np.diff(self.first[: n + 1]))
-        return of, self.quad[: self.first[n]]
+    def nodes(self) -> Ints:
+        """Return the nodes of the listed quads."""
+        return self.node[: self.used[1]]
 
-    def fill(self, point: Ints, first: Ints, quad: Ints) -> PointPairs:
-        """Replace the list; return it, or a longer one that holds it."""
-        pairs = self
-        if quad.size > self.quad.size:
-            pairs = PointPairs.none(self.point.size, 2 * quad.size)
-        pairs.used[0] = point.size
-        pairs.point[: point.size] = point
-        pairs.first[: first.size] = first
-        pairs.quad[: quad.size] = quad
-        return pairs
+    def points(self) -> Ints:
+        """Return the listed points."""
+        return self.point[: self.used[0]]
 
 
 class PointSprings(NamedTuple):
@@ -62,8 +55,8 @@ class PointSprings(NamedTuple):
     """How far it has passed the film [mm]."""
     stored: Annotated[Floats, "(n_point,)"]
     """Penalty energy [N·mm]."""
-    due: Annotated[Ints, "(n_point,)"]
-    """Step at which it is looked at next."""
+    until: Annotated[Floats, "(n_point,)"]
+    """Way walked from which on it may touch, and is looked at again [mm]."""
     force: Annotated[Floats, "(n_point, 3)"]
     """On the film [N]."""
     node: Annotated[Ints, "(n_point, 4)"]
@@ -78,7 +71,7 @@ class PointSprings(NamedTuple):
             side=np.zeros(n, np.int8),
             depth=np.zeros(n),
             stored=np.zeros(n),
-            due=np.zeros(n, np.int64),
+            until=np.zeros(n),
             force=np.zeros((n, 3)),
             node=np.zeros((n, 4), np.int64),
             weight=np.zeros((n, 4)),
@@ -100,56 +93,9 @@ class PointTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
     points: ContactPoints
+    radius: float
+    """Of the farthest of them, around the body's origin [mm]."""
     pairs: PointPairs
     springs: PointSprings
     film: PointFilm
     law: PenaltyLaw
-
-
-def pairs_near(
-    place: Floats, corners: Floats, quads: Ints, margin: Floats, besides: Ints
-) -> tuple[Ints, Ints, Ints]:
-    """Return the points near some quads, in boxes around them, as :class:`PointPairs` lists them.
-
-    Parameters
-    ----------
-    place : ndarray, shape (n_point, 3)
-        In space [mm].
-    corners : ndarray, shape (n, 4, 3)
-        Of the quads [mm].
-    quads : ndarray of int, shape (n,)
-        Their ids, ascending.
-    margin : ndarray, shape (n,)
-        Of the boxes [mm].
-    besides : ndarray of int
-        Points that are listed in any case.
-    """
-    low, high = corners.min(axis=1) - margin[:, None], corners.max(axis=1) + margin[:, None]
-    inside = np.zeros(len(place), np.bool_)
-    if len(quads):
-        inside = ((place > low.min(axis=0)) & (place < high.max(axis=0))).all(axis=1)
-    candidates = np.flatnonzero(inside)
-    near = np.zeros((len(candidates), len(quads)), np.bool_)
-    _MARK(place[candidates], low, high, near)
-    row, column = np.nonzero(near)
-    point = np.union1d(candidates[row], besides).astype(np.int64)
-    first = np.searchsorted(candidates[row], np.append(point, len(place)))
-    return point, first, quads[column]
-
-
-@kernel
-def _mark(place: Floats, low: Floats, high: Floats, near: Bools) -> None:
-    """Mark which points lie in which boxes, near : (n_point, n_box)."""
-    for i in range(place.shape[0]):
-        for b in range(low.shape[0]):
-            near[i, b] = (
-                (low[b, 0] < place[i, 0])
-                & (place[i, 0] < high[b, 0])
-                & (low[b, 1] < place[i, 1])
-                & (place[i, 1] < high[b, 1])
-                & (low[b, 2] < place[i, 2])
-                & (place[i, 2] < high[b, 2])
-            )
-
-
-_MARK = BoundOnce(_mark)

@@ -17,7 +17,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.numerics.jit import always_inline, inline
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.vec3 import add, add_scaled, combine, cross, dot, load, scale, sub
 
 from .film_outline import Outline
@@ -99,7 +99,7 @@ def normal_at(q: Corners, xi: float, eta: float) -> Vec3:
     return scale(1.0 / sqrt(dot(n, n)), n)
 
 
-@inline
+@always_inline
 def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
     """Return where the foot of the perpendicular from p on a quad is, and whether there is one."""
     twist = scale(0.25, sub(add(q.x0, q.x2), add(q.x1, q.x3)))
@@ -123,7 +123,7 @@ def foot_on(p: Vec3, q: Corners) -> tuple[float, float, bool]:
     return xi, eta, False
 
 
-@inline
+@always_inline
 def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
     """Return the place of a row's film that is closest to p."""
     n, point = outline.n_edge[row], outline.point
@@ -150,7 +150,7 @@ def closest_place(p: Vec3, q: Corners, row: int, outline: Outline) -> Closest:
     return best
 
 
-@inline
+@always_inline
 def closest_on_edge(
     p: Vec3, q: Corners, row: int, k: int, outline: Outline
 ) -> tuple[float, float, float, float]:

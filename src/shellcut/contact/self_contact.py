@@ -54,8 +54,9 @@ _RINGS = 2
 # Margin of the search over the median edge length: it lasts for some ten or a hundred steps.
 _MARGIN = 0.5
 
-# Steps between two looks at how far nodes have moved since the search.
-_LOOK_EVERY = 10
+# Steps between two looks at how far all nodes have moved since the search: at least, at most, and
+# by which factor nodes may become faster meanwhile.
+_LEAST_STEPS, _MOST_STEPS, _FASTER = 10, 100, 2.0
 
 
 class SelfContactForces(NamedTuple):
@@ -111,6 +112,7 @@ class SelfContact:
         self._film_nodes: Ints = np.zeros(0, np.int64)
         self._x_then = np.zeros((0, 3))
         self._walked = 0.0
+        self._look_at = 0
         self._tables: SelfContactTables | None = None
         self._held: Any = None
         self._hold = Holder()
@@ -158,11 +160,16 @@ class SelfContact:
         """Whether the pairs may lack one that touches before the next look."""
         if not self._known.is_of(state):
             return True
-        if state.step % _LOOK_EVERY:
+        if state.step < self._look_at:
             return False
         n = state.node
         way, speed = self._farthest(self._film_nodes, n.x, self._x_then, n.velocity_half)
-        return bool(2.0 * (way + _LOOK_EVERY * state.dt * speed) > self._margin)
+        left, step = 0.5 * self._margin - way, state.dt * speed
+        if left < _LEAST_STEPS * step:
+            return True
+        steps = _MOST_STEPS if left > _FASTER * _MOST_STEPS * step else left / (_FASTER * step)
+        self._look_at = state.step + max(int(steps), _LEAST_STEPS)
+        return False
 
     def _search(self, state: State) -> None:
         before, memory = self._tables, None
@@ -177,6 +184,7 @@ class SelfContact:
             _take_over(before.pairs, before.memory, pairs, memory, state)
         self._known.take(state)
         self._x_then, self._walked = n.x[: n.count].copy(), 0.0
+        self._look_at = state.step + _LEAST_STEPS
         self.n_search += 1
         presses = self._kept_presses(len(memory.side))
         self._lay_out(state, pairs, memory, presses, outline)
@@ -250,6 +258,7 @@ class SelfContact:
             "revision": self._known.revision,
             "x_then": self._x_then,
             "walked": self._walked,
+            "look_at": self._look_at,
             "forces": self.forces._asdict(),
             "deepest": self.deepest,
             "n_looked": self.n_looked,
@@ -271,6 +280,7 @@ class SelfContact:
         self._choose_points(state)
         self._known.restore(saved["revision"], state)
         self._x_then, self._walked = saved["x_then"].copy(), saved["walked"]
+        self._look_at = saved["look_at"]
         self.forces, self.deepest = SelfContactForces(**saved["forces"]), saved["deepest"]
         self.n_looked, self.n_search = saved["n_looked"], saved["n_search"]
         if "pairs" not in saved:

@@ -44,6 +44,7 @@ def add_self_contact(
         fastest = max(fastest, dot(v, v))
     step = 2.0 * dt * sqrt(fastest)
     walked += step
+    ahead = _AHEAD * step
     work = _work_of(presses, nodes, dt)
     stored = deepest = 0.0
     count = n_looked = 0
@@ -54,9 +55,9 @@ def add_self_contact(
         p = load(x, pairs.node[i])
         free = 1e300
         for sheet in range(pairs.first_sheet[i], pairs.first_sheet[i + 1]):
-            band = law.thickness + _AHEAD * step
+            band = law.thickness + ahead
             near = nearest_on(p, sheet, band, walked, waits.pair, x, quads, pairs, outline)
-            free = min(free, near.free)
+            free = min(free, near.free + ahead)  # then one of them is in the band
             first_sight = not memory.met[sheet]
             memory.met[sheet] = True
             if near.row < 0:
@@ -92,7 +93,7 @@ def add_self_contact(
             deepest = max(deepest, loaded)
             _press(count, pairs.node[i], force, way, quads, nodes, presses)
             count += 1
-        waits.point[i] = walked + max(free - _AHEAD * step, 0.0)
+        waits.point[i] = walked + max(free - ahead, 0.0)
     presses.n[0] = count
     work += _work_of(presses, nodes, dt)
     return work, stored, count, deepest, n_looked, walked
@@ -109,6 +110,7 @@ def _after_impact(
     tables: SelfContactTables,
 ) -> tuple[float, float]:
     """Return the work in the spring of point i [N·mm], and the force that it may exert [N]."""
+    tables = borrowed(tables)
     memory, quads, nodes = tables.memory, tables.quads, tables.nodes
     change = way.depth - memory.depth[sheet]
     if abs(change) <= NOTICED * tables.law.smoothing_depth or dt == 0.0:

@@ -24,6 +24,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add_scaled, dot, scale, sub
 
@@ -76,7 +77,7 @@ class Way(NamedTuple):
     """Of the sheet that the point is on."""
 
 
-@inline
+@always_inline
 def nearest_on(
     p: Vec3,
     sheet: int,
@@ -123,7 +124,7 @@ def _off_box(p: Vec3, q: Corners) -> float:
     return sqrt(square)
 
 
-@inline
+@always_inline
 def way_out(
     p: Vec3,
     sheet: int,
@@ -171,6 +172,8 @@ def _way_to_edge(
     p: Vec3, sheet: int, most: float, x: Floats, quads: Ints, pairs: Pairs, outline: Outline
 ) -> Way:
     """Return the way to the nearest open edge of a sheet, if it is shorter than ``most``."""
+    pairs, outline = borrowed(pairs), borrowed(outline)
+    x, quads = borrowed(x), borrowed(quads)
     best = Way(most, 0, 0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0)
     for j in range(pairs.first_pair[sheet], pairs.first_pair[sheet + 1]):
         row = pairs.row[j]

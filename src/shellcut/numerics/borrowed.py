@@ -41,7 +41,7 @@ class _HeldModel(models.OpaqueModel):
     """A pointer."""
 
 
-@overload(borrowed)
+@overload(borrowed, jit_options={"forceinline": True})
 def _borrowed_in_kernel(table):
     if isinstance(table, HeldType):
         return lambda table: _read(table)
@@ -59,8 +59,10 @@ def _borrowed(_typing, table):
 @intrinsic
 def _read(_typing, held):
     def code(context, builder, signature, arguments):
-        kind = context.get_value_type(signature.return_type)
-        return builder.load(builder.bitcast(arguments[0], ir.PointerType(kind)))
+        kind = signature.return_type
+        pointer = ir.PointerType(context.get_value_type(kind))
+        value = builder.load(builder.bitcast(arguments[0], pointer))
+        return without_owner(context, builder, kind, value)
 
     return held.kind(held), code
 

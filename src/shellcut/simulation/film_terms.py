@@ -66,19 +66,18 @@ class FilmTerms:
 
     def __init__(self, terms: Sequence[FilmTerm]) -> None:
         self._terms = tuple(terms)
+        self.n_search = 0
+        """How often they have searched for what they may hold."""
 
     def __iter__(self) -> Iterator[FilmTerm]:
         return iter(self._terms)
 
-    @property
-    def n_search(self) -> int:
-        """How often they have searched for what they may hold."""
-        return sum(term.n_search for term in self._terms) if self._terms else 0
-
     def add_forces(self, state: State, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
+            before = term.n_search
             term.add_forces(state).add_works(vars(ledger))
+            self.n_search += term.n_search - before
 
     def close(self, state: State, ledger: Ledger) -> None:
         """Bring the entries of the ledger that are functions of the state up to t_n."""
@@ -93,3 +92,4 @@ class FilmTerms:
         """Take over :meth:`saved`; ``state`` is restored already."""
         for term in self._terms:
             term.restore(state, saved[term.name])
+        self.n_search = sum(term.n_search for term in self._terms)

@@ -30,9 +30,10 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State
 
 from .film_terms import FilmTerms
@@ -100,6 +101,7 @@ class StableStep:
         self.stepping = stepping
         self._shell, self._film_terms = shell, film_terms or FilmTerms(())
         self._tool_terms = tuple(tool_terms)
+        self._stiffest_nodes = BoundOnce(stiffest_nodes)
         self._n_search = 0
         self._next = 0
         self._topology = KnownTopology()
@@ -248,11 +250,37 @@ class StableStep:
         stiffness = np.concatenate([of_nodes for _, of_nodes in held])
         if state.flank.count:
             nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
-        node, row = np.unique(nodes, return_inverse=True)
-        omega_c2 = np.bincount(row, weights=stiffness, minlength=node.size) / n.mass[node]
-        # Every quad at such a node, with the stiffest of its nodes.
-        at = np.arange(n.quads.shape[1]) < n.n_quad_at[node, None]
-        quads, row = np.unique(n.quads[node][at], return_inverse=True)
-        largest = np.zeros(quads.size)
-        np.maximum.at(largest, row, np.repeat(omega_c2, n.n_quad_at[node]))
-        return quads, largest
+        quads, largest = np.empty(state.n_quad, np.int64), np.empty(state.n_quad)
+        at_node = n.mass, n.quads, n.n_quad_at
+        count = self._stiffest_nodes(nodes, stiffness, *at_node, quads, largest)
+        return quads[:count], largest[:count]
+
+
+@kernel
+def stiffest_nodes(
+    nodes: Ints,
+    stiffness: Floats,
+    mass: Floats,
+    at: SmallIds,
+    n_at: SmallIds,
+    quads: Ints,
+    largest: Floats,
+) -> int:
+    """Write the quads at some nodes, ascending, and the largest K_c / m of the nodes of each.
+
+    nodes, stiffness : (n,), a node may come more than once.  mass, at, n_at : of all nodes, with the
+    quads at each.  quads, largest : (n_quad,), [1/s²]; returns how many are written.
+    """
+    of_node, of_quad = np.zeros(mass.shape[0]), np.full(quads.shape[0], -1.0)
+    for i in range(nodes.shape[0]):
+        of_node[nodes[i]] += stiffness[i]
+    for i in range(nodes.shape[0]):
+        n = nodes[i]
+        for j in range(n_at[n]):
+            of_quad[at[n, j]] = max(of_quad[at[n, j]], of_node[n] / mass[n])
+    count = 0
+    for q in range(quads.shape[0]):
+        if of_quad[q] >= 0.0:
+            quads[count], largest[count] = q, of_quad[q]
+            count += 1
+    return count

@@ -27,6 +27,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot, norm, sub
 
@@ -126,6 +127,7 @@ def in_the_blade(p: Vec3, lateral: float, k: int, edges: CuttingEdges) -> bool:
 
     p : point in the body frame, [mm].  lateral : its coordinate, from :func:`strip_coordinates`.
     """
+    edges = borrowed(edges)
     aside = segment_part(edges.segments, k, NORMAL)
     foot = combine(1.0, p, -lateral, aside)
     if edges.radius > 0.0:

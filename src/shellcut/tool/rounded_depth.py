@@ -40,7 +40,8 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
-from shellcut.numerics.jit import inline
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
 
 from .signed_distance import TriangleGrid, closest_of_side
@@ -149,7 +150,7 @@ def face_depth(p: Vec3, q: Vec3, normal: Vec3) -> tuple[float, Vec3]:
     return g, normal
 
 
-@inline
+@always_inline
 def rounded_depth(
     p: Vec3,
     q: Vec3,
@@ -174,7 +175,7 @@ def rounded_depth(
     return radius - length, scale(1.0 / length, w)
 
 
-@inline
+@always_inline
 def _no_edge_near(
     p: Vec3,
     g: float,
@@ -210,6 +211,7 @@ def way_to_opened(
 
     g, out : depth of p and way out of it to its closest triangle.
     """
+    grid = borrowed(grid)
     normals = grid.surface.pseudo_normals
     w = scale(radius - g, out)
     n, a, m = np.zeros((4, 3)), np.zeros(4), 1

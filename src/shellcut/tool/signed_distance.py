@@ -137,6 +137,7 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     If nothing is found: 0, 0 and ``p`` itself. The gap [mm] is a lower bound on how much farther
     all other triangles of the side are.
     """
+    grid = borrowed(grid)
     cell_start, cell_triangles, cell_distance = grid.lists
     corners, flank = grid.surface.corners, grid.surface.flank
     nearest = p
@@ -183,6 +184,7 @@ def signed_distance(
     the closest triangle of all, and how far ``p`` may move before either closest triangle can
     change: until then :func:`signed_distance_to` gives the same.
     """
+    grid = borrowed(grid)
     cell_start = grid.lists.start
     flank, pseudo_normals = grid.surface.flank, grid.surface.pseudo_normals
     in_grid, cell = cell_of(p, grid.cells)
