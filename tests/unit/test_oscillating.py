@@ -84,9 +84,9 @@ def test_the_crack_runs_ahead_of_the_bar(coarse):
     front = sim.pose.translation[0]
     assert path[-1, 0] > front + 3.0  # it tears ahead of the bar, by 3.1 to 6.4 mm
     assert path[0, 1] == pytest.approx(2.1)  # round-off: the end of the notch
-    assert np.interp([11.0, 12.5], *path.T) == pytest.approx([1.79, 0.97], abs=0.06)
+    assert np.interp([11.0, 12.5], *path.T) == pytest.approx([1.79, 0.97], abs=0.06)  # 0.93 to 1.01
     assert np.abs(path[path[:, 0] < 14.0, 1]).min() < 0.7
-    assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 2.5  # 1.6 to 2.1; the bar's half is 3
+    assert np.abs(path[path[:, 0] > 14.0, 1]).max() < 3.0  # 0.3 to 2.3; the bar's half
     assert (np.diff(path[:, 0]) > -0.75).all()  # half an edge; 0.5 at most
     assert len(sim.cracks.free.tips) == 1
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 0.01
