@@ -9,6 +9,7 @@ from shellcut.contact.settings import STEEPEST
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import kernel
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.round_bar import round_bar
 from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.signed_distance import TriangleGrid, signed_distance
@@ -184,3 +185,24 @@ def box_of(size):
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
     return Tool.from_triangles(v, triangles, edges=np.zeros((0, 2), int))
+
+
+@pytest.mark.parametrize("depth", [0.004, 0.02, R, 0.2])
+def test_a_round_bar_of_facets_stays_round(depth):
+    """Its depth is at most a facet's sagitta below, a lip above; the way out leans by half a turn.
+
+    The facets of 5° are those of the oscillating cut.
+    """
+    n, radius, half = 72, 3.0, np.pi / 72
+    bar = round_bar(diameter=2.0 * radius, tilt_deg=0.0, n_around=n)
+    angle = np.linspace(0.0, 2.0 * np.pi, 2881)
+    outward = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    for z in (0.0, 0.37, -2.2):
+        x = (radius - depth) * outward + [-radius, 0.0, z]
+        found, out, _ = depths(bar, x, 0)
+        assert (found < depth + 1e-9).all()
+        assert (found > depth - radius * (1.0 - np.cos(half)) - 1e-9).all()
+        assert np.einsum("ij,ij->i", out, outward).min() > np.cos(1.01 * half)
+        # The slope along the circle is the sine of the lean.
+        way = np.linalg.norm(np.diff(x, axis=0), axis=1)
+        assert np.abs(np.diff(found) / way).max() < np.sin(1.01 * half)

@@ -1,6 +1,7 @@
 """Cracks through the quads of a film under pressure.
 
-What holds a cylinder together across a trial cut is its hoop tension. A blade cuts a strip that
+What holds a cylinder together across a trial cut is its hoop tension. A strip that pressure bends
+strongly releases at a tip what a longer crack would. A blade cuts a strip that
 pressure bends aside, and a pressurised cylinder tears from a slit until it has burst: the ledger
 closes, and the cables have taken their tearing energy.
 """
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from shellcut.fracture.tip_force import TipForce
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.models.guillotine import blade_before
 
@@ -67,6 +69,44 @@ def test_a_trial_cut_finds_the_hoop_tension(rise, error):
     assert measure * free._trial.carried == pytest.approx(tension, rel=error)
 
 
+def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
+    """Flanks bent by six thicknesses: J against a difference of potentials, strip at rest."""
+    film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.1)
+    potential, J = {}, {}
+    for end in (5.0, 6.0, 7.0):
+        mesh = rectangle(12.0, 4.0, size=0.25)
+        sim = sc.Simulation(
+            mesh,
+            film,
+            supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+            loads=[sc.Pressure(0.05)],
+            law=sc.CohesiveLaw(strength=1e3),
+            fracture=sc.Fracture(path="free"),
+        )
+        start = mesh.nodes[:, 0].min()
+        sim.notch((start - 1.0, 0.0, 0.0), (start + end, 0.0, 0.0))
+        sim.relax(tolerance=1e-3)
+        n = sim.state.node
+        (load,), count = sim.loads._dead, n.count
+        load.follow(sim.state)
+        done = (load.force[:count] * (n.x[:count] - n.X[:count])).sum()
+        potential[end] = sim.ledger.initial - done
+        path, (tip,) = sim.cracks.free._path, sim.cracks.free.tips
+        row, entry = path.rows_ahead(tip)[0]
+        base, x = np.eye(3)[:2], n.x[sim.state.quads[row]]
+        moved = np.array([path.carried_on(row, entry, way) @ x for way in base])
+        place = path.reference_of(sim.state, tip)
+        for reach in (1.0, 1.8):
+            force = TipForce(sim.state, sim.shell, place, base, reach, sim.loads)
+            J[end, reach] = force.of(sim.state, moved)
+    released = 0.5 * (potential[5.0] - potential[7.0])
+    assert n.x[:count, 2].max() > 0.5
+    for reach in (1.0, 1.8):
+        # Discretisation: 0.99 and 0.98; 1.3 and 2.4 without what the load does.
+        assert J[6.0, reach][0] == pytest.approx(released, rel=0.035)
+        assert abs(J[6.0, reach][1]) < 5e-3 * released  # rest
+
+
 def test_a_blade_cuts_a_strip_under_pressure():
     length, size = 8.0, 0.8
     mesh, law = rectangle(length, 6.4, size=size), sc.CohesiveLaw(**SHORT_LAW | BLADE)
@@ -109,7 +149,9 @@ def test_a_blade_cuts_a_strip_under_pressure():
 
 def test_a_pressurised_cylinder_bursts():
     load = sc.Pressure(PRESSURE, following=True, factor=lambda time: min(time / 2e-4, 1.0))
-    sim = slit_cylinder(3.2, 0.37, loads=[load], damping_alpha=3000.0)
+    # A cable breaks in a few steps of this burst; with the default 0.95 its work is 0.9 % less.
+    step = sc.Stepping(safety=0.45)
+    sim = slit_cylinder(3.2, 0.37, loads=[load], damping_alpha=3000.0, stepping=step)
     worst = 0.0
     while sim.cracks.free.tips and sim.state.time < 4e-4:
         sim.step()
@@ -122,5 +164,11 @@ def test_a_pressurised_cylinder_bursts():
         sim.step()
     book = sim.close_ledger()
     tearing = sim.law.fracture_energy * sim.material.thickness * sim.state.crack_length
-    assert book.cohesive_work == pytest.approx(tearing, rel=5e-3)  # measured 0.998
-    assert worst < 5e-3  # measured 0.12 %
+    assert book.cohesive_work == pytest.approx(tearing, rel=1e-3)  # measured 1.0001
+    assert worst < 5e-3  # measured 0.07 %
+    # Straight along the cylinder, as is even; until the domain of the tip's force, of four edges,
+    # comes to the end of the cylinder at 7 mm. Without the pressure's part it winds by 40°.
+    place = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
+    angle = np.degrees(np.arctan2(place[:, 2], place[:, 0]))[place[:, 1] <= 3.0]
+    assert len(angle) >= 6
+    assert np.ptp(angle) < 4.0  # measured 2.5, of quads of 11°

@@ -86,7 +86,7 @@ class FreeCracks:
         gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
         self._trial = TrialCut(topology, shell, loads, law.strength, film, held_behind=gauss)
-        self._direction = FreeDirection(shell, self._path, law, film)
+        self._direction = FreeDirection(shell, self._path, law, film, loads)
         self._drive: BladeDrive | None = None
         self._pierce: Pierce | None = None
         if tool is not None and motion is not None and fracture.blade_cut:

@@ -37,6 +37,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
@@ -100,6 +101,8 @@ class FreeDirection:
         Gives sigma_F.
     anisotropy : Anisotropy, optional
         Of the film.
+    loads : LoadSet, optional
+        On the film.
     """
 
     def __init__(
@@ -108,9 +111,10 @@ class FreeDirection:
         path: CrackPath,
         law: CohesiveLaw,
         anisotropy: Anisotropy | None = None,
+        loads: LoadSet | None = None,
     ) -> None:
         self._shell, self._path, self._strength = shell, path, law.strength
-        self._anisotropy = anisotropy
+        self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
         self._ahead: dict[Tip, _Ahead] = {}
 
@@ -154,7 +158,7 @@ class FreeDirection:
         place, size = self._path.reference_of(state, tip), self._path.size(row)
         force = None
         if self._shell.material.is_linear:
-            force = TipForce(state, self._shell, place, base, REACH * size)
+            force = TipForce(state, self._shell, place, base, REACH * size, self._loads)
         near, weight = self._near(state, place, forward, T, AVERAGE * size)
         return _Ahead(
             row=row,

@@ -14,7 +14,8 @@ out of the sheet J is the rate at which their ends part, times the force on them
 
 At rest the motion in space changes nothing: the forces that hold the nodes in the domain add to
 zero. In a film that swings they do not. Without that motion they would act over a whole mm instead
-of over a strain, and hide the energy released.
+of over a strain, and hide the energy released. Pressure and weight on the film do work in both
+motions, which is part of Pi (:mod:`shellcut.loads.sliding_loads`).
 
 The domain holds the process zone as far as it reaches; J then is the energy that goes into the
 cables, too: in steady tearing J = G h. The flanks slide with the film. Across the crack that adds
@@ -27,8 +28,11 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.loads.loads import LoadSet
+from shellcut.loads.sliding_loads import SlidingLoads
+from shellcut.mitc4.section import lumped_mass
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.mitc4.sliding_energy import SlidingEnergy
+from shellcut.mitc4.sliding_energy import SlidingEnergy, slid
 from shellcut.state import State
 
 
@@ -47,10 +51,18 @@ class TipForce:
         Unit vectors of the sheet at the tip.
     reach : float
         Radius of the domain [mm]; within half of it the film slides as one.
+    loads : LoadSet, optional
+        On the film.
     """
 
     def __init__(
-        self, state: State, shell: MITC4Shell, place: Floats, base: Floats, reach: float
+        self,
+        state: State,
+        shell: MITC4Shell,
+        place: Floats,
+        base: Floats,
+        reach: float,
+        loads: LoadSet | None = None,
     ) -> None:
         film = shell.reference
         X, T = film.x[film.quads], film.t[film.quads]
@@ -63,6 +75,19 @@ class TipForce:
         slides = np.einsum("ea,ki->keai", self._q, base)
         self._energy = SlidingEnergy.of(X[self._rows], T[self._rows], slides, shell.material)
         self._share = state.quad.share[self._rows]
+        self._loads: SlidingLoads | None = None
+        if loads is not None and loads.act_on_film:
+            # Within the domain the loads move even where all corners slide alike.
+            rows = np.flatnonzero(q.max(axis=1) > 0.0)
+            X, T, q = X[rows], T[rows], q[rows]
+            slides, _ = slid(X, T, np.einsum("ea,ki->keai", q, base))
+            whole, _ = lumped_mass(X, T, shell.material)
+
+            def mass(corners: Floats) -> Floats:
+                found, _ = lumped_mass(corners, T, shell.material)
+                return shell.mass[rows] / whole * found
+
+            self._loads = loads.sliding(state, rows, X, q, slides, mass)
 
     def of(self, state: State, moved: Floats) -> Floats:
         """Return the components of the force along the base [N], shape (2,).
@@ -77,4 +102,7 @@ class TipForce:
         nodes = state.quads[self._rows]
         x, t = state.node.x[nodes], state.node.t[nodes]
         moves = np.einsum("ea,ki->keai", self._q, moved)
-        return np.asarray(-self._energy.changes(x, t, moves) @ self._share)
+        force = np.asarray(-self._energy.changes(x, t, moves) @ self._share)
+        if self._loads is not None:
+            force += self._loads.works(state, moved)
+        return force

@@ -17,6 +17,8 @@ from shellcut.state import KnownTopology, State, columns
 from .cut_quads import CutQuads
 from .pressure import pressure_on_nodes, pressure_on_parts, pressure_rows, scatter_rows
 
+OnCorners = Callable[[State, Ints, Floats, Floats], Floats]
+
 
 class Rule(Protocol):
     """Force of a dead load at a factor of one."""
@@ -28,6 +30,14 @@ class Rule(Protocol):
         """Return what single quads bring to one of their nodes each [N], shape (n, 3).
 
         None if the load does not act on quads.
+        """
+
+    @property
+    def on_corners(self) -> OnCorners | None:
+        """The forces at the corners of some rows [N], shape (n, 4, 3), of which some have slid.
+
+        None if the load does not act on quads. Takes the state, the rows, shape (n,), the places X
+        of their corners in the reference, shape (n, 4, 3), and the masses there [t], shape (n, 4).
         """
 
 
@@ -43,6 +53,10 @@ class Weight:
 
     def through(self, _state: State, _quads: Ints, _nodes: Ints) -> None:
         """Return nothing: weight accelerates both sides of a split alike."""
+
+    def on_corners(self, _state: State, _rows: Ints, _X: Floats, mass: Floats) -> Floats:
+        """Return mass times g."""
+        return np.asarray(mass[:, :, None] * self._g)
 
 
 class DeadPressure:
@@ -100,17 +114,30 @@ class DeadPressure:
 
     def _of_rows(self, state: State, which: Ints) -> Floats:
         """Return the forces at the corners of some rows [N], shape (n, 4, 3)."""
-        mesh, parent = self._mesh, state.quad.parent[which]
-        mine = self._pressed[parent]
+        parent = state.quad.parent[which]
+        return self._of_quads(state, which, self._mesh.nodes, self._mesh.quads, parent)
+
+    def on_corners(self, state: State, rows: Ints, X: Floats, _mass: Floats) -> Floats:
+        """Return the forces at the corners of some rows, which may have slid."""
+        every = np.arange(rows.size)
+        corners = np.arange(4 * rows.size).reshape(-1, 4)
+        return self._of_quads(state, rows, np.ascontiguousarray(X.reshape(-1, 3)), corners, every)
+
+    def _of_quads(self, state: State, which: Ints, X: Floats, quads: Ints, at: Ints) -> Floats:
+        """Return the forces on some rows [N], shape (n, 4, 3); row i has the corners quads[at[i]].
+
+        X : (n_node, 3).  quads : (m, 4).  at : (n,).
+        """
+        mine = self._pressed[state.quad.parent[which]]
         some = np.empty((int(mine.sum()), 4, 3))
-        pressure_rows(mesh.nodes, mesh.quads, parent[mine], self._value, some)
+        pressure_rows(X, quads, at[mine], self._value, some)
         rows = np.zeros((which.size, 4, 3))
         rows[mine] = some
-        cut, at = self._cut.among(which)
+        cut, part = self._cut.among(which)
         if cut.any():
-            film = self._cut.parts.film[at]
+            film = self._cut.parts.film[part]
             some = np.empty((film.shape[0], 4, 3))
-            pressure_on_parts(mesh.nodes, mesh.quads, parent[cut], film, self._value, some)
+            pressure_on_parts(X, quads, at[cut], film, self._value, some)
             rows[cut] = some * mine[cut, None, None]
         return rows
 
@@ -127,6 +154,8 @@ class EdgeForces:
     cut : CutQuads
         Parts of cut quads.
     """
+
+    on_corners = None
 
     def __init__(self, quads: Ints, sides: Ints, force: Floats, cut: CutQuads) -> None:
         self._quads, self._sides, self._force, self._cut = quads, sides, force, cut

@@ -25,6 +25,7 @@ from shellcut.state import State
 from .cut_quads import CutQuads
 from .dead_loads import DeadLoad, DeadPressure, EdgeForces, Rule, Weight
 from .following_pressure import FollowingPressure
+from .sliding_loads import SlidingLoads
 from .supports import NodeChoice, choose_nodes
 
 Factor = Callable[[float], float]
@@ -219,6 +220,23 @@ class LoadSet:
         for ids, force, factor in self._nodal:
             np.add.at(every, ids, factor(state.time) * force)
         return float(np.abs(every).max(initial=0.0))
+
+    @property
+    def act_on_film(self) -> bool:
+        """Whether there is more than forces and moments on nodes."""
+        return bool(self._dead or self._following)
+
+    def sliding(
+        self,
+        state: State,
+        rows: Ints,
+        X: Floats,
+        q: Floats,
+        slides: Floats,
+        mass: Callable[[Floats], Floats],
+    ) -> SlidingLoads:
+        """Return what the loads do as some quads slide; parameters of :class:`SlidingLoads`."""
+        return SlidingLoads(state, rows, X, q, slides, mass, self._dead, self._following)
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
         """Add the load on a node that comes from a single quad, without gravity [N].

@@ -65,13 +65,9 @@ class SlidingEnergy(NamedTuple):
         material : ShellMaterial
             Whose law is linear.
         """
+        dX, dT = slid(X, T, slides)
         base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
-        turn = np.einsum("apb,ebi->eapi", _AT_CORNERS, T)
-        metric = np.einsum("eapi,eaqi->eapq", base, base)
-        covariant = np.einsum("eapi,keai->keap", base, slides)
-        by = np.einsum("eapq,keaq->keap", np.linalg.inv(metric), covariant)
-        dX, dT = np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
-        step = _STEP * float(np.sqrt(metric[..., 0, 0].mean()))
+        step = _STEP * float(np.sqrt(np.einsum("eapi,eaqi->eapq", base, base)[..., 0, 0].mean()))
         H = _stiffness(X, T, material)
         changes, forces = [], []
         for k in range(len(slides)):
@@ -102,6 +98,19 @@ class SlidingEnergy(NamedTuple):
             found[k] = np.einsum("ei,ei->e", s, bent - self.force_change[k])
             found[k] += np.einsum("ei,ei->e", forces, moved)
         return found
+
+
+def slid(X: Floats, T: Floats, slides: Floats) -> tuple[Floats, Floats]:
+    """Return how corners and directors change that slide along their quads, (n_slide, n, 4, 3).
+
+    Parameters as of :meth:`SlidingEnergy.of`.
+    """
+    base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
+    turn = np.einsum("apb,ebi->eapi", _AT_CORNERS, T)
+    metric = np.einsum("eapi,eaqi->eapq", base, base)
+    covariant = np.einsum("eapi,keai->keap", base, slides)
+    by = np.einsum("eapq,keaq->keap", np.linalg.inv(metric), covariant)
+    return np.einsum("keap,eapi->keai", by, base), np.einsum("keap,eapi->keai", by, turn)
 
 
 def _stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:

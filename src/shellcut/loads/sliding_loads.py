@@ -1,0 +1,104 @@
+"""How much the loads on the film do as it slides: their part in the force on the tip of a crack.
+
+In a domain around the tip the reference slides by q(X) e below the film, the film in space follows
+by q(X) c (:mod:`shellcut.fracture.tip_force`). What the film gives up then is the change of its
+energy *and* the work of the loads on it.
+
+*A dead load* b(X), per area of the reference, has the potential -∫ b · x dA. A slide moves the
+reference points, hence the area that each corner bears, and the film in space:
+
+    work = Σ_a F_a' · x_a + q_a F_a · c,    F_a = ∫ b N_a dA,
+
+a prime for the change per mm of the slide. It is what the sum ∫ b · (c - ∂x/∂e) q dA becomes on
+quads: nothing where the film is strained evenly. The F_a' of a domain within the film add to zero,
+so that it does not matter from where x counts. Dead pressure is quadratic in the reference places,
+so that the difference that gives F_a' is exact over any step.
+
+*Following pressure* acts on the film in space, whatever lies below. It does p times the volume that
+the film there sweeps, Σ_a q_a F_a · c: nothing where the domain is flat.
+
+Loads on the rim, and forces on nodes, do not slide and have no part in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.state import State
+
+from .dead_loads import DeadLoad
+from .following_pressure import FollowingPressure
+
+# Of the slide, over 1 mm: any step is exact for pressure, and for the mass of flat quads.
+_STEP = 0.01
+
+
+class SlidingLoads:
+    """The work of loads on some quads with some slides, as long as the topology stays.
+
+    Parameters
+    ----------
+    state : State
+        Of the topology.
+    rows : ndarray of int, shape (n,)
+        Quads and copies of which something slides.
+    X : ndarray, shape (n, 4, 3)
+        Their corners in the reference film [mm].
+    q : ndarray, shape (n, 4)
+        Share of each corner in a slide.
+    slides : ndarray, shape (n_slide, n, 4, 3)
+        How far these slide, along their quads, per mm of each slide.
+    mass : callable
+        Gives those of corners that lie at X [t], shape (n, 4).
+    dead, following : sequence
+        The loads.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        rows: Ints,
+        X: Floats,
+        q: Floats,
+        slides: Floats,
+        mass: Callable[[Floats], Floats],
+        dead: Sequence[DeadLoad],
+        following: Sequence[FollowingPressure],
+    ) -> None:
+        self._rows, self._q, self._following = rows, q, list(following)
+        self._dead: list[tuple[DeadLoad, Floats, Floats]] = []
+        for one in dead:
+            on = one.rule.on_corners
+            if on is None:
+                continue
+            changes = np.empty_like(slides)
+            for k, slide in enumerate(slides):
+                far, near = (X + step * slide for step in (_STEP, -_STEP))
+                changes[k] = on(state, rows, far, mass(far)) - on(state, rows, near, mass(near))
+            self._dead.append((one, on(state, rows, X, mass(X)), changes / (2.0 * _STEP)))
+
+    def works(self, state: State, moved: Floats) -> Floats:
+        """Return what the loads do per mm of each slide [N], shape (n_slide,).
+
+        Parameters
+        ----------
+        state : State
+            Present positions.
+        moved : ndarray, shape (n_slide, 3)
+            How far the film in space moves with each slide where q is 1, per mm.
+        """
+        found = np.zeros(len(moved))
+        x = state.node.x[state.quads[self._rows]]
+        x = x - x.mean(axis=(0, 1))
+        for one, now, changes in self._dead:
+            done = np.einsum("keai,eai->k", changes, x)
+            done += moved @ np.einsum("ea,eai->i", self._q, now)
+            found += one.factor(state.time) * done
+        for push in self._following:
+            mine = push.acts_on(state, self._rows)
+            force = push.rows(state, self._rows[mine], push.at(state.time))
+            found += moved @ np.einsum("ea,eai->i", self._q[mine], force)
+        return found
