@@ -356,6 +356,24 @@ def test_straight_pull_takes_g_a(unloading):
     assert cables.energies(state) == (0.0, pytest.approx(43.5 * AREA, rel=1e-12))
 
 
+@pytest.mark.parametrize("joint", ["adhesion", "free"])
+def test_a_new_joint_takes_up_what_the_tool_gives(joint):
+    """Half of its first force acts on the way of the step, on the tool as on the cable."""
+    state = state_with(([-0.14, -0.01, 0.0], [-0.14, 0.01, 0.0]))
+    cables = CableSet(CohesiveLaw(joint=joint), BLADE)
+    state.node.velocity_half[:2] = 0.0
+    state.dt = 1e-6
+    evaluate(cables, state, Pose(np.eye(3), np.array([-0.145, 0.0, 0.0])))
+    assert state.cable.status[0] == STRAIGHT
+    _, result = evaluate(cables, state, Pose(np.eye(3), np.array([0.0, 0.0, 0.0])))
+    assert result.n_joint_made == 1
+    given = -0.5 * result.wrench[0, 0] * 0.145
+    assert given > 0.1 * LAW.strength * AREA * 0.145
+    # Round-off: nothing else moves, and the joint has nowhere to slip to.
+    assert result.work == pytest.approx(given, rel=1e-12)
+    assert result.friction_work == 0.0
+
+
 def test_jointed_pull_takes_g_a():
     state = state_with(([0, 0, 0], [0, 0, 0]))
     cables = CableSet(LAW, BLADE)

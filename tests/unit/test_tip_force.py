@@ -5,6 +5,7 @@ import pytest
 
 import shellcut as sc
 from shellcut.fracture.tip_force import TipForce
+from shellcut.material import Elastic, Hencky, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.element import N_STRAIN
 from shellcut.mitc4.section import full_stiffness
@@ -69,6 +70,17 @@ def test_an_even_state_has_no_tip(load):
     energy = YOUNG * THICKNESS * 0.01**2  # per area, of that order
     # Round-off, over the energy in the domain and what the loads would do over 1 mm.
     assert np.abs(force.of(sim.state, BASE @ stretch.T)).max() < 1e-8 * energy
+
+
+@pytest.mark.parametrize("law", ["Hencky", "von Mises"])
+def test_a_law_that_is_not_linear_is_refused(law):
+    film = Elastic(YOUNG, POISSON, 1e-9)
+    given = Hencky(film) if law == "Hencky" else Plastic(film, Linear(15.0, 60.0))
+    sim = sc.Simulation(
+        rectangle(2.0, 2.0, size=1.0), sc.ShellMaterial([Layer(given, THICKNESS)])
+    )
+    with pytest.raises(ValueError, match=f"known for linear laws of the film only, got {law}"):
+        TipForce(sim.state, sim.shell, np.array([1.0, 0.0, 0.0]), BASE, 2.0)
 
 
 def strip_at_rest(pull, notch=8.0, height=4.0):

@@ -93,6 +93,9 @@ def test_a_turn_in_mid_run_changes_nothing():
         _, rows = energy(shell, state, state.history.copy(), further @ R.T, t @ R.T)
         found.append((state.history.copy(), rows[:, :3] @ R, rows[:, 3:6] @ R))
     assert found[0][0].max() > 1e-3
+    # Turned as it is: nothing flows, though the points lie on the yield surface.
+    energy(shell, state, found[1][0].copy(), further, t)
+    np.testing.assert_allclose(state.history, found[1][0], rtol=0, atol=1e-12)
     for one, other in zip(*found, strict=True):
         # Round-off of a metric of order one, in strains.
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-11 * abs(one).max())

@@ -287,7 +287,7 @@ def _add_cable_forces(
         i, j = cables.ends[c, 0], cables.ends[c, 1]
         minus, plus = load(nodes.x, i), load(nodes.x, j)
         may_meet = tables.directional and status[c] == STRAIGHT
-        if may_meet and find_joint(c, minus, plus, pose, tables):
+        if may_meet and find_joint(c, minus, plus, pose, before, tables):
             status[c] = JOINTED
             n_made += 1
         jointed = status[c] == JOINTED

@@ -42,11 +42,14 @@ _FACING = 0.5
 
 
 @inline
-def find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTables) -> bool:
+def find_joint(
+    c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, before: Pose, tables: CableTables
+) -> bool:
     """Bend the straight cable c around the cutting edge if that has reached it; return whether.
 
     Works in the body frame of the tool.  Writes edge, joint, slack, transport and overshoot of
-    the cable.
+    the cable. The joint is written where the tool had its point a step before: the force of t_n
+    acts on the way of the step by half, at the joint as at the nodes and on the tool.
     """
     tables = borrowed(tables)
     edges, cables = tables.edges, tables.cables
@@ -83,7 +86,7 @@ def find_joint(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTab
     if tables.joint.slips:
         slide(c, minus, plus, edges, tables.joint, cables)
     p = to_space(load(cables.joint_body, c), pose)
-    store(cables.joint, c, p)
+    store(cables.joint, c, to_space(load(cables.joint_body, c), before))
     to_minus, to_plus = norm(sub(p, x_minus)), norm(sub(p, x_plus))
     if edges.radius > 0.0:
         way = way_around(c, minus, plus, edges, cables.edge, cables.joint_body)

@@ -21,6 +21,10 @@ The domain holds the process zone as far as it reaches; J then is the energy tha
 cables, too: in steady tearing J = G h. The flanks slide with the film. Across the crack that adds
 film to one flank and takes it from the other: J · e has the difference of their energies per area
 times the reach in it, none where both sides are alike.
+
+The energy is that of the linear law, s · H s / 2. A film with another law has another energy, and
+one that yields has none that an advance would give back: for those a force is refused, and
+:mod:`.free_direction` takes the stress ahead alone.
 """
 
 from __future__ import annotations
@@ -53,6 +57,11 @@ class TipForce:
         Radius of the domain [mm]; within half of it the film slides as one.
     loads : LoadSet, optional
         On the film.
+
+    Raises
+    ------
+    ValueError
+        If the film's law is not linear.
     """
 
     def __init__(
@@ -64,6 +73,12 @@ class TipForce:
         reach: float,
         loads: LoadSet | None = None,
     ) -> None:
+        if not shell.material.is_linear:
+            laws = sorted({layer.material.law.name for layer in shell.material.layers})
+            raise ValueError(
+                "the energy released at a tip is known for linear laws of the film only, got "
+                f"{', '.join(laws)}: let the stress ahead decide"
+            )
         film = shell.reference
         X, T = film.x[film.quads], film.t[film.quads]
         q = np.clip(2.0 - 2.0 * np.linalg.norm(X - place, axis=2) / reach, 0.0, 1.0)
