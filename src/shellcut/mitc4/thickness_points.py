@@ -25,7 +25,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.arrays import Floats, Number, Numbers, Vec3, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
@@ -193,13 +193,14 @@ def _add_resultants(
 @always_inline
 def _flat_layers(
     rule: PointRule, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
-    """Return n, m, the stored and the just dissipated energy over the thickness of a flat quad.
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
+    """Return n, m, stored and just dissipated energy, and shear moduli over the thickness.
 
-    e, k : strain of the mid-surface and curvature at Gauss point ``q``.
+    Of flat quads.  e, k : strain of the mid-surface and curvature at Gauss point ``q``.
     """
     none = zero(lane)
     n, m, density, lost = (none, none, none), (none, none, none), none, none
+    g11, g12, g22 = 0.0, 0.0, 0.0
     n_point = rule.place.shape[0]
     for j in range(n_point):
         z, w = rule.place[j], rule.weight[j]
@@ -212,20 +213,23 @@ def _flat_layers(
         density = density + w * energy
         if dissipates(rule.laws):
             lost = lost + w * dissipated
-    return n, m, density, lost
+        g11 += w * rule.shear[j, 0]
+        g12 += w * rule.shear[j, 1]
+        g22 += w * rule.shear[j, 2]
+    return n, m, density, lost, (g11, g12, g22)
 
 
 @always_inline
 def _flat_layers_within(
     place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
     return _flat_layers(place.points.rule, q, e, k, history, lane)
 
 
 @apart
 def _flat_layers_apart(
     points: PointTables, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
     not_inlined()
     return _flat_layers(borrowed(points).rule, q, e, k, borrowed_history(history), lane)
 
@@ -233,7 +237,7 @@ def _flat_layers_apart(
 @always_inline
 def _call_flat_layers(
     place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
-) -> tuple[Vector, Vector, Number, Number]:
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
     return _flat_layers_apart(place.lent, q, e, k, history, lane)
 
 
@@ -269,13 +273,8 @@ def _flat_gauss_point(
         aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
-    n, m, density, lost = _through_flat(rule.laws, place, q, e, k, history, lane)
-    g11, g12, g22 = 0.0, 0.0, 0.0
-    for j in range(rule.place.shape[0]):
-        w = rule.weight[j]
-        g11 += w * rule.shear[j, 0]
-        g12 += w * rule.shear[j, 1]
-        g22 += w * rule.shear[j, 2]
+    n, m, density, lost, g = _through_flat(rule.laws, place, q, e, k, history, lane)
+    g11, g12, g22 = g
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
     if has_axes(rule.laws):
