@@ -47,11 +47,19 @@ def _linear(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
     return p[first] * plastic, p[first] + 0.0 * plastic
 
 
+def _linear_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
+    return p[first] + 0.0 * plastic
+
+
 def _swift(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
     """K, ε_0, n, σ_0."""
     reached = plastic + p[first + 1]
     whole = p[first] * power(reached, p[first + 2])
     return whole - p[first + 3], p[first + 2] * whole / reached
+
+
+def _swift_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
+    return p[first + 2] * (reached + p[first + 3]) / (plastic + p[first + 1])
 
 
 def _voce(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
@@ -61,6 +69,11 @@ def _voce(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
         (p[first] - left) + p[first + 2] * plastic,
         p[first + 1] * left + p[first + 2],
     )
+
+
+def _voce_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
+    left = (p[first] - reached) + p[first + 2] * plastic
+    return p[first + 1] * left + p[first + 2]
 
 
 def _table(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
@@ -77,11 +90,22 @@ def _table(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
     return stress, slope
 
 
+def _table_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Number:
+    slope = 0.0 * plastic
+    for k in range(int(p[first])):
+        at = first + 1 + 3 * k
+        into = plastic - p[at]
+        slope = slope + where_above(0.0, into, 0.0, where_above(p[at + 1], into, p[at + 2], 0.0))
+    return slope
+
+
 @dataclass(frozen=True)
 class Hardening:
     """How a yield stress grows; use one of the subclasses."""
 
     function: ClassVar[Callable[..., Any]]
+    slope: ClassVar[Callable[..., Any]]
+    """dR/dp at p and R, by fewer operations."""
     kind: ClassVar[str]
 
     @property
@@ -141,6 +165,7 @@ class Linear(Hardening):
     """
 
     function = staticmethod(_linear)
+    slope = staticmethod(_linear_slope)
     kind = "linear"
 
     yield_stress: float
@@ -185,6 +210,7 @@ class Swift(Hardening):
     """
 
     function = staticmethod(_swift)
+    slope = staticmethod(_swift_slope)
     kind = "Swift"
 
     strength: float
@@ -229,6 +255,7 @@ class Voce(Hardening):
     """
 
     function = staticmethod(_voce)
+    slope = staticmethod(_voce_slope)
     kind = "Voce"
 
     yield_stress: float
@@ -275,6 +302,7 @@ class Table(Hardening):
     """
 
     function = staticmethod(_table)
+    slope = staticmethod(_table_slope)
     kind = "table"
 
     plastic_strain: tuple[float, ...]

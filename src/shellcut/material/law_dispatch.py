@@ -1,7 +1,7 @@
 """How kernels call the laws of a film: one function for all laws, compiled for those in use.
 
 Kernels that need laws take them as a tuple, and the Numba *type* of a law holds the law's name and
-a digest of its source file. A kernel is compiled once for each combination of laws, with the laws'
+a digest of its sources. A kernel is compiled once for each combination of laws, with the laws'
 functions inlined, and Numba caches it under these types, also for user-written laws. An edited law
 has another type, so no kernel runs with an old version. Kernels without laws are compiled once.
 """
@@ -20,7 +20,8 @@ from numba.core.datamodel import models
 from numba.extending import NativeValue, overload, register_model, typeof_impl, unbox
 
 from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
-from shellcut.numerics.jit import always_inline, inline
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
@@ -50,8 +51,8 @@ class HistoryStep(NamedTuple):
 
     old: Annotated[Numbers, "(n_block, n, width)"]
     """At t_{n-1}."""
-    new: Annotated[Numbers, "(n_new, n, width)"]
-    """At t_n; may be the same array as ``old``."""
+    new: Annotated[Numbers, "(n_new, n, width)"] | None
+    """At t_n; None if ``old`` is updated in its place."""
     block: int
     """Block that is read."""
     new_block: int
@@ -70,9 +71,10 @@ def point_stress(
     law = laws.laws[laws.kind[k]]
     before = _before(law, history, first, lane)
     function = getattr(law.stress, "py_func", law.stress)
-    stress, stored, dissipated, after = function(laws.parameters[k], strain, before, history.dt)
+    stress, stored, dissipated, after = function(laws.parameters[k], strain, before, history.dt)[:4]
+    new = history.old if history.new is None else history.new
     for i in range(len(law.history)):
-        put(history.new, history.new_block, first + i, lane, after[i])
+        put(new, history.new_block, first + i, lane, after[i])
     return stress, stored, zero(lane) + dissipated
 
 
@@ -125,6 +127,46 @@ def _unbox_law(kind: Any, value: Any, context: Any) -> Any:
 
 def _laws_of(laws: Any) -> list[PointLaw]:
     return [LAWS[one.law] for one in laws.types[0].types]
+
+
+def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of laws and further arguments that calls one of two with the latter.
+
+    The first if all laws are linear, which take a few operations each.
+    """
+
+    def run(laws, *arguments):
+        return linear(*arguments)
+
+    @overload(run, jit_options=_OPTIONS)
+    def _run_in_kernel(laws, *arguments):
+        function = linear if all(law.linear for law in _laws_of(laws)) else other
+        return lambda laws, *arguments: function(*arguments)
+
+    return run
+
+
+def _borrowed_new(table: Numbers | None) -> Numbers | None:
+    return table
+
+
+@overload(_borrowed_new, jit_options=_OPTIONS)
+def _borrowed_new_in_kernel(table):
+    if isinstance(table, types.NoneType):
+        return lambda table: None
+    return lambda table: borrowed(table)
+
+
+@always_inline
+def borrowed_history(history: HistoryStep) -> HistoryStep:
+    """Return a history step whose tables are :func:`~shellcut.numerics.borrowed.borrowed`."""
+    return HistoryStep(
+        borrowed(history.old),
+        _borrowed_new(history.new),
+        history.block,
+        history.new_block,
+        history.dt,
+    )
 
 
 @overload(dissipates, jit_options=_OPTIONS)
@@ -203,21 +245,52 @@ def _stress_function(law: PointLaw) -> Any:
             return stress, stored, zero(lane)
 
         return without
-    read, write = _reader(n), _writer(n)
-
-    # Called, not inlined: a law with history is long, and a quad has a dozen points.
-    @inline
-    def evaluate(p, strain, before, dt):
-        return function(p, strain, before, dt)
+    read, store = _reader(n), _storer(n)
 
     @always_inline
     def with_history(p, strain, history, first, lane):
         before = read(history.old, history.block, first, lane)
-        stress, stored, dissipated, after = evaluate(p, strain, before, history.dt)
-        write(history.new, history.new_block, first, lane, after)
-        return stress, stored, zero(lane) + dissipated
+        done = function(p, strain, before, history.dt)
+        store(history, first, lane, done)
+        return done[0], done[1], zero(lane) + done[2]
 
     return with_history
+
+
+@functools.cache
+def _storer(n: int) -> Any:
+    """Return a function that stores the history that a law has returned."""
+    write = _writer(n)
+
+    def store(history, first, lane, done):
+        raise NotImplementedError
+
+    @overload(store, jit_options=_OPTIONS)
+    def _store_in_kernel(history, first, lane, done):
+        if not isinstance(history.types[1], types.NoneType):
+            return lambda history, first, lane, done: write(
+                history.new, history.new_block, first, lane, done[3]
+            )
+
+        def in_place(history, first, lane, done):
+            if _changes(done):
+                write(history.old, history.block, first, lane, done[3])
+
+        return in_place
+
+    return store
+
+
+def _changes(done: tuple[Any, ...]) -> bool:
+    """Whether a law has changed its history; True if it does not say."""
+    return len(done) < 5 or done[4]
+
+
+@overload(_changes, jit_options=_OPTIONS)
+def _changes_in_kernel(done):
+    if len(done) < 5:
+        return lambda done: True
+    return lambda done: done[4]
 
 
 @functools.cache

@@ -21,8 +21,17 @@ since ½ (1/c_1 + 1/c_2) = τ/D, ½ (1/c_1 - 1/c_2) = -2 r/D, and their differen
 (4 r²/τ³)(τ²/D - A'): smooth where the eigenvalues meet, no division by their difference, one
 division in all. S is symmetric by construction, and S · dE = T · dε.
 
-A' is a series of six terms where s² <= 0.0026 in all lanes of a block (principal strains of 5 %),
-else of twelve where s² <= 0.0295 in all (17 %), else from logarithms.
+A' is a series of six terms where (2 m)² and (2 r)² stay below 0.0022 in all lanes of a block
+(3.6 % of a strip), else of twelve where s² <= 0.0295 in all (17 %), else from logarithms.
+
+**Small strains**, (2 m)² and (2 r)² below 8e-5 in all lanes (0.6 % of a strip), take no division.
+With y = 2 m and q = 4 r²/τ², which is below 1e-4,
+
+    1/τ = (1 - y)(1 + y²)(1 + y⁴),     τ²/D = 1/(1 - q) = (1 + q)(1 + q²),
+    ¼ ln D = ½ ln(1 + y) + ¼ ln(1 - q),
+
+the logarithms by seven and four terms, A' by three. All sums are taken in pairs: a chain of seven
+dependent products would cost more time than the products.
 
 A quad that is folded flat has D = 0 in one point or less where the strain is extrapolated through
 the thickness. There τ and D are held at ``_LEAST``: numbers stay finite, and
@@ -34,12 +43,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from shellcut.arrays import Number, Vector
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.jit import always_inline, apart
 from shellcut.numerics.lane_exponentials import any_above, logarithm
 from shellcut.numerics.lane_functions import larger, square_root, where_above
+from shellcut.numerics.processor import not_inlined, seldom
 
-# s² to which six terms of A' leave less than 2^-53 of A.
-_SHORT = 0.0026
+# (E_11 + E_22)² and (2 r)² of small strains, to which the terms leave less than 2^-53.
+_SMALL = 8.0e-5
+# The same for six terms of A'.
+_MODERATE = 0.0022
 # s² to which twelve do; from here on the difference A - 1 loses no more than seven bits.
 _LONG = 0.0295
 # Least mean c and least determinant of C: a squeeze to a thousandth.
@@ -50,43 +62,57 @@ class WayBack(NamedTuple):
     """The quantities of a strain that the way back needs."""
 
     u: Number
+    """2 u = E_11 - E_22."""
     v: Number
+    """2 v = 2 E_12."""
     mean: Number
     """τ."""
     slope: Number
     """b."""
-    spread: Number
-    """A'."""
-    inverse_mean: Number
-    """1/τ."""
+    curve: Number
+    """(τ²/D - A')/τ³."""
     inverse_det: Number
     """1/D."""
 
 
 @always_inline
+def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Number, Number]:
+    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of small strains: no division, short chains."""
+    y4 = y2 * y2
+    start = 1.0 - y
+    start = start + start * y2
+    inverse_mean = start + start * y4
+    squared = inverse_mean * inverse_mean
+    q = r4 * squared
+    q2 = q * q
+    spread = (1.0 / 3.0 + q * (1.0 / 5.0)) + q2 * (1.0 / 7.0)
+    over = 1.0 + q
+    ratio = over + over * q2
+    of_mean = (y * (1.0 / 6.0) - 0.25) + y2 * (y * (1.0 / 10.0) - 1.0 / 8.0)
+    of_mean = of_mean + y4 * ((y * (1.0 / 14.0) - 1.0 / 12.0) - y2 * (1.0 / 16.0))
+    of_shear = (q * (1.0 / 8.0) + 0.25) + q2 * (q * (1.0 / 16.0) + 1.0 / 12.0)
+    mid = 0.5 * y + (y2 * of_mean - q * of_shear)
+    slope = inverse_mean + inverse_mean * (q * spread)
+    return mid, slope, (squared * inverse_mean) * (ratio - spread), squared * ratio
+
+
+@always_inline
 def _short_series(q: Number) -> Number:
-    """Return A' at q = s² up to ``_SHORT``."""
-    a = q * (1.0 / 13.0) + 1.0 / 11.0
-    a = a * q + 1.0 / 9.0
-    a = a * q + 1.0 / 7.0
-    a = a * q + 1.0 / 5.0
-    return a * q + 1.0 / 3.0
+    """Return A' at q = s² up to 0.0026."""
+    q2 = q * q
+    low = (q * (1.0 / 5.0) + 1.0 / 3.0) + q2 * (q * (1.0 / 9.0) + 1.0 / 7.0)
+    return low + (q2 * q2) * (q * (1.0 / 13.0) + 1.0 / 11.0)
 
 
 @always_inline
 def _long_series(q: Number) -> Number:
     """Return A' at q = s² up to ``_LONG``."""
-    a = q * (1.0 / 25.0) + 1.0 / 23.0
-    a = a * q + 1.0 / 21.0
-    a = a * q + 1.0 / 19.0
-    a = a * q + 1.0 / 17.0
-    a = a * q + 1.0 / 15.0
-    a = a * q + 1.0 / 13.0
-    a = a * q + 1.0 / 11.0
-    a = a * q + 1.0 / 9.0
-    a = a * q + 1.0 / 7.0
-    a = a * q + 1.0 / 5.0
-    return a * q + 1.0 / 3.0
+    q2 = q * q
+    q4 = q2 * q2
+    low = (q * (1.0 / 5.0) + 1.0 / 3.0) + q2 * (q * (1.0 / 9.0) + 1.0 / 7.0)
+    middle = (q * (1.0 / 13.0) + 1.0 / 11.0) + q2 * (q * (1.0 / 17.0) + 1.0 / 15.0)
+    high = (q * (1.0 / 21.0) + 1.0 / 19.0) + q2 * (q * (1.0 / 25.0) + 1.0 / 23.0)
+    return low + q4 * (middle + q4 * high)
 
 
 @always_inline
@@ -100,12 +126,8 @@ def _any_spread(q: Number) -> Number:
 
 
 @always_inline
-def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
-    """Return (ε_11, ε_22, 2 ε_12) of the Green-Lagrange strain (E_11, E_22, 2 E_12)."""
-    m, u, v = 0.5 * (strain[0] + strain[1]), 0.5 * (strain[0] - strain[1]), 0.5 * strain[2]
-    squared = u * u + v * v
-    mean = larger(1.0 + 2.0 * m, _LEAST)
-    excess = larger(4.0 * (m + m * m - squared), _LEAST - 1.0)
+def _moderate_strain(mean: Number, excess: Number, r4: Number) -> tuple[Number, ...]:
+    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of τ, D - 1 and (2 r)²."""
     determinant = 1.0 + excess
     over = 2.0 + excess
     inverse = 1.0 / (mean * over * determinant)
@@ -113,36 +135,80 @@ def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
     inverse_det = inverse * (mean * over)
     s = excess * (inverse * (mean * determinant))
     q_area = s * s
+    squared = inverse_mean * inverse_mean
+    q_shear = r4 * squared
+    spread = _short_series(q_shear)
+    mid = 0.5 * s * (1.0 + q_area * _short_series(q_area))
+    slope = inverse_mean + inverse_mean * (q_shear * spread)
+    curve = (squared * inverse_mean) * ((mean * mean) * inverse_det - spread)
+    return mid, slope, curve, inverse_det
+
+
+@apart
+def _large_strain(mean: Number, excess: Number, r4: Number) -> tuple[Number, ...]:
+    """Return the same of any strain."""
+    not_inlined()
+    determinant = 1.0 + excess
+    over = 2.0 + excess
+    inverse = 1.0 / (mean * over * determinant)
+    inverse_mean = inverse * (over * determinant)
+    inverse_det = inverse * (mean * over)
+    s = excess * (inverse * (mean * determinant))
+    q_area = s * s
+    squared = inverse_mean * inverse_mean
     # No more than the held D allows.
-    q_shear = (4.0 * squared) * (inverse_mean * inverse_mean)
-    q_most = 1.0 - determinant * (inverse_mean * inverse_mean)
-    q_shear = where_above(q_shear, 0.5, larger(q_most, 0.0), q_shear)
-    most = larger(q_area, q_shear)
-    if any_above(most, _SHORT):
-        if any_above(most, _LONG):
-            mid, spread = 0.25 * logarithm(determinant), _any_spread(q_shear)
-        else:
-            mid = 0.5 * s * (1.0 + q_area * _long_series(q_area))
-            spread = _long_series(q_shear)
+    q_shear = r4 * squared
+    q_most = larger(1.0 - determinant * squared, 0.0)
+    q_shear = where_above(q_shear, 0.5, q_most, q_shear)
+    if any_above(larger(q_area, q_shear), _LONG):
+        mid, spread = 0.25 * logarithm(determinant), _any_spread(q_shear)
     else:
-        mid = 0.5 * s * (1.0 + q_area * _short_series(q_area))
-        spread = _short_series(q_shear)
-    slope = (1.0 + q_shear * spread) * inverse_mean
-    wide = slope * u
-    return (
-        (mid + wide, mid - wide, slope * strain[2]),
-        WayBack(u, v, mean, slope, spread, inverse_mean, inverse_det),
-    )
+        mid = 0.5 * s * (1.0 + q_area * _long_series(q_area))
+        spread = _long_series(q_shear)
+    slope = inverse_mean + inverse_mean * (q_shear * spread)
+    curve = (squared * inverse_mean) * ((mean * mean) * inverse_det - spread)
+    return mid, slope, curve, inverse_det
+
+
+@always_inline
+def mean_and_deviator(strain: Vector) -> tuple[Vector, WayBack]:
+    """Return (½ (ε_11 + ε_22), ½ (ε_11 - ε_22), ε_12) of the strain (E_11, E_22, 2 E_12)."""
+    y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
+    y2, r4 = y * y, u * u + v * v
+    mean = 1.0 + y
+    most = larger(y2, r4)
+    if seldom(any_above(most, _SMALL)):
+        excess = 2.0 * y + (y2 - r4)
+        if seldom(any_above(most, _MODERATE)):
+            mean = larger(mean, _LEAST)
+            excess = larger(excess, _LEAST - 1.0)
+            mid, slope, curve, inverse_det = _large_strain(mean, excess, r4)
+        else:
+            mid, slope, curve, inverse_det = _moderate_strain(mean, excess, r4)
+    else:
+        mid, slope, curve, inverse_det = _small_strain(y, y2, r4)
+    half = 0.5 * slope
+    return (mid, half * u, half * v), WayBack(u, v, mean, slope, curve, inverse_det)
+
+
+@always_inline
+def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
+    """Return (ε_11, ε_22, 2 ε_12) of the Green-Lagrange strain (E_11, E_22, 2 E_12)."""
+    (mid, wide, slip), way = mean_and_deviator(strain)
+    return (mid + wide, mid - wide, slip + slip), way
 
 
 @always_inline
 def second_piola_kirchhoff(T: Vector, way: WayBack) -> Vector:
     """Return (S_11, S_22, S_12) of the stress (T_11, T_22, T_12) conjugate to ε."""
-    t, Tu, Tv = 0.5 * (T[0] + T[1]), 0.5 * (T[0] - T[1]), T[2]
+    return piola_of_mean(0.5 * (T[0] + T[1]), 0.5 * (T[0] - T[1]), T[2], way)
+
+
+@always_inline
+def piola_of_mean(t: Number, Tu: Number, Tv: Number, way: WayBack) -> Vector:
+    """Return the same of ½ (T_11 + T_22), ½ (T_11 - T_22) and T_12."""
     p = Tu * way.u + Tv * way.v
-    mid = (way.mean * t - 2.0 * p) * way.inverse_det
-    ratio = way.mean * way.mean * way.inverse_det
-    cubed = way.inverse_mean * way.inverse_mean * way.inverse_mean
-    along = 4.0 * p * cubed * (ratio - way.spread) - 2.0 * t * way.inverse_det
+    mid = (way.mean * t - p) * way.inverse_det
+    along = p * way.curve - t * way.inverse_det
     wide = way.slope * Tu + along * way.u
     return mid + wide, mid - wide, way.slope * Tv + along * way.v

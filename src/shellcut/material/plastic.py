@@ -37,11 +37,17 @@ import numpy as np
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
+from shellcut.numerics.processor import seldom
 
 from .elastic import Elastic
 from .hardening import Hardening, RateFactor
 from .hencky import elastic_problems
-from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from .logarithmic_strain import (
+    logarithmic_strain,
+    mean_and_deviator,
+    piola_of_mean,
+    second_piola_kirchhoff,
+)
 from .material import Material, refuse
 from .orthotropic import Orthotropic, strain_turn
 from .point_law import History, PointLaw, register
@@ -79,10 +85,9 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
 
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
-    ) -> tuple[Vector, Number, Number, History]:
-        e, way = logarithmic_strain(strain)
+    ) -> tuple[Vector, Number, Number, History, bool]:
+        (mean, wide, slip), way = mean_and_deviator(strain)
         eq, R, p1, p2, p12 = history
-        mean, wide, slip = 0.5 * (e[0] + e[1]), 0.5 * (e[0] - e[1]), 0.5 * e[2]
         mean, wide, slip = mean - 0.5 * (p1 + p2), wide - 0.5 * (p1 - p2), slip - 0.5 * p12
         z = (p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip)
         if kinematic:
@@ -92,10 +97,11 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
         weight = (1.0, 3.0, 3.0)
         beyond = excess(weight, z, p[_YIELD] + R, may_flow(dt))
         lost = 0.0 * R
-        if any_above(beyond, 0.0):
+        flows = any_above(beyond, 0.0)
+        if seldom(flows):
             of_mean, of_shear = 0.5 * p[_MEAN] + p[_KINEMATIC], 1.5 * p[_SHEAR] + p[_KINEMATIC]
-            q = (z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2]), 0.0 * R)
-            done = flow(p, _YIELD, q, (of_mean, of_shear, of_shear), beyond, (eq, R), dt)
+            q = (z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2]))
+            done = flow(p, _YIELD, q, (of_mean, of_shear), beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
             d_mean = 0.5 * done.by_mode[0] * z[0]
             by_shear = 1.5 * done.by_mode[1]
@@ -108,8 +114,8 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
             # ½ β · ε_p
             q, d = p1 + p2, p1 - p2
             stored = stored + 0.5 * h * q * q + (0.5 * third) * (d * d + p12 * p12)
-        S = second_piola_kirchhoff((t + Tu, t - Tu, Tv), way)
-        return S, stored, lost, (eq, R, p1, p2, p12)
+        S = piola_of_mean(t, Tu, Tv, way)
+        return S, stored, lost, (eq, R, p1, p2, p12), flows
 
     def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
         e, _ = logarithmic_strain(strain)
@@ -124,7 +130,7 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
 
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
-    ) -> tuple[Vector, Number, Number, History]:
+    ) -> tuple[Vector, Number, Number, History, bool]:
         e, way = logarithmic_strain(strain)
         eq, R, p1, p2, p12 = history
         e1, e2, e12 = e[0] - p1, e[1] - p2, e[2] - p12
@@ -144,7 +150,8 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
         m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
         beyond = excess((m0, m1, m2), z, p[_YIELD_AXES] + R, may_flow(dt))
         lost = 0.0 * R
-        if any_above(beyond, 0.0):
+        flows = any_above(beyond, 0.0)
+        if seldom(flows):
             q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
             done = flow(p, _YIELD_AXES, q, (m0 + h, m1 + h, m2 + h), beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
@@ -165,7 +172,7 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
             b2 = p[_BACK + 6] * p1 + p[_BACK + 7] * p2 + p[_BACK + 8] * p12
             stored = stored + 0.5 * (b0 * p1 + b1 * p2 + b2 * p12)
         S = second_piola_kirchhoff((t1, t2, t12), way)
-        return S, stored, lost, (eq, R, p1, p2, p12)
+        return S, stored, lost, (eq, R, p1, p2, p12), flows
 
     def thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
         e, _ = logarithmic_strain(strain)
@@ -192,8 +199,8 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
     has_rate = rate is not RateFactor
     words = ["Hill" if axes else "von Mises", hardening.kind, "kinematic" * kinematic, rate.kind]
     name = " ".join(word for word in words if word)
-    flow = make_flow(hardening.function, rate.function, has_rate)
-    functions = _law_with_axes if axes else _isotropic_law
+    functions, n_mode = (_law_with_axes, 3) if axes else (_isotropic_law, 2)
+    flow = make_flow(hardening.function, hardening.slope, rate.function, has_rate, n_mode)
     frozen = PointLaw(
         f"{name}, frozen", *functions(flow, _never, kinematic), HISTORY, oriented=axes
     )

@@ -14,10 +14,11 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, TypeAlias
 
-from shellcut.arrays import Number, Vector
+from shellcut.arrays import Number
+
+from .source_digest import source_digest
 
 History: TypeAlias = tuple[Number, ...]
 
@@ -33,7 +34,8 @@ class PointLaw:
     stress : callable
         ``stress(p, strain, history, dt)`` returns four things: the second Piola-Kirchhoff stress
         (S_11, S_22, S_12) [MPa] at t_n; the stored energy density at t_n [N/mm²]; the energy
-        density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n. ``p`` holds the
+        density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n; and, if the law
+        knows, a fifth: whether any of it has changed, or it need not be stored. ``p`` holds the
         material's parameters, shape (n_parameter,); ``strain`` is (E_11, E_22, 2 E_12) at t_n in
         the point's Cartesian frame; ``history`` holds the numbers at t_{n-1}, zero at the start;
         ``dt`` is the length of the step [s]. Called again with the same strain, the returned
@@ -59,7 +61,7 @@ class PointLaw:
     """
 
     name: str
-    stress: Callable[..., tuple[Vector, Number, Number, History]]
+    stress: Callable[..., tuple[Any, ...]]
     thickness_stretch: Callable[..., Number]
     history: tuple[str, ...] = ()
     linear: bool = False
@@ -67,7 +69,7 @@ class PointLaw:
     timed: bool = False
     frozen: PointLaw | None = None
     digest: str = field(init=False, default="")
-    """Digest of all fields, and of the source files of both functions."""
+    """Digest of all fields, and of the sources (:mod:`shellcut.material.source_digest`)."""
 
     def __post_init__(self) -> None:
         problems = []
@@ -89,7 +91,7 @@ class PointLaw:
         if problems:
             raise ValueError("; ".join(problems))
         words = f"{self.history} {self.linear} {self.oriented} {self.timed}".encode()
-        sources = _source_of(self.stress) + _source_of(self.thickness_stretch)
+        sources = source_digest(self.stress, self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)
 
@@ -114,14 +116,3 @@ def register(law: PointLaw) -> PointLaw:
         )
     LAWS[law.name] = law
     return law
-
-
-def _source_of(function: Callable[..., Any]) -> bytes:
-    """Return the name and source file of a function, or its code if there is no file."""
-    plain: Any = getattr(function, "py_func", function)
-    code = plain.__code__
-    try:
-        content = Path(code.co_filename).read_bytes()
-    except OSError:
-        content = code.co_code + repr(code.co_consts).encode()
-    return content + str(plain.__qualname__).encode()

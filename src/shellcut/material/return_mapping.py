@@ -21,12 +21,18 @@ linear, whatever the step, and nearly one otherwise:
 
     Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + k_i)/(σ_y + k_i Δp)³ = -G'/2,
 
-with a series for the root near G = 1. The iteration ends when |G - 1| < 4e-6 (singles: 1e-3) in all
-lanes that yield; the last correction is added to the first order, which leaves 1e-11. If that takes
-more than ``_FREE_TURNS`` turns, it begins anew with a bracket: G > 1 at Δp = 0, and σ_eq^trial
-bounds Δp from above; a turn that would leave it halves it. A lane that is not solved in ``_TURNS``
-turns gets nan, and the run is stopped by name. Lanes that do not yield keep their bits, whatever
-their neighbours in the block do.
+with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + k_i Δp are σ_0 + R, and
+the slope of the hardening follows from R without its exponential:
+
+    Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i),       Q = Σ q_i.
+
+The iteration ends when |G - 1| < 1.5e-5 (singles: 1e-3) in all lanes that yield; the last
+correction is added to the first order, which leaves 1e-11 to 1e-10. So a step of an explicit run
+evaluates the hardening once. If it takes more than ``_FREE_TURNS`` turns, it begins anew with a
+bracket: G > 1 at Δp = 0, and σ_eq^trial bounds Δp from above; a turn that would leave it halves it.
+A lane that is not solved in ``_TURNS`` turns gets nan, and the run is stopped by name. Lanes that
+do not yield keep their bits, whatever their neighbours in the block do. Isotropic moduli with
+von Mises have two modes, the mean and the deviator.
 
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.
@@ -45,15 +51,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Number, Vector
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.jit import always_inline, apart
 from shellcut.numerics.lane_exponentials import any_above, precision_of
 from shellcut.numerics.lane_functions import larger, square_root, where_above
+from shellcut.numerics.processor import not_inlined
 
 _TURNS = 80
 # Of Newton alone; after them the root is bracketed.
 _FREE_TURNS = 6
 # |G - 1| over the root of the precision at which the last correction ends the iteration.
-_ENOUGH = 256.0
+_ENOUGH = 1024.0
 
 
 @always_inline
@@ -65,7 +72,7 @@ def equivalent(weight: Vector, z: Vector) -> Number:
 class Flow(NamedTuple):
     """What flows in a step; in lanes that do not yield nothing does."""
 
-    by_mode: Vector
+    by_mode: tuple[Number, ...]
     """Δλ z_i/z_i^trial = Δp/(σ_y + k_i Δp) [1/MPa]."""
     plastic: Number
     """p at the end of the step."""
@@ -88,11 +95,23 @@ def excess(weight: Vector, z: Vector, start: Number, may_flow: bool) -> Number:
 
 
 @always_inline
-def _newton_turn(yielding, q, k, dp):
+def _turn_of_two(yielding, q, k, dp):
     """Return G, 1/(σ_y + k_i Δp) and their slopes, and B; see the head of the module.
 
     yielding : σ_y and its slope at p + Δp.
     """
+    sigma, slope = yielding
+    a0, a1 = sigma + k[0] * dp, sigma + k[1] * dp
+    over = 1.0 / (a0 * a1)
+    i0, i1 = over * a1, over * a0
+    r0, r1 = (slope + k[0]) * i0, (slope + k[1]) * i1
+    s0, s1 = q[0] * i0 * i0, q[1] * i1 * i1
+    return s0 + s1, (i0, i1), (r0, r1), s0 * r0 + s1 * r1
+
+
+@always_inline
+def _turn_of_three(yielding, q, k, dp):
+    """Return the same for three modes."""
     sigma, slope = yielding
     a0, a1, a2 = sigma + k[0] * dp, sigma + k[1] * dp, sigma + k[2] * dp
     over = 1.0 / (a0 * a1 * a2)
@@ -102,16 +121,60 @@ def _newton_turn(yielding, q, k, dp):
     return s0 + s1 + s2, (i0, i1, i2), (r0, r1, r2), s0 * r0 + s1 * r1 + s2 * r2
 
 
-def make_flow(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
-    """Return the function that finds the flow of a step, for functions of hardening and rate.
+@always_inline
+def _sums_of_two(q, k):
+    """Return Σ q_i, Σ q_i k_i and the least k_i."""
+    return q[0] + q[1], q[0] * k[0] + q[1] * k[1], min(k[0], k[1])
 
-    ``flow(p, at, q, k, beyond, state, dt)`` takes the parameter row, in which σ_0 stands at ``at``,
-    followed by the parameters of the hardening, and p[0] is the place of those of the rate; the
-    shares q_i of the trial modes in σ_eq²; k_i = μ_i + H_k; :func:`excess`, above zero in at least
-    one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
-    """
-    hardening, rate_factor = always_inline(hardening), always_inline(rate_factor)
 
+@always_inline
+def _sums_of_three(q, k):
+    """Return the same for three modes."""
+    return (
+        q[0] + q[1] + q[2],
+        q[0] * k[0] + q[1] * k[1] + q[2] * k[2],
+        min(k[0], min(k[1], k[2])),
+    )
+
+
+@always_inline
+def _flow_of_two(beyond, dp, inverse, rates, change, none):
+    """Return Δλ z_i/z_i^trial after the last change, to the first order."""
+    return (
+        where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
+        where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
+    )
+
+
+@always_inline
+def _flow_of_three(beyond, dp, inverse, rates, change, none):
+    """Return the same for three modes."""
+    return (
+        where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
+        where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
+        where_above(beyond, 0.0, dp * inverse[2] * (1.0 - rates[2] * change), none),
+    )
+
+
+_OF_MODES = {
+    2: (_turn_of_two, _sums_of_two, _flow_of_two),
+    3: (_turn_of_three, _sums_of_three, _flow_of_three),
+}
+
+
+@always_inline
+def _change(G, B, beyond, none):
+    """Return |G - 1| of the lanes that yield, and the change of Δp."""
+    off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), none)
+    if any_above(off, 0.1):
+        change = G * (square_root(G) - 1.0)
+    else:
+        d = G - 1.0
+        change = d * (0.5 + d * (0.375 - d * (0.0625 - 0.0234375 * d)))
+    return off, change / B
+
+
+def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
     @always_inline
     def yield_stress(p, at, eq, dp, dt):
         """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``."""
@@ -122,54 +185,91 @@ def make_flow(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
         factor, steeper = rate_factor(p, int(p[0]), dp / dt)
         return (static * factor, steep * factor + static * steeper / dt), (R, steep)
 
-    @always_inline
+    return yield_stress
+
+
+def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any) -> Any:
+    @apart
+    def bracketed(p, at, q, k, beyond, state, dt):
+        """Return Δp between bounds that close in on it; nan where it is not found."""
+        not_inlined()
+        eq, R_old = state
+        none = 0.0 * eq
+        enough = _enough(eq)
+        total, _, least = sums(q, k)
+        # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
+        low, high = none, (square_root(total) - (p[at] + R_old)) / least
+        dp = where_above(beyond, 0.0, 0.5 * high, none)
+        off = none
+        for _ in range(_TURNS):
+            yielding, _ = yield_stress(p, at, eq, dp, dt)
+            G, _, _, B = one_turn(yielding, q, k, dp)
+            off, change = _change(G, B, beyond, none)
+            if not any_above(off, enough):
+                break
+            low = where_above(G, 1.0, dp, low)
+            high = where_above(G, 1.0, high, dp)
+            new, middle = dp + change, 0.5 * (low + high)
+            new = where_above(new, low, new, middle)
+            new = where_above(high, new, new, middle)
+            dp = where_above(beyond, 0.0, where_above(off, enough, new, dp), none)
+        return where_above(off, enough, np.nan * dp, dp)
+
+    return bracketed
+
+
+@always_inline
+def _enough(number):
+    """Return |G - 1| at which the last correction ends the iteration."""
+    return min(_ENOUGH * np.sqrt(precision_of(number)), 1e-3)
+
+
+def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
+    """Return the function that finds the flow of a step, for functions of hardening and rate.
+
+    ``flow(p, at, q, k, beyond, state, dt)`` takes the parameter row, in which σ_0 stands at ``at``,
+    followed by the parameters of the hardening, and p[0] is the place of those of the rate; the
+    shares q_i of the two or three trial modes in σ_eq²; k_i = μ_i + H_k; :func:`excess`, above zero
+    in at least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
+    """
+    one_turn, sums, flow_of_modes = _OF_MODES[n_mode]
+    first_slope = always_inline(slope)
+    yield_stress = _make_yield_stress(
+        always_inline(hardening), always_inline(rate_factor), has_rate
+    )
+    bracketed = _make_bracketed(yield_stress, one_turn, sums)
+
+    @apart
     def flow(p, at, q, k, beyond, state, dt):
+        not_inlined()
         eq, R_old = state
         none = 0.0 * eq
         start = p[at] + R_old
-        enough = min(_ENOUGH * np.sqrt(precision_of(eq)), 1e-3)
-        dp, low, high = none, none, none
-        turn = 0
+        total, slopes, _ = sums(q, k)
+        # The first turn, at Δp = 0.
+        dp = total * (square_root(total) - start)
+        dp = dp / (total * first_slope(p, at + 1, eq, R_old) + slopes)
+        dp = where_above(beyond, 0.0, dp, none)
+        turn = 1
         while True:
             yielding, isotropic = yield_stress(p, at, eq, dp, dt)
-            G, inverse, rates, B = _newton_turn(yielding, q, k, dp)
-            off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), none)
-            if any_above(off, 0.1):
-                change = G * (square_root(G) - 1.0)
-            else:
-                d = G - 1.0
-                change = d * (0.5 + d * (0.375 - d * (0.0625 - 0.0234375 * d)))
-            change = change / B
+            G, inverse, rates, B = one_turn(yielding, q, k, dp)
+            off, change = _change(G, B, beyond, none)
             turn += 1
-            if turn == _TURNS or not any_above(off, enough):
+            if not any_above(off, _enough(eq)) or turn > _FREE_TURNS:
                 break
             if turn < _FREE_TURNS:
                 dp = where_above(beyond, 0.0, dp + change, none)
-            elif turn == _FREE_TURNS:
-                # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
-                high = (square_root(q[0] + q[1] + q[2]) - start) / min(k[0], min(k[1], k[2]))
-                dp = where_above(beyond, 0.0, 0.5 * high, none)
             else:
-                low = where_above(G, 1.0, dp, low)
-                high = where_above(G, 1.0, high, dp)
-                new, middle = dp + change, 0.5 * (low + high)
-                new = where_above(new, low, new, middle)
-                new = where_above(high, new, new, middle)
-                dp = where_above(beyond, 0.0, new, none)
-        sigma, slope = yielding
-        R, steep = isotropic
-        dp, sigma, R = dp + change, sigma + slope * change, R + steep * change
-        # The last correction to the first order; nan where the equation is not solved.
-        dp = where_above(off, enough, np.nan * dp, dp)
+                dp = bracketed(p, at, q, k, beyond, state, dt)
+        # The last correction to the first order.
+        dp, sigma = dp + change, yielding[0] + yielding[1] * change
+        R = isotropic[0] + isotropic[1] * change
         mean = 0.5 * (start + sigma)
         if has_rate:
             mean = 0.5 * sigma * (1.0 + start / (p[at] + R))
         return Flow(
-            (
-                where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
-                where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
-                where_above(beyond, 0.0, dp * inverse[2] * (1.0 - rates[2] * change), none),
-            ),
+            flow_of_modes(beyond, dp, inverse, rates, change, none),
             where_above(beyond, 0.0, eq + dp, eq),
             where_above(beyond, 0.0, R, R_old),
             where_above(beyond, 0.0, mean * dp, none),

@@ -27,8 +27,8 @@ from shellcut.numerics.lanes import aligned_zeros
 
 from .blocks import QuadBlocks
 from .element import N_FLAT_PRODUCT, N_STRAIN
-from .quad_strains import LinearTables, PointTables, write_products
-from .thickness_points import full_frames
+from .quad_strains import LinearTables, write_products
+from .thickness_points import PointTables, full_frames
 
 MORE_BLOCKS = 8
 """Blocks by which the place for copies grows at least; it grows by half, too."""

@@ -108,7 +108,7 @@ def _make_energy_kernel(by_points: bool) -> Any:
             s = strain_of(tables, flat, b, lane, (xm, tm))
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)
-                _, stored, _ = point_resultants(quads, flat, s, at, lane)
+                _, stored, _ = point_resultants(quads, quads.points, flat, s, at, lane)
                 energy[i] = stored
             else:
                 energy[i] = 0.5 * dot16(s, stiffness_product(tables, flat, b, lane, s, work))

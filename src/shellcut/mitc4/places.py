@@ -20,8 +20,9 @@ from shellcut.state import State
 from .blocks import QuadBlocks
 from .copies import MORE_BLOCKS, empty_place, fill_place, grow_blocks, grow_tables, with_more_blocks
 from .film_axes import film_axes
-from .quad_strains import LinearTables, PointTables
+from .quad_strains import LinearTables
 from .section import full_stiffness
+from .thickness_points import PointTables
 
 # Quads whose stiffness is computed at a time.
 _PATCH = 32

@@ -13,7 +13,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, Number, Numbers
 from shellcut.material.law_dispatch import HistoryStep, dissipates
-from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.borrowed import borrowed, lent
 from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import nth, total, turns, widen, zero
@@ -32,20 +32,32 @@ from .quad_strains import (
     store_strain,
     strain_of,
 )
-from .thickness_points import Frames, flat_point_resultants, full_point_resultants
+from .thickness_points import (
+    PointPlace,
+    PointTables,
+    flat_point_resultants,
+    full_point_resultants,
+)
 
 
 @always_inline
 def point_resultants(
-    quads: PointQuads, flat: bool, s: Sixteen, history: HistoryStep, lane: Lane
+    quads: PointQuads,
+    points: PointTables,
+    flat: bool,
+    s: Sixteen,
+    history: HistoryStep,
+    lane: Lane,
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of a block, its stored energy and the energy dissipated in the step."""
-    points, b = quads.points, history.block
+    """Return the resultants of a block, its stored energy and the energy dissipated in the step.
+
+    points : ``quads.points``, which may be :func:`~shellcut.numerics.borrowed.lent`.
+    """
+    b = history.block
     if flat:
-        frames = Frames(points.flat_frame, b, points.axes, b)
-        return flat_point_resultants(s, frames, points.rule, history, lane)
-    frames = Frames(points.full_frame, b - quads.quads.tables.n_flat, points.axes, b)
-    return full_point_resultants(s, frames, points.rule, history, lane)
+        return flat_point_resultants(s, PointPlace(quads.points, points, b, b), history, lane)
+    place = PointPlace(quads.points, points, b - quads.quads.tables.n_flat, b)
+    return full_point_resultants(s, place, history, lane)
 
 
 @always_inline
@@ -54,7 +66,9 @@ def _point_block(
     lane: Lane,
     flat: bool,
     both: PointQuads,
+    points: PointTables,
     now: PointStep,
+    history: Numbers,
     rows: Floats,
     work: Numbers,
 ) -> tuple[Number, Number, Number]:
@@ -65,8 +79,9 @@ def _point_block(
     quads, step = both.quads, now.step
     xm, tm = modes_of(quads, b, lane)
     s = strain_of(quads.tables, flat, b, lane, (xm, tm))
-    history = HistoryStep(now.history, now.history, b, b, now.dt)
-    r, stored, lost = point_resultants(both, flat, s, history, lane)
+    r, stored, lost = point_resultants(
+        both, points, flat, s, HistoryStep(history, None, b, b, now.dt), lane
+    )
     if not step.damped:
         add_to_nodes(rows, quads.corner, b, lane, (xm, tm), r)
         return stored, zero(lane), lost
@@ -97,6 +112,7 @@ def _make_point_kernel(flat: bool) -> Any:
         """
         align_stack()
         quads, step = borrowed(quads), borrowed(step)
+        points, history = lent(quads.points), lent(step.history)
         corner, last = quads.quads.corner, step.step.last
         work = np.empty((2, N_STRAIN, corner.shape[2]), last.dtype)
         rounding = flush_subnormals()
@@ -105,7 +121,9 @@ def _make_point_kernel(flat: bool) -> Any:
             p0, p1, p2 = none, none, none
             for b in range(start[k], start[k + 1]):
                 for turn in range(turns(corner, lane)):
-                    q0, q1, q2 = _point_block(b, nth(lane, turn), flat, quads, step, rows, work)
+                    q0, q1, q2 = _point_block(
+                        b, nth(lane, turn), flat, quads, points, step, history, rows, work
+                    )
                     p0, p1 = p0 + widen(q0, lane), p1 + widen(q1, lane)
                     if dissipates(quads.points.rule.laws):
                         p2 = p2 + widen(q2, lane)
@@ -141,7 +159,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
             s = strain_of(tables, flat, b, lane, (xm, tm))
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)
-                r, _, _ = point_resultants(quads, flat, s, at, lane)
+                r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
             else:
                 r = stiffness_product(tables, flat, b, lane, s, work)
             if step.step.damped:

@@ -35,8 +35,8 @@ from .centre_stress import FaceStresses, check_place, check_quads
 from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
 from .film_axes import into_axes
 from .point_forces import point_resultants
-from .quad_strains import PointQuads, PointTables, strain_of
-from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, strain_at, turn_strain
+from .quad_strains import PointQuads, strain_of
+from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, PointTables, strain_at, turn_strain
 
 
 class PointOutput:
@@ -177,7 +177,8 @@ def _resultants(
         flat = b < nodes.tables.n_flat
         both = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
         s = strain_of(nodes.tables, flat, b, lane, both)
-        r, _, _ = point_resultants(quads, flat, s, HistoryStep(history, trial, b, 0, 0.0), lane)
+        at = HistoryStep(history, trial, b, 0, 0.0)
+        r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):
             resultants[i, k] = r[k]
 

@@ -63,7 +63,7 @@ def differentiate_resultants(
         modes = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
         s = strain_of(nodes.tables, flat, b, lane, modes)
         at = HistoryStep(history, trial, b, 0, dt)
-        r, _, _ = point_resultants(quads, flat, s, at, lane)
+        r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):
             resultants[i, k] = r[k]
         for m in range(N_STRAIN):
@@ -77,7 +77,7 @@ def differentiate_resultants(
                 store_strain(row, 0, 0, s)
                 row[0, m, 0] += step if sign == 0 else -step
                 moved: Sixteen = pick16(row, 0, 0)
-                r, _, _ = point_resultants(quads, flat, moved, at, lane)
+                r, _, _ = point_resultants(quads, quads.points, flat, moved, at, lane)
                 for k in range(N_STRAIN):
                     if sign == 0:
                         moduli[i, k, m] = r[k] / (2.0 * step)

@@ -22,7 +22,7 @@ from .element import (
     products,
     quad_modes,
 )
-from .thickness_points import PointRule
+from .thickness_points import PointTables
 
 
 class LinearTables(NamedTuple):
@@ -38,17 +38,6 @@ class LinearTables(NamedTuple):
     full_reference: Annotated[Numbers, "(n_full, 16, width)"]
     """The products on the reference surface."""
     full_stiffness: Annotated[Numbers, "(n_full, 136, width)"]
-
-
-class PointTables(NamedTuple):
-    """Frames of the general path."""
-
-    flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
-    full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
-    """4 n_point 7 numbers per block."""
-    axes: Annotated[Numbers, "(n_axes, 8, width)"]
-    """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
-    rule: PointRule
 
 
 class Quads(NamedTuple):

@@ -32,10 +32,11 @@ from .point_forces import (
 )
 from .point_output import PointOutput
 from .present_quads import PresentQuads
-from .quad_strains import LinearTables, PointStep, PointTables, QuadStep
+from .quad_strains import LinearTables, PointStep, QuadStep
 from .section import flat_quads, lumped_mass
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
+from .thickness_points import PointTables
 from .work import Work, linear_work
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would

@@ -13,9 +13,16 @@ from shellcut.numerics.lanes import aligned_zeros, block_dtype
 from .blocks import QuadBlocks
 from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
 from .film_axes import N_AXES, film_axes
-from .quad_strains import LinearTables, PointTables, write_products
+from .quad_strains import LinearTables, write_products
 from .section import flat_moduli, flat_stiffness, full_stiffness
-from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, build_rule, flat_frames, full_frames
+from .thickness_points import (
+    N_FLAT_FRAME,
+    N_FULL_FRAME,
+    PointTables,
+    build_rule,
+    flat_frames,
+    full_frames,
+)
 
 BLOCKS_AT_A_TIME = 512
 """Number of blocks whose tables are built at a time: temporaries stay small beside the film's

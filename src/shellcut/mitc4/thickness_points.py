@@ -12,6 +12,11 @@ needs no linearity. The transverse shear stays elastic.
 Q follows from the frame ê_n · G^k, of which a, b, p = ê_1 · G^1, G^2, G^3 and f, r = ê_2 · G^2, G^3
 and d = ê_3 · G^3 do not vanish. On a flat quad the frame is the same at all heights, p = r = 0 and
 d = 1: strains are turned once per Gauss point, and the law is evaluated at e + xi³ k.
+
+The loop over the heights with a linear law is a few operations and inlined. With other laws it is a
+function of its own, called at each Gauss point: while the law is evaluated, the 32 strains and
+resultants of the quad would be in its way, and four copies of it would exceed the processor's cache
+of instructions and take four times as long to compile.
 """
 
 from __future__ import annotations
@@ -20,18 +25,22 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Numbers, Vector
+from shellcut.arrays import Floats, Number, Numbers, Vec3, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
+    borrowed_history,
+    chosen_by_laws,
     dissipates,
     has_axes,
     point_stress,
 )
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.numerics.jit import always_inline
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline, apart
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, zero
+from shellcut.numerics.processor import not_inlined
 
 from .element import G, Sixteen
 from .film_axes import into_axes, out_of_axes
@@ -56,13 +65,25 @@ class PointRule(NamedTuple):
     """History numbers per point, for the law with the most."""
 
 
-class Frames(NamedTuple):
-    """Table and block of the frames of a block of quads."""
+class PointTables(NamedTuple):
+    """Frames of all quads, and the points."""
 
-    table: Annotated[Numbers, "(n_block, n, width)"]
-    block: int
+    flat_frame: Annotated[Numbers, "(n_flat_frame, 16, width)"]
+    full_frame: Annotated[Numbers, "(n_full_frame, n_number, width)"]
+    """4 n_point 7 numbers per block."""
     axes: Annotated[Numbers, "(n_axes, 8, width)"]
-    """Of :mod:`.film_axes`; of all blocks, empty if no law has axes."""
+    """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
+    rule: PointRule
+
+
+class PointPlace(NamedTuple):
+    """A block of quads in the tables of its points."""
+
+    points: PointTables
+    lent: PointTables
+    """The same, or their address, for functions that are not inlined."""
+    block: int
+    """In the tables of frames."""
     axes_block: int
 
 
@@ -170,38 +191,17 @@ def _add_resultants(
 
 
 @always_inline
-def _flat_gauss_point(
-    q: int,
-    place: tuple[float, float],
-    r: Sixteen,
-    s: Sixteen,
-    frame: Frames,
-    rule: PointRule,
-    history: HistoryStep,
-    lane: Lane,
-) -> tuple[Sixteen, Number, Number]:
-    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
-    xi, eta = place
-    table, b = frame.table, frame.block
-    n_point = rule.place.shape[0]
+def _flat_layers(
+    rule: PointRule, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
+    """Return n, m, stored and just dissipated energy, and shear moduli over the thickness.
+
+    Of flat quads.  e, k : strain of the mid-surface and curvature at Gauss point ``q``.
+    """
     none = zero(lane)
-    # A quarter in the frame gives the factor 1/16 of the strains of the modes.
-    a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
-    c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
-    f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
-    volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
-    e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
-    k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
-    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
-    e13, e23 = a * g1 + c * g2, f * g2
-    along, aside = none, none
-    if has_axes(rule.laws):
-        along = pick(frame.axes, frame.axes_block, 2 * q, lane)
-        aside = pick(frame.axes, frame.axes_block, 2 * q + 1, lane)
-        e, k = into_axes(along, aside, e), into_axes(along, aside, k)
-        e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
-    n, m = (none, none, none), (none, none, none)
-    density, lost, g11, g12, g22 = none, none, 0.0, 0.0, 0.0
+    n, m, density, lost = (none, none, none), (none, none, none), none, none
+    g11, g12, g22 = 0.0, 0.0, 0.0
+    n_point = rule.place.shape[0]
     for j in range(n_point):
         z, w = rule.place[j], rule.weight[j]
         first = (q * n_point + j) * rule.n_history
@@ -216,6 +216,65 @@ def _flat_gauss_point(
         g11 += w * rule.shear[j, 0]
         g12 += w * rule.shear[j, 1]
         g22 += w * rule.shear[j, 2]
+    return n, m, density, lost, (g11, g12, g22)
+
+
+@always_inline
+def _flat_layers_within(
+    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
+    return _flat_layers(place.points.rule, q, e, k, history, lane)
+
+
+@apart
+def _flat_layers_apart(
+    points: PointTables, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
+    not_inlined()
+    return _flat_layers(borrowed(points).rule, q, e, k, borrowed_history(history), lane)
+
+
+@always_inline
+def _call_flat_layers(
+    place: PointPlace, q: int, e: Vector, k: Vector, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, Number, Number, Vec3]:
+    return _flat_layers_apart(place.lent, q, e, k, history, lane)
+
+
+_through_flat = chosen_by_laws(_flat_layers_within, _call_flat_layers)
+
+
+@always_inline
+def _flat_gauss_point(
+    q: int,
+    at: tuple[float, float],
+    r: Sixteen,
+    s: Sixteen,
+    place: PointPlace,
+    history: HistoryStep,
+    lane: Lane,
+) -> tuple[Sixteen, Number, Number]:
+    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
+    xi, eta = at
+    table, b, rule = place.points.flat_frame, place.block, place.points.rule
+    none = zero(lane)
+    # A quarter in the frame gives the factor 1/16 of the strains of the modes.
+    a = 0.25 * pick(table, b, N_FLAT_FRAME * q, lane)
+    c = 0.25 * pick(table, b, N_FLAT_FRAME * q + 1, lane)
+    f = 0.25 * pick(table, b, N_FLAT_FRAME * q + 2, lane)
+    volume = pick(table, b, N_FLAT_FRAME * q + 3, lane)
+    e = turn_strain(a, c, f, strain_at(s, 0, xi, eta))
+    k = turn_strain(a, c, f, strain_at(s, 6, xi, eta))
+    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    e13, e23 = a * g1 + c * g2, f * g2
+    along, aside = none, none
+    if has_axes(rule.laws):
+        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
+        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+        e, k = into_axes(along, aside, e), into_axes(along, aside, k)
+        e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
+    n, m, density, lost, g = _through_flat(rule.laws, place, q, e, k, history, lane)
+    g11, g12, g22 = g
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
     if has_axes(rule.laws):
@@ -238,44 +297,43 @@ def _flat_gauss_point(
 
 @always_inline
 def flat_point_resultants(
-    s: Sixteen, frame: Frames, rule: PointRule, history: HistoryStep, lane: Lane
+    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of flat quads, their stored and just dissipated energy [N·mm].
-
-    frame.table : (n_block, 16, width).
-    """
+    """Return the resultants of flat quads, their stored and just dissipated energy [N·mm]."""
     # One call per point, no loop: with constant xi and eta most of their products vanish.
     r = _sixteen(zero(lane))
-    r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, frame, rule, history, lane)
-    r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, frame, rule, history, lane)
-    r, w2, d2 = _flat_gauss_point(2, (G, G), r, s, frame, rule, history, lane)
-    r, w3, d3 = _flat_gauss_point(3, (-G, G), r, s, frame, rule, history, lane)
+    r, w0, d0 = _flat_gauss_point(0, (-G, -G), r, s, place, history, lane)
+    r, w1, d1 = _flat_gauss_point(1, (G, -G), r, s, place, history, lane)
+    r, w2, d2 = _flat_gauss_point(2, (G, G), r, s, place, history, lane)
+    r, w3, d3 = _flat_gauss_point(3, (-G, G), r, s, place, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)
 
 
+class Lifted(NamedTuple):
+    """Covariant strains at a Gauss point, of which those at any height follow."""
+
+    e: Vector
+    """Of the mid-surface."""
+    k: Vector
+    """Curvatures."""
+    g1: Number
+    """Transverse shear."""
+    g2: Number
+    along: Number
+    """Direction of the film's axes, if any law has some."""
+    aside: Number
+
+
 @always_inline
-def _full_gauss_point(
-    q: int,
-    place: tuple[float, float],
-    r: Sixteen,
-    s: Sixteen,
-    frame: Frames,
-    rule: PointRule,
-    history: HistoryStep,
-    lane: Lane,
-) -> tuple[Sixteen, Number, Number]:
-    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
-    xi, eta = place
-    table, b = frame.table, frame.block
+def _full_layers(
+    points: PointTables, b: int, q: int, s: Lifted, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
+    """Return n, m, q, the stored and the just dissipated energy over the thickness of any quad."""
+    table, rule = points.full_frame, points.rule
     n_point = rule.place.shape[0]
     none = zero(lane)
     stored, lost = none, none
-    along, aside = none, none
-    if has_axes(rule.laws):
-        along = pick(frame.axes, frame.axes_block, 2 * q, lane)
-        aside = pick(frame.axes, frame.axes_block, 2 * q + 1, lane)
-    e, k = strain_at(s, 0, xi, eta), strain_at(s, 6, xi, eta)
-    g1, g2 = 0.25 * (s[12] + eta * s[13]), 0.25 * (s[14] + xi * s[15])
+    e, k, g1, g2, along, aside = s
     n, m = (none, none, none), (none, none, none)
     q1, q2 = none, none
     for j in range(n_point):
@@ -314,20 +372,71 @@ def _full_gauss_point(
         to_fg = (0.25 * w) * (t * s2 + p * s12 + d * s23)
         q1 = q1 + a * to_ag
         q2 = q2 + c * to_ag + f * to_fg
+    return n, m, (q1, q2), stored, lost
+
+
+@always_inline
+def _full_layers_within(
+    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
+    return _full_layers(place.points, place.block, q, s, history, lane)
+
+
+@apart
+def _full_layers_apart(
+    points: PointTables, b: int, q: int, s: Lifted, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
+    not_inlined()
+    return _full_layers(borrowed(points), b, q, s, borrowed_history(history), lane)
+
+
+@always_inline
+def _call_full_layers(
+    place: PointPlace, q: int, s: Lifted, history: HistoryStep, lane: Lane
+) -> tuple[Vector, Vector, tuple[Number, Number], Number, Number]:
+    return _full_layers_apart(place.lent, place.block, q, s, history, lane)
+
+
+_through_full = chosen_by_laws(_full_layers_within, _call_full_layers)
+
+
+@always_inline
+def _full_gauss_point(
+    q: int,
+    at: tuple[float, float],
+    r: Sixteen,
+    s: Sixteen,
+    place: PointPlace,
+    history: HistoryStep,
+    lane: Lane,
+) -> tuple[Sixteen, Number, Number]:
+    """Return r with the part of one Gauss point, its stored and just dissipated energy."""
+    xi, eta = at
+    along, aside = zero(lane), zero(lane)
+    if has_axes(place.points.rule.laws):
+        along = pick(place.points.axes, place.axes_block, 2 * q, lane)
+        aside = pick(place.points.axes, place.axes_block, 2 * q + 1, lane)
+    lifted = Lifted(
+        strain_at(s, 0, xi, eta),
+        strain_at(s, 6, xi, eta),
+        0.25 * (s[12] + eta * s[13]),
+        0.25 * (s[14] + xi * s[15]),
+        along,
+        aside,
+    )
+    laws = place.points.rule.laws
+    n, m, (q1, q2), stored, lost = _through_full(laws, place, q, lifted, history, lane)
     return _add_resultants(r, n, m, q1, q2, xi, eta), stored, lost
 
 
 @always_inline
 def full_point_resultants(
-    s: Sixteen, frame: Frames, rule: PointRule, history: HistoryStep, lane: Lane
+    s: Sixteen, place: PointPlace, history: HistoryStep, lane: Lane
 ) -> tuple[Sixteen, Number, Number]:
-    """Return the resultants of any quads, their stored and just dissipated energy [N·mm].
-
-    frame.table : (n_block, 4 n_point 7, width).
-    """
+    """Return the resultants of any quads, their stored and just dissipated energy [N·mm]."""
     r = _sixteen(zero(lane))
-    r, w0, d0 = _full_gauss_point(0, (-G, -G), r, s, frame, rule, history, lane)
-    r, w1, d1 = _full_gauss_point(1, (G, -G), r, s, frame, rule, history, lane)
-    r, w2, d2 = _full_gauss_point(2, (G, G), r, s, frame, rule, history, lane)
-    r, w3, d3 = _full_gauss_point(3, (-G, G), r, s, frame, rule, history, lane)
+    r, w0, d0 = _full_gauss_point(0, (-G, -G), r, s, place, history, lane)
+    r, w1, d1 = _full_gauss_point(1, (G, -G), r, s, place, history, lane)
+    r, w2, d2 = _full_gauss_point(2, (G, G), r, s, place, history, lane)
+    r, w3, d3 = _full_gauss_point(3, (-G, G), r, s, place, history, lane)
     return r, (w0 + w1) + (w2 + w3), (d0 + d1) + (d2 + d3)

@@ -17,6 +17,8 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, models, overload, register_model
 
+from .lane_instructions import OVERLOAD_OPTIONS
+
 T = TypeVar("T")
 
 
@@ -24,6 +26,15 @@ def borrowed(table: T) -> T:
     """Return a table or array that counts no references, for use within a kernel.
 
     The caller of the kernel holds the arrays all the while; the kernel must not return them.
+    """
+    return table
+
+
+def lent(table: T) -> T:
+    """Return the address of a borrowed table, to pass to a function that is not inlined.
+
+    Such a function would take an array in ten pieces. It begins with ``table = borrowed(table)``.
+    Arrays that the kernel itself has made must not be lent: their memory may be gone.
     """
     return table
 
@@ -41,7 +52,7 @@ class _HeldModel(models.OpaqueModel):
     """A pointer."""
 
 
-@overload(borrowed, jit_options={"forceinline": True})
+@overload(borrowed, jit_options=OVERLOAD_OPTIONS)
 def _borrowed_in_kernel(table):
     if isinstance(table, HeldType):
         return lambda table: _read(table)
@@ -56,13 +67,27 @@ def _borrowed(_typing, table):
     return table(table), code
 
 
+# In the kernel itself, whose memory the address must stay.
+@overload(lent, inline="always")
+def _lent_in_kernel(table):
+    return lambda table: _lend(table)
+
+
+@intrinsic
+def _lend(_typing, table):
+    def code(context, builder, signature, arguments):
+        bare = without_owner(context, builder, signature.args[0], arguments[0])
+        return builder.bitcast(cgutils.alloca_once_value(builder, bare), cgutils.voidptr_t)
+
+    return HeldType(table)(table), code
+
+
 @intrinsic
 def _read(_typing, held):
     def code(context, builder, signature, arguments):
-        kind = signature.return_type
-        pointer = ir.PointerType(context.get_value_type(kind))
-        value = builder.load(builder.bitcast(arguments[0], pointer))
-        return without_owner(context, builder, kind, value)
+        kind = context.get_value_type(signature.return_type)
+        table = builder.load(builder.bitcast(arguments[0], ir.PointerType(kind)))
+        return without_owner(context, builder, signature.return_type, table)
 
     return held.kind(held), code
 

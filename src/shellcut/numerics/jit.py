@@ -165,14 +165,26 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(**_INLINED)(function)
+    return _for_kernels_only(nb.njit(**_INLINED)(function), function)
 
+
+def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]:
     def refuse(*_: object) -> None:
         raise TypeError(f"{function.__name__} is inlined into kernels, Python cannot call it")
 
     if hasattr(compiled, "_insert"):  # no machine code is found for a call from Python
         compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
     return cast("Callable[P, R]", compiled)
+
+
+def apart(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile arithmetic that kernels call, compiled once for all calls within a kernel.
+
+    For many operations on few numbers, or operations that are seldom needed: they get registers of
+    their own, and a kernel with several calls compiles faster. The function begins with
+    :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
+    """
+    return _for_kernels_only(nb.njit(**{**_INLINED, "forceinline": False})(function), function)
 
 
 class _Once(event.Listener):

@@ -7,8 +7,9 @@ block. A vector call of the C library would be split into eight calls, so lanes 
   series of artanh to s^23, whose next term is below 2^-53;
 * exp x = 2^k exp r with |r| <= ½ ln 2, by the series to r^13, with the same remainder.
 
-Both are within two units of the last place of doubles. On :func:`any_above` a function may branch:
-to leave out work that no lane needs, or to end an iteration.
+Both are within two units of the last place of doubles. The series are summed in pairs, and pairs of
+pairs: each product of a chain waits for the one before it. On :func:`any_above` a function may
+branch: to leave out work that no lane needs, or to end an iteration.
 """
 
 # Numba's extension calls are typed for users of intrinsics, not for their authors.
@@ -147,17 +148,12 @@ def _logarithm(a):
         m = _mantissa(a)
         s = (m - 1.0) / (m + 1.0)
         q = s * s
-        series = q * (1.0 / 23.0) + 1.0 / 21.0
-        series = series * q + 1.0 / 19.0
-        series = series * q + 1.0 / 17.0
-        series = series * q + 1.0 / 15.0
-        series = series * q + 1.0 / 13.0
-        series = series * q + 1.0 / 11.0
-        series = series * q + 1.0 / 9.0
-        series = series * q + 1.0 / 7.0
-        series = series * q + 1.0 / 5.0
-        series = series * q + 1.0 / 3.0
-        series = series * q + 1.0
+        q2 = q * q
+        q4 = q2 * q2
+        low = (q * (1.0 / 3.0) + 1.0) + q2 * (q * (1.0 / 7.0) + 1.0 / 5.0)
+        middle = (q * (1.0 / 11.0) + 1.0 / 9.0) + q2 * (q * (1.0 / 15.0) + 1.0 / 13.0)
+        high = (q * (1.0 / 19.0) + 1.0 / 17.0) + q2 * (q * (1.0 / 23.0) + 1.0 / 21.0)
+        series = low + q4 * (middle + q4 * high)
         return _binary_exponent(a) * _LN2 + (s + s) * series
 
     return of_lanes
@@ -180,19 +176,14 @@ def _exponential(a):
         x = where_above(x, most, most, x)
         k = _nearest_integer(x * _LOG2_E)
         r = (x - k * _LN2_HIGH) - k * _LN2_LOW
-        series = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0
-        series = series * r + 1.0 / 39916800.0
-        series = series * r + 1.0 / 3628800.0
-        series = series * r + 1.0 / 362880.0
-        series = series * r + 1.0 / 40320.0
-        series = series * r + 1.0 / 5040.0
-        series = series * r + 1.0 / 720.0
-        series = series * r + 1.0 / 120.0
-        series = series * r + 1.0 / 24.0
-        series = series * r + 1.0 / 6.0
-        series = series * r + 0.5
-        series = series * r + 1.0
-        return _two_to_the(k) * (series * r + 1.0)
+        r2 = r * r
+        r4 = r2 * r2
+        low = (r * (1.0 / 6.0) + 0.5) + r2 * (r * (1.0 / 120.0) + 1.0 / 24.0)
+        middle = (r * (1.0 / 5040.0) + 1.0 / 720.0) + r2 * (r * (1.0 / 362880.0) + 1.0 / 40320.0)
+        high = r * (1.0 / 39916800.0) + 1.0 / 3628800.0
+        high = high + r2 * (r * (1.0 / 6227020800.0) + 1.0 / 479001600.0)
+        series = low + r4 * (middle + r4 * high)
+        return _two_to_the(k) * (1.0 + (r + r2 * series))
 
     return of_lanes
 

@@ -5,6 +5,8 @@
 :func:`flush_subnormals`,      subnormal numbers are flushed to zero in a kernel,
 :func:`set_rounding`           and the setting is restored after it
 :func:`make_prefetch`          a function that prefetches a block of a table
+:func:`not_inlined`            the first line of a function that kernels call, :func:`.jit.apart`
+:func:`seldom`                 marks a branch as one that is seldom taken
 =============================  ==================================================================
 """
 
@@ -83,6 +85,20 @@ def align_stack_of_function(typing_context: Any) -> Any:
     return types.void(), generate
 
 
+@intrinsic
+def keep_function_apart(typing_context: Any) -> Any:
+    """Forbid to inline the function whose body contains this, and align its stack."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        attributes = builder.function.attributes
+        attributes.alignstack = CACHE_LINE
+        for one in ("noinline", "nounwind"):
+            attributes.add(one)
+        return context.get_dummy_value()
+
+    return types.void(), generate
+
+
 def prefetch_lines(lines: int) -> Any:
     """Return an intrinsic that prefetches the ``lines`` cache lines of block ``b`` of a table."""
 
@@ -119,6 +135,47 @@ def align_stack() -> None:
 @overload(align_stack, inline="always")
 def _aligned_stack():
     return lambda: align_stack_of_function()
+
+
+def not_inlined() -> None:
+    """Keep the calling function apart from the kernels that call it, with a stack of its own.
+
+    For many operations on few numbers, or that are seldom needed: their registers are then their
+    own, a kernel with several calls holds them once, and compiles faster.
+    """
+
+
+@overload(not_inlined, inline="always")
+def _kept_apart():
+    return lambda: keep_function_apart()
+
+
+def seldom(condition: bool) -> bool:
+    """Return a condition that a branch asks for and that is seldom true.
+
+    The compiler then keeps in registers what the other branch needs.
+    """
+    return condition
+
+
+@intrinsic
+def expect_false(typing_context: Any, condition: Any) -> Any:
+    """Return a truth value, with the compiler told that it is most often false."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bit = args[0].type
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1"
+        )
+        return builder.call(function, [args[0], ir.Constant(bit, 0)])
+
+    return types.boolean(types.boolean), generate
+
+
+# In the function that branches: the hint does not survive inlining.
+@overload(seldom, inline="always")
+def _seldom(condition):
+    return lambda condition: expect_false(condition)
 
 
 def flush_subnormals() -> int:
