@@ -227,7 +227,8 @@ def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
     np.testing.assert_array_equal(np.repeat(pairs.points(), np.diff(first)), point)
     np.testing.assert_array_equal(pairs.quad[: first[-1]], whole[row])
     np.testing.assert_array_equal(pairs.nodes(), np.unique(s.quads[whole[row]]))
-    assert 20 < point.size and s.node.halved.any()  # so there is something to find
+    assert point.size > 20  # so there is something to find,
+    assert s.node.halved.any()  # and to leave out
 
     # The same pairs, node by node, in the bound on the step.
     node, stiffness = points.stiffness(s)
