@@ -196,7 +196,79 @@ def ball_of(radius, n=3):
     return Tool.from_triangles(radius * v, t, edges=np.zeros((0, 2), int))
 
 
+# ---------------------------------------------------------------- which pairs
+
+
+def boxes_near(sim, capture=0.5):
+    """By NumPy: the whole quads at the nodes near the tool, and the boxes around them."""
+    s, quads = sim.state, sim.state.quads
+    near = np.isin(quads, sim.contact.near.ids).any(axis=1)
+    cut = (s.quad.share[: s.n_quad] < 1.0) | s.node.halved[quads].any(axis=1)
+    whole = np.flatnonzero(near & ~cut)
+    area = s.node.contact_area[quads[whole]].max(axis=1)
+    margin = (capture * np.sqrt(4.0 * area) + term(sim)._slack)[:, None]
+    corners = s.node.x[quads[whole]]
+    return whole, corners.min(axis=1) - margin, corners.max(axis=1) + margin
+
+
+def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
+    sim = opening_test("quick", angle_deg=5.0, duration=4e-4).simulation
+    points, s = term(sim), sim.state
+    while sim.state.n_cable < 8:
+        sim.step()
+    points._list(s, sim.pose)
+    whole, low, high = boxes_near(sim)
+    p = sim.pose.to_space(points.points.place)[:, None]
+    point, row = np.nonzero(((low < p) & (p < high)).all(axis=2))
+    pairs = points._pairs
+    pressing = np.flatnonzero(points._springs.depth)
+    np.testing.assert_array_equal(pairs.points(), np.union1d(point, pressing))
+    first = pairs.first[: pairs.used[0] + 1]
+    np.testing.assert_array_equal(np.repeat(pairs.points(), np.diff(first)), point)
+    np.testing.assert_array_equal(pairs.quad[: first[-1]], whole[row])
+    np.testing.assert_array_equal(pairs.nodes(), np.unique(s.quads[whole[row]]))
+    assert point.size > 20  # so there is something to find,
+    assert s.node.halved.any()  # and to leave out
+
+    # The same pairs, node by node, in the bound on the step.
+    node, stiffness = points.stiffness(s)
+    both = np.unique(point[:, None] * s.node.count + s.quads[whole[row]])
+    point, wanted = np.divmod(both, s.node.count)
+    np.testing.assert_array_equal(node, wanted)
+    area = s.node.contact_area[node]
+    away = np.linalg.norm(s.node.x[node] - p[point, 0], axis=1) / np.sqrt(4.0 * area)
+    weight = points.points.share[point] * np.clip(1.25 - away, 0.0, 1.0)
+    np.testing.assert_allclose(stiffness, weight * points._contact.law.steepest(area), rtol=1e-12)
+
+
+def test_a_list_that_outgrows_its_room_is_the_same():
+    sim, points, s, _ = pressing()
+    points._list(s, sim.pose)
+    whole = points._pairs
+    points._pairs = type(whole).none(whole.point.size, 1)
+    points._list(s, sim.pose)
+    used, n_pair = whole.used, whole.first[whole.used[0]]
+    np.testing.assert_array_equal(points._pairs.used, used)
+    np.testing.assert_array_equal(points._pairs.quad[:n_pair], whole.quad[:n_pair])
+    assert n_pair > 1
+
+
 # ---------------------------------------------------------------- forces
+
+
+def test_waiting_misses_nothing():
+    waits, looks = pricked(), pricked()
+    n_waiting = 0
+    while waits.motion.coordinate(waits.state.time) < 0.1:
+        waits.step()
+        term(looks)._springs.until[:] = 0.0
+        looks.step()
+        points = term(waits)
+        n_waiting += int((points._springs.until[points._pairs.points()] > points._walked).sum())
+        assert points.forces[1:] == term(looks).forces[1:]
+    assert points.forces.n_touching == 1
+    assert n_waiting > waits.state.step  # more than a point in every step
+    np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
 
 
 def test_a_needle_between_nodes_is_felt_at_first_touch():

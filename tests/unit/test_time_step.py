@@ -9,7 +9,7 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.simulation.stable_step import StableStep, Stepping
+from shellcut.simulation.stable_step import StableStep, Stepping, stiffest_nodes
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
 from test_shell import stiffness
@@ -105,6 +105,22 @@ def test_contact_stiffness_of_near_nodes_counts():
     total = shell.frequencies.squared + added[state.quads].max(axis=1)
     assert with_tool.bound(state) == pytest.approx(2.0 / np.sqrt(total.max()), rel=1e-12)
     assert with_tool.bound(state) < 0.8 * free
+
+
+def test_the_stiffest_node_of_a_quad_counts_with_all_that_holds_it():
+    rng = np.random.default_rng(2)
+    nodes, stiffness = rng.integers(0, 30, 50), rng.uniform(0.0, 1.0, 50)
+    mass, n_at = rng.uniform(1.0, 2.0, 40), rng.integers(0, 5, 40).astype(np.int32)
+    at = rng.integers(0, 60, (40, 4)).astype(np.int32)
+    quads, largest = np.zeros(60, np.int64), np.zeros(60)
+    count = stiffest_nodes(nodes, stiffness, mass, at, n_at, quads, largest)
+    held = np.bincount(nodes, stiffness, 40) / mass
+    wanted = {}
+    for n in np.unique(nodes):
+        for q in at[n, : n_at[n]].tolist():
+            wanted[q] = max(wanted.get(q, 0.0), held[n])
+    assert quads[:count].tolist() == sorted(wanted)
+    assert largest[:count].tolist() == [wanted[q] for q in sorted(wanted)]
 
 
 def test_cable_stiffness_on_the_mass_after_the_split_counts():

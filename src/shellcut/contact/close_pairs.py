@@ -1,9 +1,10 @@
 """Search for the quads close to some points of the film: pairs for its contact with itself.
 
-All quads are sorted into the cells of a grid around the points, each into every cell that its box,
-wider by the reach, touches; a point then looks into its own cell. What hangs together with a point
-is no partner of it: quads with a node that is within ``rings`` sides of the point, counted along
-the film and not across cracks.
+Quads are sorted into the cells of a grid around the points, each into every cell with a point that
+its box, wider by the reach, touches; a point then looks into its own cell. Most quads are far from
+all points: one question to the cells next to those with a point leaves them out. What hangs
+together with a point is no partner of it: quads with a node that is within ``rings`` sides of the
+point, counted along the film and not across cracks.
 
 The partners of a point fall into *sheets*: quads that hang together by common nodes. A point
 between two flaps has two sheets as partners, and touches each by itself.
@@ -66,7 +67,8 @@ class CloseQuads:
     def __init__(self) -> None:
         self._sort = BoundOnce(_sort_into_cells)
         self._find = BoundOnce(_find)
-        self._room = 0
+        self._mark = BoundOnce(_mark_cells)
+        self._found: Ints = np.empty((0, 3), np.int64)
 
     def find(self, points: Ints, rings: Ints, film: Film, n_row: int, reach: float) -> Pairs:
         """Return the pairs of points and quads closer than ``reach`` by their boxes.
@@ -94,17 +96,21 @@ class CloseQuads:
             size *= 1.5
         shape = (extent // size).astype(np.int64) + 1
         grid = low, size, shape
-        first = np.zeros(int(shape.prod()) + 1, np.int64)
-        count = self._sort(film, n_row, reach, *grid, first, np.zeros(0, np.int64))
+        n_cell = int(shape.prod())
+        first, near = np.zeros(n_cell + 1, np.int64), np.zeros((2, n_cell), np.bool_)
+        self._mark(points, film.x, *grid, near)
+        close = np.arange(n_row)
+        n_close, count = self._sort(film, close, reach, *grid, near, first, np.zeros(0, np.int64))
         rows = np.empty(count, np.int64)
-        self._sort(film, n_row, reach, *grid, first, rows)
-        self._room = max(self._room, _ROOM * points.size)
+        self._sort(film, close[:n_close], reach, *grid, near, first, rows)
+        room = _ROOM * points.size
         while True:
-            found = np.empty((self._room, 3), np.int64)
-            n = self._find(points, rings, film, reach, *grid, first, rows, found)
-            if n <= self._room:
-                return _in_sheets(points, found[:n])
-            self._room = 2 * n
+            if len(self._found) < room:
+                self._found = np.empty((room, 3), np.int64)
+            n = self._find(points, rings, film, reach, *grid, first, rows, self._found)
+            if n <= len(self._found):
+                return _in_sheets(points, self._found[:n])
+            room = 2 * n
 
 
 _NONE = Pairs(np.zeros(0, np.int64), *(np.zeros(1, np.int64),) * 2, np.zeros(0, np.int64))
@@ -135,27 +141,53 @@ def _extent(x: Floats, quads: Ints, row: int, c: int) -> tuple[float, float]:
 
 
 @kernel
+def _mark_cells(
+    points: Ints, x: Floats, low: Floats, size: float, shape: Ints, near: Bools
+) -> None:
+    """Mark the cells with a point, and those next to one: near : (2, n_cell)."""
+    for n in points:
+        i, j, k = _cell_of(x, n, low, size, shape)
+        near[0, (i * shape[1] + j) * shape[2] + k] = True
+        for u in range(max(i - 1, 0), min(i + 2, shape[0])):
+            for v in range(max(j - 1, 0), min(j + 2, shape[1])):
+                for w in range(max(k - 1, 0), min(k + 2, shape[2])):
+                    near[1, (u * shape[1] + v) * shape[2] + w] = True
+
+
+@inline
+def _cell_of(x: Floats, n: int, low: Floats, size: float, shape: Ints) -> tuple[int, int, int]:
+    """Return the cell of a node."""
+    i = min(max(int((x[n, 0] - low[0]) / size), 0), shape[0] - 1)
+    j = min(max(int((x[n, 1] - low[1]) / size), 0), shape[1] - 1)
+    return i, j, min(max(int((x[n, 2] - low[2]) / size), 0), shape[2] - 1)
+
+
+@kernel
 def _sort_into_cells(
     film: Film,
-    n_row: int,
+    close: Ints,
     reach: float,
     low: Floats,
     size: float,
     shape: Ints,
+    near: Bools,
     first: Ints,
     rows: Ints,
-) -> int:
-    """Return how often rows go into cells, counted in first : (n_cell + 1,).
+) -> tuple[int, int]:
+    """Return how many of some rows go into cells with a point, and how often.
 
-    With room for them, rows : (n,), write them there cell by cell, ascending.
+    Those that do are moved to the front of close : (n,); how often, is counted in first :
+    (n_cell + 1,). With room for them, rows : (n,), write them there cell by cell, ascending.
+    near : (2, n_cell), the cells with a point, and those next to one.
     """
     x, quads = film.x, film.quads
     fill = rows.shape[0] > 0
     if not fill:
         first[:] = 0
     begin, stop = np.zeros(3, np.int64), np.zeros(3, np.int64)
-    place = first.copy()
-    for row in range(n_row):
+    place, n_close = first.copy(), 0
+    for one_of in range(close.shape[0]):
+        row = close[one_of]
         outside = film.absent[row]
         for c in range(3):
             lowest, highest = _extent(x, quads, row, c)
@@ -168,19 +200,32 @@ def _sort_into_cells(
             stop[c] = int(min(two, shape[c] - 1.0)) + 1
         if outside:
             continue
+        # Of three cells one after the other, the one in the middle is next to the others.
+        if max(stop[0] - begin[0], max(stop[1] - begin[1], stop[2] - begin[2])) <= 3:
+            i, j = min(begin[0] + 1, shape[0] - 1), min(begin[1] + 1, shape[1] - 1)
+            k = min(begin[2] + 1, shape[2] - 1)
+            if not near[1, (i * shape[1] + j) * shape[2] + k]:
+                continue
+        goes = False
         for i in range(begin[0], stop[0]):
             for j in range(begin[1], stop[1]):
                 for k in range(begin[2], stop[2]):
                     cell = (i * shape[1] + j) * shape[2] + k
+                    if not near[0, cell]:
+                        continue
+                    goes = True
                     if fill:
                         rows[place[cell]] = row
                         place[cell] += 1
                     else:
                         first[cell + 1] += 1
+        if goes:
+            close[n_close] = row
+            n_close += 1
     if not fill:
         for cell in range(first.shape[0] - 1):
             first[cell + 1] += first[cell]
-    return int(first[first.shape[0] - 1])
+    return n_close, int(first[first.shape[0] - 1])
 
 
 @kernel
@@ -224,10 +269,8 @@ def _find(
                             near[n_near] = node
                             n_near += 1
             begin = end
-        cell = 0
-        for c in range(3):
-            k = min(max(int((x[n, c] - low[c]) / size), 0), shape[c] - 1)
-            cell = cell * shape[c] + k
+        u, v, w = _cell_of(x, n, low, size, shape)
+        cell = (u * shape[1] + v) * shape[2] + w
         n_pair = 0
         for j in range(first[cell], first[cell + 1]):
             row = rows[j]

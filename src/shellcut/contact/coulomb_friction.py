@@ -157,7 +157,7 @@ class CoulombFriction:
         self._listed, self._tables = self._contact.near.ids, tables
         springs = n.friction_spring
         self._springs = self._hold(
-            _Springs(springs[self._listed].any(axis=1), springs, n.friction_force)
+            _Springs(np.asarray(springs[self._listed].any(axis=1)), springs, n.friction_force)
         )
         return lost
 

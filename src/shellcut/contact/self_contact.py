@@ -160,7 +160,7 @@ class SelfContact:
         """Whether the pairs may lack one that touches before the next look."""
         if not self._known.is_of(state):
             return True
-        if state.step < self._look_at:
+        if 0 < state.step < self._look_at:  # before the run film may be put anywhere
             return False
         n = state.node
         way, speed = self._farthest(self._film_nodes, n.x, self._x_then, n.velocity_half)

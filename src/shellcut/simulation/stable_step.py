@@ -268,8 +268,8 @@ def stiffest_nodes(
 ) -> int:
     """Write the quads at some nodes, ascending, and the largest K_c / m of the nodes of each.
 
-    nodes, stiffness : (n,), a node may come more than once.  mass, at, n_at : of all nodes, with the
-    quads at each.  quads, largest : (n_quad,), [1/s²]; returns how many are written.
+    nodes, stiffness : (n,), a node may come more than once.  mass, at, n_at : of all nodes, with
+    the quads at each.  quads, largest : (n_quad,), [1/s²]; returns how many are written.
     """
     of_node, of_quad = np.zeros(mass.shape[0]), np.full(quads.shape[0], -1.0)
     for i in range(nodes.shape[0]):
