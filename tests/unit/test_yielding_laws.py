@@ -79,6 +79,23 @@ def test_strain_and_way_back_are_those_of_eigenvectors(size):
         np.testing.assert_allclose(S, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
 
 
+@pytest.mark.parametrize("size", [1e-9, 1e-4, 4e-3, 0.0068, 0.0069, 0.02, 0.0355, 0.036, 0.08, 0.2])
+@pytest.mark.parametrize(
+    "shape", [(1.0, -0.3, 0.0), (1.0, 0.3, 0.2), (0.0, 0.0, 1.3), (-1.0, 0.3, 0.0)]
+)
+def test_series_of_every_range_of_strains_are_exact_to_the_last_places(size, shape):
+    E = size * np.array(shape)
+    # In the 64 bits of x86's long double; the axes turn by sine and cosine, without eigenvectors.
+    mean, u, v = (np.longdouble(one) for one in ((E[0] + E[1]) / 2, (E[0] - E[1]) / 2, E[2] / 2))
+    r = np.sqrt(u * u + v * v)
+    first, second = (np.log1p(2 * (mean + sign * r)) / 2 for sign in (1, -1))
+    middle, half = (first + second) / 2, (first - second) / 2
+    wanted = np.array([middle + half * u / r, middle - half * u / r, 2 * half * v / r], float)
+    e, _ = _of_one(E)
+    # A few roundings of doubles, of the largest component.
+    np.testing.assert_allclose(e, wanted, rtol=0, atol=6e-16 * abs(wanted).max())
+
+
 def test_lanes_are_the_numbers_one_by_one():
     rng = np.random.default_rng(6)
     for sizes in ([0.01] * 8, [0.1] * 8, [1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0]):

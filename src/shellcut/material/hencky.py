@@ -11,8 +11,9 @@ from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.lane_exponentials import exponential
 
 from .elastic import Elastic
+from .elastic_part import WithElasticPart, elastic_problems
 from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
-from .material import Material, refuse
+from .material import refuse
 from .orthotropic import Orthotropic
 from .point_law import History, PointLaw, register
 
@@ -47,15 +48,8 @@ def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
     return np.concatenate([elastic.plane_stress()[np.triu_indices(3)], elastic.thickness_slope()])
 
 
-def elastic_problems(elastic: object) -> list[str]:
-    """Return in sentences why this is no set of elastic moduli."""
-    if isinstance(elastic, Elastic | Orthotropic):
-        return []
-    return [f"elastic must be an Elastic or an Orthotropic, got {elastic!r}"]
-
-
 @dataclass(frozen=True)
-class Hencky(Material):
+class Hencky(WithElasticPart):
     """Elastic by the logarithmic strain, for stretches beyond some 10 %.
 
     Where St.Venant-Kirchhoff grows ever stiffer in tension and loses all stiffness when squeezed to
@@ -84,24 +78,6 @@ class Hencky(Material):
         """The Hencky law, with axes or without."""
         return _law(isinstance(self.elastic, Orthotropic))
 
-    @property
-    def density(self) -> float:  # type: ignore[override]
-        """Reference density [t/mm³]."""
-        return self.elastic.density
-
-    @property
-    def stretching_modulus(self) -> float:
-        """Nominal modulus in tension [MPa]."""
-        return self.elastic.stretching_modulus
-
     def parameters(self) -> Floats:
         """Return the upper triangle of C [MPa] and the slope of ε_33, shape (9,)."""
         return elastic_row(self.elastic)
-
-    def plane_stress(self) -> Floats:
-        """Return C, shape (3, 3) [MPa]."""
-        return self.elastic.plane_stress()
-
-    def transverse_shear(self) -> Floats:
-        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
-        return self.elastic.transverse_shear()

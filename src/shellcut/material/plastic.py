@@ -40,15 +40,15 @@ from shellcut.numerics.lane_exponentials import any_above, exponential
 from shellcut.numerics.processor import seldom
 
 from .elastic import Elastic
+from .elastic_part import WithElasticPart, elastic_problems
 from .hardening import Hardening, RateFactor
-from .hencky import elastic_problems
 from .logarithmic_strain import (
     logarithmic_strain,
     mean_and_deviator,
     piola_of_mean,
     second_piola_kirchhoff,
 )
-from .material import Material, refuse
+from .material import refuse
 from .orthotropic import Orthotropic, strain_turn
 from .point_law import History, PointLaw, register
 from .return_mapping import excess, make_flow, modes_of
@@ -231,7 +231,7 @@ def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
 
 
 @dataclass(frozen=True)
-class Plastic(Material):
+class Plastic(WithElasticPart):
     """A film that yields, up to any strain.
 
     Parameters
@@ -311,16 +311,6 @@ class Plastic(Material):
         hardening: Any = type(self.hardening)
         return _law(hardening, rate, self.kinematic > 0.0, self.has_axes)
 
-    @property
-    def density(self) -> float:  # type: ignore[override]
-        """Reference density [t/mm³]."""
-        return self.elastic.density
-
-    @property
-    def stretching_modulus(self) -> float:
-        """Nominal modulus in tension [MPa], before it yields."""
-        return self.elastic.stretching_modulus
-
     def flow_matrix(self) -> Floats:
         """Return P of σ_eq² = T · P T in the film's axes, shape (3, 3)."""
         P = hill_matrix(self.r_values or (1.0, 1.0, 1.0))
@@ -353,11 +343,3 @@ class Plastic(Material):
     def _poisson(self) -> float:
         assert isinstance(self.elastic, Elastic)
         return self.elastic.poisson
-
-    def plane_stress(self) -> Floats:
-        """Return C, shape (3, 3) [MPa], of the moduli."""
-        return self.elastic.plane_stress()
-
-    def transverse_shear(self) -> Floats:
-        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
-        return self.elastic.transverse_shear()

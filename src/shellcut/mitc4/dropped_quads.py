@@ -16,7 +16,7 @@ from shellcut.material.law_dispatch import HistoryStep
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
 
-from .element import N_STRAIN, pick16, quad_modes
+from .element import N_STRAIN, pick16
 from .frequency import QuadFrequencies
 from .places import Places
 from .point_forces import point_resultants
@@ -27,8 +27,8 @@ from .quad_strains import (
     QuadStep,
     dot16,
     minus,
+    one_quad,
     stiffness_product,
-    strain_of,
 )
 
 
@@ -97,15 +97,11 @@ def _make_energy_kernel(by_points: bool) -> Any:
         """
         linear, history = quads.quads, step.history
         last, before = step.step.last, step.step.before
-        corner, tables = linear.corner, linear.tables
-        width = corner.shape[2]
+        tables, width = linear.tables, linear.corner.shape[2]
         work = np.empty((2, N_STRAIN, width))
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
-            b, lane = slot[i] // width, slot[i] % width
-            flat = b < tables.n_flat
-            xm, tm = quad_modes(linear.x, linear.t, corner, b, lane)
-            s = strain_of(tables, flat, b, lane, (xm, tm))
+            b, lane, flat, _, s = one_quad(linear, slot[i])
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)
                 _, stored, _ = point_resultants(quads, quads.points, flat, s, at, lane)

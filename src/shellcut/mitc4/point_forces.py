@@ -19,7 +19,7 @@ from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import nth, total, turns, widen, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
 
-from .element import N_STRAIN, Sixteen, nodal_forces, pick16, quad_modes
+from .element import N_STRAIN, Sixteen, nodal_forces, pick16
 from .quad_strains import (
     PointQuads,
     PointStep,
@@ -27,6 +27,7 @@ from .quad_strains import (
     dot16,
     minus,
     modes_of,
+    one_quad,
     plus_scaled,
     stiffness_product,
     store_strain,
@@ -153,10 +154,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         work = np.empty((2, N_STRAIN, width))
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
-            b, lane = slot[i] // width, slot[i] % width
-            flat = b < tables.n_flat
-            xm, tm = quad_modes(linear.x, linear.t, corner, b, lane)
-            s = strain_of(tables, flat, b, lane, (xm, tm))
+            b, lane, flat, (xm, tm), s = one_quad(linear, slot[i])
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)
                 r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)

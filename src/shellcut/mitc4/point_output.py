@@ -32,10 +32,10 @@ from shellcut.state import State
 
 from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads
-from .element import GAUSS, N_STRAIN, Modes, Sixteen, quad_modes
+from .element import GAUSS, N_STRAIN, Modes, Sixteen
 from .film_axes import into_axes
 from .point_forces import point_resultants
-from .quad_strains import PointQuads, strain_of
+from .quad_strains import PointQuads, one_quad
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, PointTables, strain_at, turn_strain
 
 
@@ -173,10 +173,7 @@ def _resultants(
     width = nodes.corner.shape[2]
     trial = np.empty((1, history.shape[1], width))
     for i in range(slot.shape[0]):
-        b, lane = slot[i] // width, slot[i] % width
-        flat = b < nodes.tables.n_flat
-        both = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
-        s = strain_of(nodes.tables, flat, b, lane, both)
+        b, lane, flat, _, s = one_quad(nodes, slot[i])
         at = HistoryStep(history, trial, b, 0, 0.0)
         r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):
@@ -257,10 +254,7 @@ def _stresses(
     n_point = rule.place.shape[0]
     trial = np.empty((1, history.shape[1], width))
     for i in range(slot.shape[0]):
-        b, lane = slot[i] // width, slot[i] % width
-        flat = b < nodes.tables.n_flat
-        xm, tm = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
-        s = strain_of(nodes.tables, flat, b, lane, (xm, tm))
+        b, lane, flat, (xm, tm), s = one_quad(nodes, slot[i])
         at = HistoryStep(history, trial, b, 0, 0.0)
         after = HistoryStep(trial, trial, 0, 0, 0.0)
         for q in range(4):

@@ -19,9 +19,9 @@ from shellcut.arrays import Floats, Ints
 from shellcut.material.law_dispatch import HistoryStep
 from shellcut.numerics.jit import kernel
 
-from .element import N_STRAIN, Sixteen, pick16, quad_modes
+from .element import N_STRAIN, Sixteen, pick16
 from .point_forces import point_resultants
-from .quad_strains import PointQuads, store_strain, strain_of
+from .quad_strains import PointQuads, one_quad, store_strain
 from .thickness_points import PointRule
 
 # Change of a Cartesian strain for the differences.
@@ -58,10 +58,7 @@ def differentiate_resultants(
     row = np.empty((1, N_STRAIN, width))
     height = np.abs(rule.place).max() + 0.5 * rule.weight.max()
     for i in range(slot.shape[0]):
-        b, lane = slot[i] // width, slot[i] % width
-        flat = b < nodes.tables.n_flat
-        modes = quad_modes(nodes.x, nodes.t, nodes.corner, b, lane)
-        s = strain_of(nodes.tables, flat, b, lane, modes)
+        b, lane, flat, _, s = one_quad(nodes, slot[i])
         at = HistoryStep(history, trial, b, 0, dt)
         r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
         for k in range(N_STRAIN):

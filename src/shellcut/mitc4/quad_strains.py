@@ -93,6 +93,16 @@ def modes_of(quads: Quads, b: int, lane: Lane) -> tuple[Modes, Modes]:
 
 
 @always_inline
+def one_quad(quads: Quads, slot: int) -> tuple[int, int, bool, tuple[Modes, Modes], Sixteen]:
+    """Return block, lane, whether it is flat, modes and strains of the quad at a place."""
+    width = quads.corner.shape[2]
+    b, lane = slot // width, slot % width
+    flat = b < quads.tables.n_flat
+    modes = quad_modes(quads.x, quads.t, quads.corner, b, lane)
+    return b, lane, flat, modes, strain_of(quads.tables, flat, b, lane, modes)
+
+
+@always_inline
 def strain_of(
     tables: LinearTables, flat: bool, b: int, lane: Lane, modes: tuple[Modes, Modes]
 ) -> Sixteen:

@@ -1,0 +1,50 @@
+"""Functions that kernels call without inlining them, and tables that are lent to these."""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import pytest
+
+from shellcut.arrays import Floats
+from shellcut.numerics.borrowed import borrowed, lent
+from shellcut.numerics.jit import apart, kernel
+from shellcut.numerics.processor import not_inlined, seldom
+
+
+class Rods(NamedTuple):
+    """A table."""
+
+    length: Annotated[Floats, "(n,)"]
+    force: Annotated[Floats, "(n,)"]
+
+
+@apart
+def _work(rods, k, factor):
+    not_inlined()
+    rods = borrowed(rods)
+    return factor * rods.length[k] * rods.force[k]
+
+
+@kernel
+def _add(rods: Rods, factor: float, total: Floats) -> None:
+    rods = borrowed(rods)
+    address = lent(rods)
+    for k in range(rods.length.size):
+        if seldom(rods.force[k] > 2.5):
+            total[1] += 1.0
+        # By address, and as a table of its own.
+        total[0] += _work(address, k, factor) + _work(rods, k, factor)
+
+
+def test_a_lent_table_is_read_where_it_lies():
+    rods = Rods(np.array([1.0, 2.0, 4.0]), np.array([3.0, 2.0, 1.0]))
+    total = np.zeros(2)
+    for _ in range(3):
+        _add(rods, 0.5, total)
+    assert total.tolist() == [33.0, 3.0]
+
+
+def test_python_gets_an_error():
+    if hasattr(_work, "py_func"):
+        with pytest.raises(TypeError, match="Python cannot call"):
+            _work(Rods(np.ones(1), np.ones(1)), 0, 1.0)
