@@ -126,6 +126,8 @@ class PointContact:
         self._springs = PointSprings.at_rest(len(self.points.place))
         self._pairs = PointPairs.none(len(self.points.place), _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
+        self.n_search = 0
+        """Searches for quads near the points so far."""
         self._listed: Ints = np.zeros(0, np.int64)
         self._x_listed: Floats = np.zeros((0, 3))
         self._known = KnownTopology()
@@ -172,6 +174,7 @@ class PointContact:
             "springs": self._springs._asdict(),
             "pairs": self._pairs._asdict(),
             "listed": self._listed,
+            "n_search": self.n_search,
             "x_listed": self._x_listed,
             "pose": self._listed_pose._asdict(),
             "revision": self._known.revision,
@@ -184,6 +187,7 @@ class PointContact:
         self._pairs = PointPairs(**{k: v.copy() for k, v in saved["pairs"].items()})
         self._listed, self._x_listed = saved["listed"].copy(), saved["x_listed"].copy()
         self._listed_pose, self._pose = Pose(**saved["pose"]).copied(), pose
+        self.n_search = saved["n_search"]
         self._known.restore(saved["revision"], state)
         self.forces = PointForces(**saved["forces"])
         self._collect(state)
@@ -201,6 +205,7 @@ class PointContact:
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
         n, quads = state.node, state.quads
+        self.n_search += 1
         near = np.zeros(n.count, np.bool_)
         near[self._contact.near.ids] = True
         cut = (state.quad.share[: state.n_quad] < 1.0) | n.halved[quads].any(axis=1)
