@@ -1,4 +1,4 @@
-"""Random cuts through random meshes: lines, arcs, bends, crossings, loops.
+"""Random cuts through random meshes: lines, arcs, bends, crossings, tight turns.
 
 The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs so many of each kind
 and prints what each came to, and the worst of all.
@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -32,6 +33,8 @@ class RandomCut:
     """[s]"""
     off: Callable[[np.ndarray], np.ndarray]
     """Takes places, shape (n, 3), returns distances [mm]."""
+    least: float = 2.0
+    """Work of the tool from which on its imbalance counts [N·mm]."""
 
 
 def film(rng):
@@ -44,15 +47,15 @@ def film(rng):
     return X, mesh
 
 
-def held(X, mesh, **arguments):
+def held(X, mesh, *, material=None, law=None, **arguments):
     """Return a simulation of a film held at its rim but for the left one."""
     left = (np.abs(X[:, 0] + LENGTH / 2) < 1e-9) & (np.abs(X[:, 1]) < WIDTH / 2 - 1e-6)
     rim = np.setdiff1d(mesh.boundary_nodes(), np.flatnonzero(left))
     return sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads, node_sets={"held": rim}),
-        sc.ShellMaterial.homogeneous(),
+        material or sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped("held")],
-        law=sc.CohesiveLaw(),
+        law=law or sc.CohesiveLaw(),
         fracture=sc.Fracture(path="free"),
         **arguments,
     )
@@ -135,7 +138,69 @@ def crossing(rng):
     return bend(rng, curvature=(-0.03, 0.03), slits=int(rng.integers(1, 4)))
 
 
-KINDS = {"line": line, "bend": bend, "arc": arc, "crossing": crossing}
+def tight(rng):
+    """A short blade turns by 40° to 130°, every one to two edges, in a film that gives.
+
+    Modulus, strength and the law's length are drawn, so that film strains by 2 to 15 % before it
+    parts.
+    """
+    X, mesh = film(rng)
+    angle = rng.uniform(-0.4, 0.4)
+    corners, headings = [np.array([-LENGTH / 2, rng.uniform(-1.0, 1.0)])], [angle]
+    corners.append(corners[0] + 2.4 * np.array([np.cos(angle), np.sin(angle)]))
+    for _ in range(7):
+        angle += rng.choice([-1.0, 1.0]) * np.radians(rng.uniform(40.0, 130.0))
+        way = rng.uniform(1.0, 2.0) * SIZE * np.array([np.cos(angle), np.sin(angle)])
+        if np.abs(corners[-1] + way).max() > 0.35 * WIDTH:  # back into the film
+            angle = 2.0 * headings[-1] - angle
+            way = rng.uniform(1.0, 2.0) * SIZE * np.array([np.cos(angle), np.sin(angle)])
+        corners.append(corners[-1] + way)
+        headings.append(angle)
+    share = np.linspace(0.02, 0.98, 8)[:, None]
+    path = np.concatenate(
+        [a + share * (b - a) for a, b in pairwise(corners)]
+    )
+    heading = np.repeat(headings, len(share))
+    # It turns on the spot at a corner, by way of half of the turn.
+    at = len(share) * np.arange(1, len(headings))
+    path = np.insert(path, at, corners[1:-1], axis=0)
+    heading = np.insert(heading, at, 0.5 * (np.array(headings[1:]) + headings[:-1]))
+    steps = np.hypot(*np.diff(path, axis=0).T) + 0.25 * np.abs(np.diff(heading))
+    ahead = np.array([np.cos(heading[0]), np.sin(heading[0]), 0.0])
+    time = np.append(0.0, np.cumsum(steps)) / SPEED + 1.2 / SPEED
+    places = np.column_stack([path, np.zeros(len(path))])
+    turns = np.column_stack([np.zeros((len(path), 2)), heading])
+    motion = sc.TableMotion(
+        np.append(0.0, time),
+        np.vstack([places[0] - 1.2 * ahead, places]),
+        np.vstack([turns[:1], turns]),
+    )
+    young, strain, opening = (
+        rng.uniform(50.0, 500.0),
+        rng.uniform(0.02, 0.15),
+        rng.uniform(0.4, 2.0),
+    )
+    law = sc.CohesiveLaw(
+        strength=strain * young,
+        plateau=0.6 * strain * young,
+        opening_a=0.2 * opening,
+        opening_p=0.5 * opening,
+        opening_u=opening,
+    )
+    sim = held(
+        X,
+        mesh,
+        material=sc.ShellMaterial.homogeneous(young=young),
+        law=law,
+        tool=straight_blade(length=0.6, height=6.0),
+        motion=motion,
+    )
+    sim.notch(places[0] - 1.5 * ahead, places[0] + 1.2 * ahead)
+    least = 2.0 * law.fracture_energy * sim.material.thickness  # of 2 mm of crack
+    return RandomCut(sim, float(time[-1]), lambda places: _from_line(places, path), least)
+
+
+KINDS = {"line": line, "bend": bend, "arc": arc, "crossing": crossing, "tight": tight}
 
 
 def _from_line(places, path):
@@ -173,7 +238,7 @@ def carried_out(cut: RandomCut) -> Outcome:
         if sim.state.step % 100 == 0:
             book = sim.close_ledger()
             largest = max(largest, book.tool_work)
-            if book.tool_work > 2.0:
+            if book.tool_work > cut.least:
                 worst = max(worst, abs(book.imbalance) / largest)
     cables, book = sim.state.cable, sim.close_ledger()
     log = [c for c in sim.state.split_log if c.kind != "notch" and c.measure != 0.0]

@@ -6,7 +6,7 @@ A few of the cuts of :mod:`random_cuts`, which runs any number of them as a comm
 import numpy as np
 import pytest
 
-from random_cuts import KINDS, carried_out
+from random_cuts import KINDS, LENGTH, carried_out
 
 
 @pytest.mark.parametrize(
@@ -32,3 +32,16 @@ def test_any_path_through_any_mesh(kind, seed):
         sim.mesh.quad_areas().sum() * 0.074e-9, rel=1e-12
     )
     assert not nodes.contact_force[: nodes.count][~nodes.real[: nodes.count]].any()
+
+
+@pytest.mark.parametrize("seed", [3, 8])
+def test_tight_turns_in_a_film_that_gives(seed):
+    # The flap moves aside, so the cuts leave the way of the blade and its edge is late; the film is
+    # torn, no more. Of twenty seeds the largest imbalance is 0.53 % (3) and the most work 3.9 (8).
+    cut = KINDS["tight"](np.random.default_rng(seed))
+    found, sim = carried_out(cut), cut.simulation
+    assert found.crack > 4.0
+    assert found.imbalance < 1e-2
+    assert found.late < 1.0
+    nodes = sim.state.node
+    assert np.abs(nodes.x[: nodes.count]).max() < 0.5 * LENGTH + 3.0  # nothing has flown off

@@ -55,3 +55,43 @@ def test_nonsense_is_refused(wrong):
 def test_it_needs_cracks_through_the_quads():
     with pytest.raises(ValueError, match="take path='free'"):
         sc.Fracture(path="edges", anisotropy=FILM)
+
+
+def test_of_two_equally_good_ways_a_crack_takes_one():
+    """Pulled across MD, three times as tough along it: J e / f is largest at 45° to either side.
+
+    It does not branch, but tacks: as soon as the other way releases more it takes that one.
+    """
+    mesh = rectangle(9.0, 6.0, size=0.6)
+    X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
+
+    def pulled(name, speed):
+        rate = {"y": lambda time: speed * min(1.0, time / 2e-4)}
+        return sc.Support(name, translation="xyz", rotation="xyz", velocity=rate)
+
+    film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=3.0, across=1.0)
+    sim = sc.Simulation(
+        sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets),
+        sc.ShellMaterial.homogeneous(),
+        supports=[pulled("top", 400.0), pulled("bottom", -400.0)],
+        law=sc.CohesiveLaw(
+            strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1
+        ),
+        fracture=sc.Fracture(path="free", anisotropy=film),
+        damping_alpha=2000.0,
+    )
+    sim.notch((-1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    while sim.state.time < 3.1e-4:
+        sim.step()
+        assert len(sim.cracks.free.tips) == 1
+    places = np.array([cut.reference[:2] for cut in sim.state.split_log if cut.kind != "notch"])
+    ways = np.diff(places, axis=0)
+    assert len(places) > 6
+    assert np.abs(ways[0]) == pytest.approx([0.6, 0.6], rel=0.05)  # at 45°, though all is even
+    turns = np.sign(ways[:, 1])
+    assert np.count_nonzero(turns[1:] != turns[:-1]) >= 1
+    # One line: its pieces go from each place to the next, and from the last to the tip.
+    last = sim.state.crack_length - np.linalg.norm(ways, axis=1).sum()
+    assert 0.0 < last < 1.5 * 0.6
+    book = sim.close_ledger()
+    assert abs(book.relative(book.imbalance)) < 5e-3

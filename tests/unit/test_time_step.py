@@ -123,6 +123,20 @@ def test_the_stiffest_node_of_a_quad_counts_with_all_that_holds_it():
     assert largest[:count].tolist() == [wanted[q] for q in sorted(wanted)]
 
 
+def test_contact_of_nodes_that_the_tool_comes_to_counts_at_once():
+    mesh = cases.skewed_flat()
+    shell, state = cases.set_up(mesh)
+    tool = straight_blade()
+    contact = PenaltyContact(tool, Contact(penalty=1e6), ShellMaterial.homogeneous(), 0.4)
+    step = stepper(shell, contact, tool, safety=1.0, evaluate_every=500)
+    contact.add_forces(state, Pose(np.eye(3), mesh.nodes[5] - [100.0, 0.0, 0.0]))
+    free = step.next(state)
+    state.step += 10  # it asks every ten steps whether the tool has moved on
+    contact.add_forces(state, Pose(np.eye(3), mesh.nodes[5].copy()))
+    assert step.next(state) == step.bound(state)
+    assert step.next(state) < 0.8 * free
+
+
 def test_cable_stiffness_on_the_mass_after_the_split_counts():
     shell, state = cases.set_up(cases.skewed_flat())
     step = stepper(shell, safety=1.0)

@@ -196,6 +196,11 @@ class CableSet:
         self.forces = CableForces(**saved["forces"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
+    @property
+    def n_search(self) -> int:
+        """None: cables are made by cuts only."""
+        return 0
+
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
 

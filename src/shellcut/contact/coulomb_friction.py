@@ -120,6 +120,11 @@ class CoulombFriction:
         self.forces = FrictionForces(wrench, work, stored, dissipated + lost, n_slipping)
         return self.forces
 
+    @property
+    def n_search(self) -> int:
+        """None of its own: it acts where the contact does."""
+        return 0
+
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that may come into contact soon and what friction adds there [N/mm]."""
         near, penalty = self._contact.stiffness(state)

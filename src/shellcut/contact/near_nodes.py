@@ -46,6 +46,8 @@ class NearNodes:
         self._walked = 0.0
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
+        self.n_search = 0
+        """Searches so far."""
         self._way, self._within = BoundOnce(_moved), BoundOnce(_within)
 
     def renew(self, state: State, pose: Pose) -> bool:
@@ -70,6 +72,7 @@ class NearNodes:
             found=found,
         )
         self.ids = found[:count].copy()
+        self.n_search += 1
         self._pose = pose
         self._known.take(state)
         self._time, self._walked = state.time, 0.0
@@ -79,6 +82,7 @@ class NearNodes:
         """Return the list, with the time and the pose of its search."""
         return {
             "ids": self.ids,
+            "n_search": self.n_search,
             "pose": self._pose._asdict(),
             "time": self._time,
             "walked": self._walked,
@@ -87,7 +91,7 @@ class NearNodes:
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
-        self.ids = saved["ids"].copy()
+        self.ids, self.n_search = saved["ids"].copy(), saved["n_search"]
         self._pose = Pose(**saved["pose"]).copied()
         self._time, self._walked = saved["time"], saved["walked"]
         self._known.restore(saved["revision"], state)

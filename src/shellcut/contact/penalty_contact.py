@@ -173,6 +173,11 @@ class PenaltyContact:
         self.deepest = max(self.deepest, self.forces.deepest)
         return self.forces
 
+    @property
+    def n_search(self) -> int:
+        """Searches for near nodes so far."""
+        return self.near.n_search
+
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near = self.near_nodes(state)

@@ -133,6 +133,8 @@ class PointContact:
         self._springs = PointSprings.at_rest(len(self.points.place))
         self._pairs = PointPairs.none(len(self.points.place), _ROOM)
         self._pose = self._listed_pose = Pose.at_origin()
+        self.n_search = 0
+        """Searches for quads near the points so far."""
         self._x_listed: Floats = np.zeros((0, 3))
         # Way walked since the list was made, and at which it is looked at whether it is old.
         self._walked, self._look_at = 0.0, 0.0
@@ -178,6 +180,7 @@ class PointContact:
         return {
             "springs": self._springs._asdict(),
             "pairs": self._pairs._asdict(),
+            "n_search": self.n_search,
             "x_listed": self._x_listed,
             "walked": self._walked,
             "look_at": self._look_at,
@@ -193,6 +196,7 @@ class PointContact:
         self._x_listed = saved["x_listed"].copy()
         self._walked, self._look_at = saved["walked"], saved["look_at"]
         self._listed_pose, self._pose = Pose(**saved["pose"]).copied(), pose
+        self.n_search = saved["n_search"]
         self._known.restore(saved["revision"], state)
         self.forces = PointForces(**saved["forces"])
         self._collect(state)
@@ -214,6 +218,7 @@ class PointContact:
 
     def _list(self, state: State, pose: Pose) -> None:
         """List the points near whole quads, and the quads near each."""
+        self.n_search += 1
         n, film = state.node, _film_of(state)
         ids, low, high = np.empty(state.n_quad, np.int64), *np.empty((2, state.n_quad, 3))
         count = self._quads(

@@ -17,7 +17,9 @@ On squares the bound omega_e is some 12 % above the exact frequency of the assem
 omega_e is a bound that grows with the change of shape since a quad was last evaluated
 (:mod:`shellcut.mitc4.frequency`). At intervals the bounds of all quads are brought up to date, and
 the quads that limit the step are evaluated: worst first, until no other could shorten it by more
-than 1 %. At a split what contact and cables hold is looked at again in the same way.
+than 1 %. What contact and cables hold is looked at again in the same way at a split, and when the
+contact has searched for what is near the tool: a tool that moves far between two evaluations comes
+to nodes that were not near at the last one.
 """
 
 from __future__ import annotations
@@ -115,7 +117,7 @@ class StableStep:
         if self.stepping.fixed is not None:
             return self.stepping.fixed
         due = state.step >= self._next
-        searched = self._film_terms.n_search
+        searched = self._film_terms.n_search + sum(term.n_search for term in self._tool_terms)
         if due or searched != self._n_search or not self._topology.is_of(state):
             self._n_search = searched
             self._topology.take(state)

@@ -57,10 +57,15 @@ class ToolTerm(Protocol):
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n."""
         ...
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
+    @property
+    def n_search(self) -> int:
+        """How often it has searched for what it may hold: the time step then looks at it anew."""
+        ...
 
-        A node may come more than once: its stiffnesses add up.
+    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+        """Return the nodes that it holds until the next search or cut, and a bound on each [N/mm].
+
+        That is of its stiffness. A node may come more than once: its stiffnesses add up.
         """
         ...
 
