@@ -126,47 +126,55 @@ def _any_spread(q: Number) -> Number:
 
 
 @always_inline
-def _moderate_strain(mean: Number, excess: Number, r4: Number) -> tuple[Number, ...]:
-    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of τ, D - 1 and (2 r)²."""
-    determinant = 1.0 + excess
-    over = 2.0 + excess
+def _divided(mean: Number, excess: Number) -> tuple[Number, Number, Number]:
+    """Return 1/τ, 1/D and s by one division."""
+    determinant, over = 1.0 + excess, 2.0 + excess
     inverse = 1.0 / (mean * over * determinant)
     inverse_mean = inverse * (over * determinant)
-    inverse_det = inverse * (mean * over)
-    s = excess * (inverse * (mean * determinant))
-    q_area = s * s
-    squared = inverse_mean * inverse_mean
-    q_shear = r4 * squared
-    spread = _short_series(q_shear)
+    return inverse_mean, inverse * (mean * over), excess * (inverse * (mean * determinant))
+
+
+@always_inline
+def _slope_and_curve(
+    mean: Number, inverse_mean: Number, inverse_det: Number, q: Number, spread: Number
+) -> tuple[Number, Number]:
+    """Return b and (τ²/D - A')/τ³ of q = 4 r²/τ² and A'."""
+    slope = inverse_mean + inverse_mean * (q * spread)
+    cubed = (inverse_mean * inverse_mean) * inverse_mean
+    return slope, cubed * ((mean * mean) * inverse_det - spread)
+
+
+@always_inline
+def _moderate_strain(
+    mean: Number, excess: Number, r4: Number
+) -> tuple[Number, Number, Number, Number]:
+    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of τ, D - 1 and (2 r)²."""
+    inverse_mean, inverse_det, s = _divided(mean, excess)
+    q_area, q_shear = s * s, r4 * (inverse_mean * inverse_mean)
     mid = 0.5 * s * (1.0 + q_area * _short_series(q_area))
-    slope = inverse_mean + inverse_mean * (q_shear * spread)
-    curve = (squared * inverse_mean) * ((mean * mean) * inverse_det - spread)
+    spread = _short_series(q_shear)
+    slope, curve = _slope_and_curve(mean, inverse_mean, inverse_det, q_shear, spread)
     return mid, slope, curve, inverse_det
 
 
 @apart
-def _large_strain(mean: Number, excess: Number, r4: Number) -> tuple[Number, ...]:
+def _large_strain(
+    mean: Number, excess: Number, r4: Number
+) -> tuple[Number, Number, Number, Number]:
     """Return the same of any strain."""
     not_inlined()
-    determinant = 1.0 + excess
-    over = 2.0 + excess
-    inverse = 1.0 / (mean * over * determinant)
-    inverse_mean = inverse * (over * determinant)
-    inverse_det = inverse * (mean * over)
-    s = excess * (inverse * (mean * determinant))
-    q_area = s * s
+    inverse_mean, inverse_det, s = _divided(mean, excess)
     squared = inverse_mean * inverse_mean
+    q_area, q_shear = s * s, r4 * squared
     # No more than the held D allows.
-    q_shear = r4 * squared
-    q_most = larger(1.0 - determinant * squared, 0.0)
+    q_most = larger(1.0 - (1.0 + excess) * squared, 0.0)
     q_shear = where_above(q_shear, 0.5, q_most, q_shear)
     if any_above(larger(q_area, q_shear), _LONG):
-        mid, spread = 0.25 * logarithm(determinant), _any_spread(q_shear)
+        mid, spread = 0.25 * logarithm(1.0 + excess), _any_spread(q_shear)
     else:
         mid = 0.5 * s * (1.0 + q_area * _long_series(q_area))
         spread = _long_series(q_shear)
-    slope = inverse_mean + inverse_mean * (q_shear * spread)
-    curve = (squared * inverse_mean) * ((mean * mean) * inverse_det - spread)
+    slope, curve = _slope_and_curve(mean, inverse_mean, inverse_det, q_shear, spread)
     return mid, slope, curve, inverse_det
 
 

@@ -83,11 +83,12 @@ class FilmTangents:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
         if self._output is None:
             return self._made(quad_tangents, present, quads, None, _NO_MODULI)
-        resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
-        if self._frozen is not None:
-            points = present.points._replace(rule=self._frozen)
-            frozen = present._replace(points=points)
-            _, moduli = self._differentiated(frozen, quads, area, history, 0.0)
+        if self._frozen is None:
+            resultants, moduli = self._output.resultants(present, quads, history), _NO_MODULI
+        else:
+            # Its stress is that of the law but for the flow of one step, which only lowers it.
+            frozen = present._replace(points=present.points._replace(rule=self._frozen))
+            resultants, moduli = self._differentiated(frozen, quads, area, history, 0.0)
         return self._made(stressed_tangents, present, quads, resultants, moduli)
 
     def add_product(
