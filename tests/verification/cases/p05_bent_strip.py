@@ -108,7 +108,9 @@ def checks() -> list[Check]:
             Check(name, closed[k] / YIELD, residual[k] / YIELD, 0.003, STRAINS, absolute=True)
         )
     odd = float(np.abs(residual + residual[::-1]).max())
-    rows.append(Check("sigma left, the two halves", 0.0, odd / YIELD, 0.003, STRAINS, absolute=True))
+    rows.append(
+        Check("sigma left, the two halves", 0.0, odd / YIELD, 0.003, STRAINS, absolute=True)
+    )
     wide = Strip(wide=True)
     for ratio in (1.0, 2.0, 4.0, 8.0, 12.0):
         moment = wide.turn_to(ratio * KAPPA_Y)

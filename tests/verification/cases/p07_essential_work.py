@@ -58,10 +58,10 @@ def works(ligament: float) -> tuple[float, float, float]:
     sim = strip(ligament)
     while sim.state.time < 5e-3:
         sim.step()
+        whole = sim.state.crack_length > ligament - 1e-9
         cables = sim.state.cable.status[: sim.state.n_cable]
-        if sim.state.step % 100 == 0 and sim.state.crack_length > ligament - 1e-9:
-            if (cables == BROKEN).all():
-                break
+        if sim.state.step % 100 == 0 and whole and (cables == BROKEN).all():
+            break
     book = sim.close_ledger()
     area = ligament * THICKNESS
     return book.support_work / area, book.cohesive_work / area, book.imbalance / book.support_work
