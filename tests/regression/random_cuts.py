@@ -157,9 +157,7 @@ def tight(rng):
         corners.append(corners[-1] + way)
         headings.append(angle)
     share = np.linspace(0.02, 0.98, 8)[:, None]
-    path = np.concatenate(
-        [a + share * (b - a) for a, b in pairwise(corners)]
-    )
+    path = np.concatenate([a + share * (b - a) for a, b in pairwise(corners)])
     heading = np.repeat(headings, len(share))
     # It turns on the spot at a corner, by way of half of the turn.
     at = len(share) * np.arange(1, len(headings))

@@ -15,6 +15,7 @@ from shellcut.fracture import free_direction
 from shellcut.models.oscillating import (
     CHECK_EVERY,
     DENSITY,
+    LAW,
     POISSON,
     STIFFNESS_DAMPING,
     YOUNG,
@@ -101,9 +102,22 @@ def arguments():
     number("--average", type=float, default=1.0, help="factor on the length of the mean stress")
     number("--reach", type=float, default=1.0, help="factor on the domain of J")
     number("--places", choices=("gauss", "ends"), default="gauss", help="of the cables")
+    number("--notch", type=float, default=1.5, help="its length [diameters]")
+    number("--offset", type=float, default=0.35, help="of the notch from the bar [diameters]")
+    number("--strength", type=float, default=LAW.strength, help="at the same fracture energy [MPa]")
     number("--until", type=float, default=3600.0, help="wall time at most [s]")
     parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
     return parser.parse_args()
+
+
+def weaker(strength):
+    """Return the default law with another strength and the same fracture energy."""
+    longer = LAW.strength / strength
+    lengths = {
+        name: longer * getattr(LAW, name)
+        for name in ("opening_a", "opening_p", "opening_u", "onset")
+    }
+    return sc.CohesiveLaw(strength=strength, plateau=LAW.plateau / longer, **lengths)
 
 
 def case_of(chosen):
@@ -121,6 +135,9 @@ def case_of(chosen):
         mesh=film,
         diameter=d,
         speed=chosen.speed,
+        notch=chosen.notch * d,
+        offset=chosen.offset * d,
+        law=weaker(chosen.strength),
         material=sc.ShellMaterial.homogeneous(
             young=YOUNG, poisson=POISSON, density=DENSITY, thickness=chosen.thickness
         ),

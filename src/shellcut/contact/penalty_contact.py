@@ -68,17 +68,15 @@ from .settings import (
     smoothed_integral,
 )
 
-# Margin of the list of near nodes, over the median edge length sqrt(quad area): the list lasts for
-# hundreds of steps, whose length also follows the edges. Nodes within half of it count with their
-# contact stiffness in the time step, until that is evaluated again.
+# Margin of the list of near nodes, over the median edge length sqrt(quad area). Nodes within half
+# of it count with their contact stiffness in the time step; the list lasts until that is moved.
 _MARGIN = 2.2
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the
 # mid-plane than this fraction of the local edge length.
 _CLEARLY_BESIDE = 0.15
 
-# Subtracted from a distance from the surface, far above its round-off: fraction of the tool's
-# farthest coordinate.
+# Subtracted from distances, far above their round-off: fraction of the tool's farthest coordinate.
 _ROUND_OFF = 1e-10
 
 # Distance from the crack's plane, in local edge lengths, up to which quads decide a node's side.
@@ -180,8 +178,7 @@ class PenaltyContact:
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
-        near = self.near_nodes(state)
-        n = state.node
+        near, n = self.near_nodes(state), state.node
         return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -189,10 +186,9 @@ class PenaltyContact:
         return {"contact_stored": self.forces.stored}
 
     def near_nodes(self, state: State) -> Ints:
-        """Return the nodes that may come into contact soon.
+        """Return the nodes that may come into contact soon; before the first evaluation none.
 
-        They depend only on the positions at the last evaluation, not on when the list was made;
-        before the first evaluation there are none.
+        They depend only on the positions at the last one, not on when the list was made.
         """
         return self.near.within(state, self._pose) if self._pose else self.near.ids
 

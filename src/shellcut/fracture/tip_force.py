@@ -91,7 +91,7 @@ class TipForce:
         self._energy = SlidingEnergy.of(X[self._rows], T[self._rows], slides, shell.material)
         self._share = state.quad.share[self._rows]
         self._loads: SlidingLoads | None = None
-        if loads is not None and loads.act_on_film:
+        if loads is not None and any(loads.on_film):
             # Within the domain the loads move even where all corners slide alike.
             rows = np.flatnonzero(q.max(axis=1) > 0.0)
             X, T, q = X[rows], T[rows], q[rows]
@@ -102,7 +102,7 @@ class TipForce:
                 found, _ = lumped_mass(corners, T, shell.material)
                 return shell.mass[rows] / whole * found
 
-            self._loads = loads.sliding(state, rows, X, q, slides, mass)
+            self._loads = SlidingLoads(state, rows, X, q, slides, mass, *loads.on_film)
 
     def of(self, state: State, moved: Floats) -> Floats:
         """Return the components of the force along the base [N], shape (2,).

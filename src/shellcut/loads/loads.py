@@ -25,7 +25,6 @@ from shellcut.state import State
 from .cut_quads import CutQuads
 from .dead_loads import DeadLoad, DeadPressure, EdgeForces, Rule, Weight
 from .following_pressure import FollowingPressure
-from .sliding_loads import SlidingLoads
 from .supports import NodeChoice, choose_nodes
 
 Factor = Callable[[float], float]
@@ -222,21 +221,9 @@ class LoadSet:
         return float(np.abs(every).max(initial=0.0))
 
     @property
-    def act_on_film(self) -> bool:
-        """Whether there is more than forces and moments on nodes."""
-        return bool(self._dead or self._following)
-
-    def sliding(
-        self,
-        state: State,
-        rows: Ints,
-        X: Floats,
-        q: Floats,
-        slides: Floats,
-        mass: Callable[[Floats], Floats],
-    ) -> SlidingLoads:
-        """Return what the loads do as some quads slide; parameters of :class:`SlidingLoads`."""
-        return SlidingLoads(state, rows, X, q, slides, mass, self._dead, self._following)
+    def on_film(self) -> tuple[Sequence[DeadLoad], Sequence[FollowingPressure]]:
+        """Those that are more than forces and moments on nodes: dead ones, and pressures."""
+        return self._dead, self._following
 
     def add_corner_forces(self, state: State, quads: Ints, nodes: Ints, force: Floats) -> None:
         """Add the load on a node that comes from a single quad, without gravity [N].
