@@ -42,8 +42,8 @@ if "NUMBA_CACHE_DIR" not in os.environ:
     cache = Path(tempfile.gettempdir()) / f"shellcut-numba-{getpass.getuser()}"
     os.environ["NUMBA_CACHE_DIR"] = str(cache / _digest(_source_folder()))
 
-# Several processes share the cores already. Threads of OpenBLAS spin while they wait for each other:
-# that took four fifths of the time of the tests of surfaces.
+# Several processes share the cores already. Threads of OpenBLAS spin while they wait for one
+# another: that took four fifths of the time of the tests of surfaces.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Tests start Python a few hundred times. Where it may write no bytecode into the tree, each start
