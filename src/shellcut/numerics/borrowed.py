@@ -52,6 +52,8 @@ class _HeldModel(models.OpaqueModel):
     """A pointer."""
 
 
+# Inlined by force: behind a call, which LLVM leaves in large kernels, it does not see that nothing
+# is owned, and every use of an array counts again (the cables' kernel took three times as long).
 @overload(borrowed, jit_options=OVERLOAD_OPTIONS)
 def _borrowed_in_kernel(table):
     if isinstance(table, HeldType):
