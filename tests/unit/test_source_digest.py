@@ -5,7 +5,19 @@ import math
 
 import pytest
 
-from shellcut.material import Elastic, Hencky, Plastic, PointLaw, Swift
+from shellcut.material import (
+    Elastic,
+    Hencky,
+    JohnsonCook,
+    Linear,
+    Plastic,
+    PointLaw,
+    Swift,
+    Table,
+    Voce,
+)
+from shellcut.material.hardening import RateFactor
+from shellcut.material.return_mapping import make_flow
 from shellcut.material.source_digest import source_files
 
 FOIL = Elastic(70_000.0, 0.33, 2.7e-9)
@@ -68,6 +80,19 @@ def test_laws_of_plasticity_count_all_their_files():
     elastic = {path.name for path in source_files(Hencky(FOIL).law.stress)}
     assert "logarithmic_strain.py" in elastic
     assert "return_mapping.py" not in elastic
+
+
+def test_functions_that_kernels_call_have_names_of_their_own_in_each_law():
+    # Kernels from Numba's cache are linked by these names.
+    rate = RateFactor.function
+    made = [
+        make_flow(one.function, one.slope, rate, has_rate=False, n_mode=n_mode)
+        for one in (Linear, Swift, Voce, Table)
+        for n_mode in (2, 3)
+    ]
+    made.append(make_flow(Linear.function, Linear.slope, JohnsonCook.function, True, 2))
+    names = {getattr(one, "py_func", one).__qualname__ for one in made}
+    assert len(names) == len(made)
 
 
 def test_functions_without_a_file_count_by_their_code():

@@ -26,7 +26,7 @@ the slope of the hardening follows from R without its exponential:
 
     Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i),       Q = Σ q_i.
 
-The iteration ends when |G - 1| < 1.5e-5 (singles: 1e-3) in all lanes that yield; the last
+The iteration ends when |G - 1| < 8e-6 (singles: 1e-3) in all lanes that yield; the last
 correction is added to the first order, which leaves 1e-11 to 1e-10. So a step of an explicit run
 evaluates the hardening once. If it takes more than ``_FREE_TURNS`` turns, it begins anew with a
 bracket: G > 1 at Δp = 0, and σ_eq^trial bounds Δp from above; a turn that would leave it halves it.
@@ -51,7 +51,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Number, Vector
-from shellcut.numerics.jit import always_inline, apart
+from shellcut.numerics.jit import always_inline, apart_as
 from shellcut.numerics.lane_exponentials import any_above, precision_of
 from shellcut.numerics.lane_functions import larger, square_root, where_above
 from shellcut.numerics.processor import not_inlined
@@ -60,7 +60,7 @@ _TURNS = 80
 # Of Newton alone; after them the root is bracketed.
 _FREE_TURNS = 6
 # |G - 1| over the root of the precision at which the last correction ends the iteration.
-_ENOUGH = 1024.0
+_ENOUGH = 512.0
 
 
 @always_inline
@@ -188,8 +188,8 @@ def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
     return yield_stress
 
 
-def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any) -> Any:
-    @apart
+def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any, name: str) -> Any:
+    @apart_as(name)
     def bracketed(p, at, q, k, beyond, state, dt):
         """Return Δp between bounds that close in on it; nan where it is not found."""
         not_inlined()
@@ -237,9 +237,11 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
     yield_stress = _make_yield_stress(
         always_inline(hardening), always_inline(rate_factor), has_rate
     )
-    bracketed = _make_bracketed(yield_stress, one_turn, sums)
+    inside = (hardening, slope, rate_factor)
+    name = " ".join([*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode)])
+    bracketed = _make_bracketed(yield_stress, one_turn, sums, name)
 
-    @apart
+    @apart_as(name)
     def flow(p, at, q, k, beyond, state, dt):
         not_inlined()
         eq, R_old = state

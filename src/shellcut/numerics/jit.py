@@ -187,6 +187,20 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     return _for_kernels_only(nb.njit(**{**_INLINED, "forceinline": False})(function), function)
 
 
+def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return :func:`apart` for a function that is made several times, with other functions within.
+
+    Kernels from Numba's cache are linked by the names of what they call, and a process that loads
+    two of them would run one's function in both: each needs a name of its own.
+    """
+
+    def compiled(function: Callable[P, R]) -> Callable[P, R]:
+        function.__qualname__ = f"{function.__qualname__}[{name}]"
+        return apart(function)
+
+    return compiled
+
+
 class _Once(event.Listener):
     def __init__(self, call: Callable[[], None]) -> None:
         self._call: Callable[[], None] | None = call
