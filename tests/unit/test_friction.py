@@ -180,7 +180,8 @@ def test_the_ledger_closes_and_friction_takes_its_part(whole):
     # Two independent sums; the forces of split nodes are shared anew: measured below 1e-9.
     assert ledger.friction_work == pytest.approx(together, rel=1e-6)
     assert abs(ledger.imbalance) < 5e-3 * ledger.put_in
-    assert [term.name for term in whole.tool_terms] == ["contact", "friction", "points", "joints"]
+    names = [term.name for term in whole.tool_terms]
+    assert names == ["contact", "friction", "points", "point_friction", "joints"]
     assert len(whole.state.split_log) > 2
     on_nodes = whole.state.node.friction_force[: whole.state.n_node].sum(axis=0)
     on_tool = list(whole.tool_terms)[1].forces.wrench[:, :3].sum(axis=0)

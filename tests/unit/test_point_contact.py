@@ -1,5 +1,6 @@
 """Corners and edges of the tool against quads of the film."""
 
+import itertools
 from dataclasses import asdict
 
 import numpy as np
@@ -40,7 +41,7 @@ def needle(radius=0.5, height=2.0, n=12):
     return Tool.from_triangles(vertices, sides + top, edges=np.zeros((0, 2), int))
 
 
-def pricked(tool_points=True, at=(0.37, 0.21), tool=None, friction=0.0):
+def pricked(tool_points=True, at=(0.37, 0.21), tool=None, friction=0.0, direction=(0.0, 0.0, -1.0)):
     """A clamped film of 1 mm quads, and a needle above the inside of one that comes down."""
     mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
     tool = needle() if tool is None else tool
@@ -49,7 +50,7 @@ def pricked(tool_points=True, at=(0.37, 0.21), tool=None, friction=0.0):
         ShellMaterial.homogeneous(),
         supports=[Support.clamped(mesh.boundary_nodes())],
         tool=tool.translated((2.0 + at[0], at[1], GAP)),
-        motion=StraightMotion((0.0, 0.0, -1.0), speed=2000.0, ramp=2e-5),
+        motion=StraightMotion(direction, speed=2000.0, ramp=2e-5),
         contact=Contact(tool_points=tool_points, friction=friction),
     )
 
@@ -388,6 +389,69 @@ def test_a_tooth_that_comes_down_between_nodes_is_felt():
     assert min(forces) < 0.0  # down on the film, up on the tool
     # 0.125 mm without; half the thickness is 0.037 mm.
     assert deepest < 0.01
+
+
+# ---------------------------------------------------------------- friction
+
+
+def rubbed(sim, way):
+    """Move the needle on by ``way`` over the film at rest; return the friction's forces, ledger."""
+    s = sim.state
+    rubs = next(t for t in sim.tool_terms if t.name == "point_friction")
+    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+    found = []
+    for before, place in itertools.pairwise([way[0], *way]):
+        s.node.force[:] = 0.0
+        term(sim).add_forces(s, Pose(np.eye(3), place))
+        last = rubs.forces.wrench[0, :3].copy()
+        forces = rubs.add_forces(s, Pose(np.eye(3), place))
+        on_tool = 0.5 * (last + forces.wrench[0, :3]) @ (place - before)
+        forces.add_works(entries, on_tool)
+        found.append(forces)
+    return found, entries
+
+
+def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
+    mu, depth, along = 0.3, 0.02, 0.4
+    sim = pricked(friction=mu)
+    down = [np.array([0.0, 0.0, -GAP - z]) for z in np.linspace(-0.1, depth, 40)]
+    rubbed(sim, down)
+    # Over two sides of quads, all of one area, then half way back.
+    ways = np.concatenate([np.linspace(0.0, along, 400), np.linspace(along, 0.5 * along, 200)[1:]])
+    found, entries = rubbed(sim, [np.array([x, 0.5 * x, -GAP - depth]) for x in ways])
+    k = int(np.flatnonzero(term(sim)._springs.depth)[0])
+    pressed = np.linalg.norm(term(sim)._springs.force[k])
+    area = sim.state.node.contact_area[term(sim)._springs.node[k]].mean()
+    stiffness = 0.5 * term(sim).points.share[k] * node_stiffness(area, sim.contact.law)
+    length = np.hypot(1.0, 0.5)
+    pulls = np.array([-f.wrench[0, 0] * length for f in found])  # on the film, along the way
+    stretched = mu * pressed / stiffness
+    # The tool drags the film along; it turns back from a stretched spring.
+    np.testing.assert_allclose(
+        pulls[:400], np.minimum(stiffness * ways[:400] * length, mu * pressed), rtol=1e-9
+    )
+    np.testing.assert_allclose(pulls[-1], -mu * pressed, rtol=1e-9)
+    slip = 1.5 * along * length - 3.0 * stretched
+    # Steps of 1 µm: the two in which it begins to slip.
+    assert entries["friction_dissipated"] == pytest.approx(mu * pressed * slip, rel=1e-3)
+    assert entries["friction_work"] == pytest.approx(
+        entries["friction_dissipated"] + found[-1].stored, rel=1e-9
+    )
+    assert found[-1].n_slipping == 1
+    (lifted,), lost = rubbed(sim, [np.array([0.0, 0.0, 0.1])])
+    assert lifted.stored == 0.0
+    assert lost["friction_dissipated"] > 0.0
+
+
+def test_a_needle_that_rubs_closes_the_ledger():
+    sim = pricked(friction=0.4, direction=(0.6, 0.3, -0.74))
+    lower(sim, 0.35)
+    book = sim.close_ledger()
+    assert book.friction_dissipated > 0.02 * book.tool_work
+    # The forces' own works beside what they store and dissipate: poses turn by nothing.
+    left = book.friction_work - book.friction_dissipated - book.friction_stored
+    assert abs(left) < 1e-6 * book.friction_work
+    assert abs(book.relative(book.imbalance)) < 1e-3
 
 
 def test_a_restart_goes_on_bit_for_bit(tmp_path):

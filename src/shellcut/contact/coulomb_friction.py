@@ -53,6 +53,12 @@ TANGENTIAL = 0.5
 """Stiffness of the tangential spring over that of the node's penalty."""
 
 
+def stiffer_by(coefficient: float) -> float:
+    """Return what friction adds to the steepest penalty in the bound on the step, over that."""
+    coupled = (1.0 + coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
+    return float(np.sqrt(coupled)) - 1.0
+
+
 class FrictionForces(NamedTuple):
     """Results of one evaluation of the friction."""
 
@@ -65,7 +71,7 @@ class FrictionForces(NamedTuple):
     dissipated: float
     """Energy dissipated by slip since t_{n-1} [N·mm]."""
     n_slipping: int
-    """Number of nodes that slip."""
+    """Number of nodes, or points of the tool, that slip."""
 
     def add_works(self, entries: dict[str, float], on_tool: float) -> None:
         """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
@@ -128,8 +134,7 @@ class CoulombFriction:
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that may come into contact soon and what friction adds there [N/mm]."""
         near, penalty = self._contact.stiffness(state)
-        coupled = (1.0 + self.coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
-        return near, (np.sqrt(coupled) - 1.0) * penalty
+        return near, stiffer_by(self.coefficient) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the energy of the springs at the last evaluation, by its name in the ledger."""

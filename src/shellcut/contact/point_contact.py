@@ -139,7 +139,8 @@ class PointContact:
         # Way walked since the list was made, and at which it is looked at whether it is old.
         self._walked, self._look_at = 0.0, 0.0
         self._known = KnownTopology()
-        self._tables: PointTables | None = None
+        self.tables: PointTables | None = None
+        """For kernels, good until the list is made anew."""
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
         self._soon = BoundOnce(_stiffness_soon)
@@ -153,7 +154,7 @@ class PointContact:
         if not self._known.is_of(state) or self._walked > self._look_at or state.step == 0:
             self._renew(state, pose)
         wrench = self._none.copy()
-        found = self._call.code(pose, before, state.dt, self._walked, self._tables, wrench)
+        found = self._call.code(pose, before, state.dt, self._walked, self.tables, wrench)
         self.forces, self._walked = PointForces(wrench, *found[:5]), found[5]
         return self.forces
 
@@ -164,11 +165,11 @@ class PointContact:
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
-        if self._tables is None:
+        if self.tables is None:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 4 * int(self._pairs.first[self._pairs.used[0]])
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._soon(self._pose, self._tables, node, stiffness)
+        count = self._soon(self._pose, self.tables, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -258,7 +259,7 @@ class PointContact:
             film=_film_of(state),
             law=self._contact.law,
         )
-        self._tables = self._hold(tables)
+        self.tables = self._hold(tables)
 
 
 def _film_of(state: State) -> PointFilm:

@@ -93,8 +93,9 @@ class Contact:
         Whether film near cracks and loose pieces also touch the film
         (:mod:`shellcut.contact.self_contact`).
     friction : float
-        Coefficient mu of Coulomb friction between the film and the tool's faces, see
-        :mod:`shellcut.contact.coulomb_friction`; 0 for none.
+        Coefficient mu of Coulomb friction between the film and the tool, see
+        :mod:`shellcut.contact.coulomb_friction` and :mod:`shellcut.contact.point_friction`; 0 for
+        none.
     tool_points : bool
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.

@@ -102,7 +102,7 @@ class ContactSection(Section):
         number("N/mm^3"), "lambda", unset="1e4 for 74 um of 1678 MPa, in proportion to E h"
     )
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
-    friction: float = key(number(), "Coulomb coefficient of the tool's faces; 0 for none")
+    friction: float = key(number(), "Coulomb coefficient of tool and film; 0 for none")
     tool_points: bool = key(flag, "whether the tool's corners and edges push between nodes")
     self_contact: bool = key(flag, "whether film near cracks and loose pieces touch the film")
 

@@ -7,6 +7,7 @@ import numpy as np
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
+from shellcut.contact.point_friction import PointFriction
 from shellcut.contact.settings import Contact
 from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.criterion import Fracture
@@ -37,5 +38,8 @@ def contact_terms(
         terms.append(CoulombFriction(contact, settings.friction))
     if settings.tool_points:
         finer = float(np.sqrt(np.quantile(mesh.quad_areas(), _FINER)))
-        terms.append(PointContact(contact, finer))
+        points = PointContact(contact, finer)
+        terms.append(points)
+        if settings.friction > 0.0:
+            terms.append(PointFriction(points, settings.friction))
     return contact, terms
