@@ -82,12 +82,11 @@ def test_strength_in_pascal_stops_within_a_hundred_steps_of_the_first_split(tmp_
     # A check refuses it before the run, which somebody may force.
     recorder = Recorder(sim, tmp_path, until=8e-5, name="cut", force=True, **records)
     first = FirstSplit()
-    with pytest.raises(BalanceLost) as failure:
+    # The first force of a joint is in the ledger of tool and cable alike: it closes to the end.
+    with pytest.raises(UnstableStep, match=r"blew up at step \d+") as failure:
         sim.run(8e-5, [recorder, first])
     assert 0 < sim.state.step - first.step <= 100
     text = str(failure.value)
-    assert isinstance(failure.value, UnstableStep)
-    assert f"{sim.ledger.imbalance:.4g} N·mm are missing" in text
     assert f"t = {sim.state.time:.6g} s" in text
     assert "1.8e+07 MPa, is above Young's modulus of the film, 1678 MPa: is it in Pa?" in text
     # What there was can be read, the frame of the end too.

@@ -25,7 +25,8 @@ from shellcut.statics import Statics
 
 E, NU, H = 1678.0, 0.3, 0.074
 FILM = Elastic(E, NU, 1e-9)
-SOFT = Plastic(FILM, Linear(15.0, 60.0))
+SOFT_YIELD = 15.0
+SOFT = Plastic(FILM, Linear(SOFT_YIELD, 60.0))
 FOIL = ShellMaterial([Layer(SOFT, H)], points_per_layer=3)
 RUBBER = ShellMaterial([Layer(Hencky(FILM), H)])
 
@@ -95,7 +96,8 @@ def test_a_turn_in_mid_run_changes_nothing():
     assert found[0][0].max() > 1e-3
     # Turned as it is: nothing flows, though the points lie on the yield surface.
     energy(shell, state, found[1][0].copy(), further, t)
-    np.testing.assert_allclose(state.history, found[1][0], rtol=0, atol=1e-12)
+    # The return leaves up to 1e-10 of a stress; what it left flows now.
+    np.testing.assert_allclose(state.history, found[1][0], rtol=0, atol=1e-10 * SOFT_YIELD)
     for one, other in zip(*found, strict=True):
         # Round-off of a metric of order one, in strains.
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-11 * abs(one).max())
@@ -113,7 +115,8 @@ def test_single_quads_and_lanes_agree():
     one = lanes.corner_forces(state, quads, mesh.quads.ravel())
     total = np.zeros((mesh.n_node, 3))
     np.add.at(total, mesh.quads.ravel(), one)
-    np.testing.assert_allclose(total, rows[:, :3], rtol=0, atol=1e-12 * abs(rows).max())
+    # A block goes on until all its lanes are returned; the return of one leaves up to 1e-10.
+    np.testing.assert_allclose(total, rows[:, :3], rtol=0, atol=1e-10 * abs(rows).max())
     assert history.max() > 1e-3
     assert not state.history.any()
 

@@ -69,7 +69,7 @@ from .settings import (
 )
 
 # Margin of the list of near nodes, over the median edge length sqrt(quad area). Nodes within half
-# of it count with their contact stiffness in the time step; the list lasts until that is moved.
+# of it count with their contact stiffness in the time step; the list lasts until that is used up.
 _MARGIN = 2.2
 
 # The quads of a node lie clearly beside the blade when their mean centre is farther from the

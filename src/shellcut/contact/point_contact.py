@@ -20,8 +20,8 @@ or whose film is cut, lets go; what its spring held is booked as absorbed. A poi
 ``CAPTURE`` of an edge away has passed the film elsewhere (through a cut).
 
 *Stiffness.* A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh
-a mean). Until the next look at the step a point moves by a quarter of an edge at most, so N_a is
-taken as 1.25 - distance over edge length there, from 0 to 1.
+a mean). Until the next look at the step, which comes with the next search, a point moves by three
+tenths of an edge at most, so N_a is taken as 1.3 - distance over edge length there, from 0 to 1.
 
 *Search.* Pairs of points and quads closer than the capture and ``_SLACK`` edges are listed, among
 the quads at the nodes near the tool, until points and nodes have moved by half of the slack; the
@@ -87,7 +87,7 @@ _LEAST_LEFT = 0.05
 _ROUND_OFF = 1e-10
 
 # Reach of a point in the bound on the step beyond its own shape functions, over the edge length.
-_SOON = 0.25
+_SOON = 0.3
 
 
 class PointForces(NamedTuple):
@@ -205,8 +205,8 @@ class PointContact:
     def _renew(self, state: State, pose: Pose) -> None:
         """Make the list anew if it may miss a pair by now.
 
-        The way walked goes back and forth with the film: only if what has moved is as far from
-        where it was, the list is old.
+        The way walked counts motion back and forth, too; the list is old only if tool and film are
+        as far from where they were.
         """
         if self._known.is_of(state) and state.step > 0:
             before, x, nodes = self._listed_pose, state.node.x, self._pairs.nodes()

@@ -85,7 +85,8 @@ def partings_of(
     fans = fans_of(state, node)
     fan = fans[0]
     cracks = arriving(state, fans)
-    way = _Around(state, node, quad_mass, free_edges).parting
+    held = np.argwhere(state.cable.ends[: state.n_cable] == node).tolist()
+    way = _Around(state, node, quad_mass, free_edges, held).parting
     if len(fans) > 1:
         rest = tuple(e for other in fans[1:] for e in other.quads)
         mine = {fan.far[0], fan.far[-1]}
@@ -111,6 +112,8 @@ class _Around(NamedTuple):
     node: int
     quad_mass: Floats
     free_edges: frozenset[tuple[int, int]]
+    held: list[list[int]]
+    """Cables that end at the node, and which end."""
 
     def parting(
         self,
@@ -129,7 +132,6 @@ class _Around(NamedTuple):
                 length += 0.5 * float(np.linalg.norm(edge))
         sides = [np.array(quads) for quads in (minus, plus)]
         mass = [self.quad_mass[e, np.argmax(state.quads[e] == node, axis=1)].sum() for e in sides]
-        held = np.argwhere(state.cable.ends[: state.n_cable] == node).tolist()
         return Parting(
             node,
             minus,
@@ -138,7 +140,7 @@ class _Around(NamedTuple):
             ahead,
             length,
             (float(mass[0]), float(mass[1])),
-            tuple((int(state.cable.row[k, end] in plus), k, end) for k, end in held),
+            tuple((int(state.cable.row[k, end] in plus), k, end) for k, end in self.held),
             _cosine_of_turn(state.node.X, node, back, ahead),
         )
 

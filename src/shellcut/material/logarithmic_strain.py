@@ -30,7 +30,7 @@ With y = 2 m and q = 4 r²/τ², which is below 1e-4,
     1/τ = (1 - y)(1 + y²)(1 + y⁴),     τ²/D = 1/(1 - q) = (1 + q)(1 + q²),
     ¼ ln D = ½ ln(1 + y) + ¼ ln(1 - q),
 
-the logarithms by seven and four terms, A' by three. All sums are taken in pairs: a chain of seven
+the logarithms by eight and four terms, A' by three. All sums are taken in pairs: a chain of seven
 dependent products would cost more time than the products.
 
 A quad that is folded flat has D = 0 in one point or less where the strain is extrapolated through

@@ -34,8 +34,8 @@ class PointLaw:
     stress : callable
         ``stress(p, strain, history, dt)`` returns four things: the second Piola-Kirchhoff stress
         (S_11, S_22, S_12) [MPa] at t_n; the stored energy density at t_n [N/mm²]; the energy
-        density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n; and, if the law
-        knows, a fifth: whether any of it has changed, or it need not be stored. ``p`` holds the
+        density dissipated since t_{n-1} [N/mm²], not negative; the history at t_n. A law may
+        return a fifth: whether the history has changed; if not, none is stored. ``p`` holds the
         material's parameters, shape (n_parameter,); ``strain`` is (E_11, E_22, 2 E_12) at t_n in
         the point's Cartesian frame; ``history`` holds the numbers at t_{n-1}, zero at the start;
         ``dt`` is the length of the step [s]. Called again with the same strain, the returned

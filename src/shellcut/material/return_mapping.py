@@ -238,7 +238,9 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
         always_inline(hardening), always_inline(rate_factor), has_rate
     )
     inside = (hardening, slope, rate_factor)
-    name = " ".join([*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode)])
+    name = " ".join(
+        [*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode), str(has_rate)]
+    )
     bracketed = _make_bracketed(yield_stress, one_turn, sums, name)
 
     @apart_as(name)

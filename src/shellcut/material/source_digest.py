@@ -39,7 +39,9 @@ def source_digest(*functions: Callable[..., Any]) -> bytes:
 def source_files(*functions: Callable[..., Any]) -> list[Path]:
     """Return the files of functions, and of all functions that they call or hold, by name."""
     files = {_file_of(one) for one in _reached(functions)}
-    return sorted((path for path in files if path is not None), key=lambda path: path.name)
+    return sorted(
+        (path for path in files if path is not None), key=lambda path: (path.name, _content(path))
+    )
 
 
 def _without_file(functions: tuple[Callable[..., Any], ...]) -> set[bytes]:
@@ -64,8 +66,11 @@ def _used_by(function: Any) -> Iterator[Any]:
     """Yield the functions that a function names or holds."""
     names = set(_names(function.__code__))
     values = [function.__globals__[name] for name in names if name in function.__globals__]
-    for module in [one for one in values if isinstance(one, ModuleType)]:
-        values += [vars(module)[name] for name in names if name in vars(module)]
+    modules = [one for one in values if isinstance(one, ModuleType)]
+    for module in modules:  # and what they hold, package.module.function
+        held = [vars(module)[name] for name in names if name in vars(module)]
+        modules += [one for one in held if isinstance(one, ModuleType) and one not in modules]
+        values += held
     for cell in function.__closure__ or ():
         held = cell.cell_contents
         values += held if isinstance(held, tuple) else [held]

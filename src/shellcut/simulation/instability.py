@@ -169,8 +169,8 @@ class StabilityGuard:
         return UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"{worst} is no longer finite or explodes; the safe step was "
-            f"{self._time_step.bound(s):.4g} s: lower Stepping.safety, or leave Stepping.fixed "
-            "unset"
+            f"{self._time_step.bound(s):.4g} s. "
+            + " ".join([*self._plain_causes(s), "Else lower Stepping.safety."])
         )
 
     def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
@@ -181,7 +181,12 @@ class StabilityGuard:
             f"the energy balance is lost at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"{self._balance.missing(book):.4g} N·mm are missing, more than "
             f"{100 * LOST_SHARE:.0f} % of the largest energy so far (now {entries} N·mm); "
-            f"{self._worst_quad(s)} is strained most. {' '.join(self._likely_causes(s))}"
+            f"{self._worst_quad(s)} is strained most. "
+            + " ".join(self._plain_causes(s))
+            + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, put the "
+            "blade's path into the mesh (imprint), or lower Stepping.safety, now "
+            f"{self._time_step.stepping.safety:.3g}. A state changed by hand between two steps has "
+            "no balance either."
         )
 
     def _worst_quad(self, s: State) -> str:
@@ -191,8 +196,8 @@ class StabilityGuard:
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
 
-    def _likely_causes(self, s: State) -> list[str]:
-        """Return what to look at, what is plainly wrong first."""
+    def _plain_causes(self, s: State) -> list[str]:
+        """Return what is plainly wrong."""
         causes = []
         layers, law = self._shell.material.layers, self._law
         young = max(layer.material.stretching_modulus for layer in layers)
@@ -208,10 +213,4 @@ class StabilityGuard:
                 f"Stepping.fixed = {stepping.fixed:.4g} s is above the safe step, {safe:.4g} s: "
                 "leave it unset."
             )
-        causes.append(
-            "Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, put the "
-            "blade's path into the mesh (imprint), or lower Stepping.safety, now "
-            f"{stepping.safety:.3g}. A state changed by hand between two steps has no balance "
-            "either."
-        )
         return causes

@@ -63,9 +63,10 @@ class ToolTerm(Protocol):
         ...
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that it holds until the next search or cut, and a bound on each [N/mm].
+        """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
 
-        That is of its stiffness. A node may come more than once: its stiffnesses add up.
+        It is good until the next search or cut. A node may come more than once: its stiffnesses
+        add up.
         """
         ...
 
