@@ -77,7 +77,7 @@ def test_a_law_that_is_not_linear_is_refused(law):
     film = Elastic(YOUNG, POISSON, 1e-9)
     given = Hencky(film) if law == "Hencky" else Plastic(film, Linear(15.0, 60.0))
     sim = sc.Simulation(rectangle(2.0, 2.0, size=1.0), sc.ShellMaterial([Layer(given, THICKNESS)]))
-    with pytest.raises(ValueError, match=f"known for linear laws of the film only, got {law}"):
+    with pytest.raises(ValueError, match=f"known for linear films without axes only, got {law}"):
         TipForce(sim.state, sim.shell, np.array([1.0, 0.0, 0.0]), BASE, 2.0)
 
 

@@ -61,7 +61,7 @@ class TipForce:
     Raises
     ------
     ValueError
-        If the film's law is not linear.
+        If the film's law is not linear, or has axes.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class TipForce:
         if not shell.material.is_linear:
             laws = sorted({layer.material.law.name for layer in shell.material.layers})
             raise ValueError(
-                "the energy released at a tip is known for linear laws of the film only, got "
+                "the energy released at a tip is known for linear films without axes only, got "
                 f"{', '.join(laws)}: let the stress ahead decide"
             )
         film = shell.reference
