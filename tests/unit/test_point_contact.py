@@ -438,6 +438,10 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
         entries["friction_dissipated"] + found[-1].stored, rel=1e-9
     )
     assert found[-1].n_slipping == 1
+    nodes, weight = term(sim)._springs.node[k], term(sim)._springs.weight[k]
+    arm = weight @ sim.state.node.x[nodes] - [ways[-1], 0.5 * ways[-1], -GAP - depth]
+    force, moment = np.split(found[-1].wrench[0], 2)
+    np.testing.assert_allclose(moment, np.cross(arm, force), rtol=1e-12)
     (lifted,), lost = rubbed(sim, [np.array([0.0, 0.0, 0.1])])
     assert lifted.stored == 0.0
     assert lost["friction_dissipated"] > 0.0

@@ -2,8 +2,8 @@
 
 May import ``state``, ``material``, ``tool`` and rows below. ``penalty_contact`` is the force term
 of the nodes, ``settings`` gives its stiffness, ``coulomb_friction`` holds the nodes to the faces,
-``point_contact`` lets corners and edges of the tool press on quads, ``missed_penetration``
-measures what none of them feels; ``point_friction`` is friction there.
+``point_contact`` lets corners and edges of the tool press on quads, ``point_friction`` holds them
+there, ``missed_penetration`` measures what none of them feels.
 """
 
 from .settings import Contact
