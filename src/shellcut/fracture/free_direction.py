@@ -24,8 +24,8 @@ p is the traction that the mean Cauchy stress of the mid-surface ahead exerts ac
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
 lengths. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
-other would lose the part across the lean. What a film would give back is not known if its law keeps a
-history and cannot be frozen; there the stress decides alone.
+other would lose the part across the lean. What a film would give back is not known if its law keeps
+a history and cannot be frozen; there the stress decides alone.
 """
 
 from __future__ import annotations

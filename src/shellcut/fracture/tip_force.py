@@ -22,16 +22,12 @@ cables, too: in steady tearing J = G h. The flanks slide with the film. Across t
 film to one flank and takes it from the other: J · e has the difference of their energies per area
 times the reach in it, none where both sides are alike.
 
-The energy is what the film would give back: what has flowed stays where it is in the film. As the
-tip passes, it comes to film that has flowed differently, and so
-
-    J = ∫ [T · (x,_e - ..) - psi ..] q,_i dA + ∫ q T · eps_p,_e dA,
-
-the usual integral over the energy psi, and the stress T times the slope of the plastic strain:
-their sum is what goes into the process zone, whatever the path of the loads ([Simo1993]; in steady
-tearing it is the integral over the whole stress work, as the film passes through the domain as it
-does through time). A law that keeps a history and names no ``frozen`` law has no such energy: for
-it a force is refused, and :mod:`.free_direction` takes the stress ahead alone.
+The energy psi is what the film would give back: what has flowed stays where it is in the film. A
+point that slides comes to film that has flowed differently, which adds the stress times the slope
+of the plastic strain there to J (:mod:`shellcut.mitc4.sliding_points`). With it J is what goes into
+the process zone, however the film around has flowed ([Simha2008]). A law that keeps a history and
+names no ``frozen`` law has no such energy: for it a force is refused, and :mod:`.free_direction`
+takes the stress ahead alone.
 """
 
 from __future__ import annotations
@@ -42,10 +38,10 @@ from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.loads.sliding_loads import SlidingLoads
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mitc4.sliding_history import SlidingHistory
 from shellcut.mitc4.section import lumped_mass
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.sliding_energy import SlidingEnergy, slid
+from shellcut.mitc4.sliding_history import SlidingHistory
 from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.state import State
 

@@ -14,7 +14,7 @@ a prime for the change of what belongs to the reference. H' and p' are differenc
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -38,6 +38,10 @@ _AT_CORNERS = 0.5 * np.array(
     ],
     float,
 )
+
+
+Ends: TypeAlias = tuple[Floats, Floats]
+"""Reference positions [mm] and directors of quads that have slid, shape (n, 4, 3)."""
 
 
 class SlidingEnergy(NamedTuple):
@@ -96,7 +100,7 @@ class SlidingEnergy(NamedTuple):
         return found
 
 
-def slide_ends(X: Floats, T: Floats, slides: Floats) -> Iterator[tuple[Any, Any, float]]:
+def slide_ends(X: Floats, T: Floats, slides: Floats) -> Iterator[tuple[Ends, Ends, float]]:
     """Yield, for each slide, (X, T) a little way along it and before it, and that way [mm].
 
     Parameters as of :meth:`SlidingEnergy.of`.

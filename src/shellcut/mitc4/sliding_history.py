@@ -127,7 +127,7 @@ def _slope(places: Floats, weight: Floats) -> Floats:
     w = np.repeat(weight[:, None], places.shape[1], axis=1)
     off = places - np.einsum("eq,eqk->k", w, places) / w.sum()
     spread = np.einsum("eq,eqi,eqj->ij", w, off, off)
-    return np.einsum("ij,eqj,eq->ieq", np.linalg.pinv(spread, rcond=_FLAT), off, w)
+    return np.asarray(np.einsum("ij,eqj,eq->ieq", np.linalg.pinv(spread, rcond=_FLAT), off, w))
 
 
 def _angles(X: Floats, T: Floats, material: ShellMaterial, base: Floats) -> Floats:
