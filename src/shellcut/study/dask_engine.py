@@ -3,7 +3,8 @@
 Dask gives the task of a dead worker to another one by itself. It does not bring back a scheduler:
 if that is lost, its futures are lost with it. The engine then waits for a scheduler at the same
 address, and gives it the tasks that are not done. A worker that still is at a run keeps the lock of
-its folder, and the new one waits for that.
+its folder, and the new one waits for that. Each worker has a child process that does its runs: in
+one process they would disturb each other, as :mod:`.child_process` says.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from typing import Any
 
 from distributed import Client, KilledWorker, LocalCluster, as_completed
 
-from .one_run import Outcome, Task, run_one
+from .child_process import ChildDied, run_in_child
+from .one_run import Outcome, Task
 
 _MOST_DEATHS = 3
 """Times that the worker of a run may die before the run counts as failed."""
@@ -86,7 +88,7 @@ class DaskEngine:
         try:
             given = {
                 self._client.submit(
-                    run_one, task, key=f"shellcut-{task.key}", retries=_MOST_DEATHS, pure=False
+                    run_in_child, task, key=f"shellcut-{task.key}", retries=_MOST_DEATHS, pure=False
                 ): task
                 for task in tasks
             }
@@ -96,7 +98,7 @@ class DaskEngine:
             task = given.pop(future)
             try:
                 outcome = future.result()
-            except KilledWorker:
+            except (KilledWorker, ChildDied):
                 yield task, Outcome("failed", "its workers died: killed, or out of memory")
                 continue
             except (CancelledError, OSError, TimeoutError):

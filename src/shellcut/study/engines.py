@@ -25,15 +25,13 @@ from contextlib import contextmanager
 from itertools import chain, islice
 from typing import Any, Protocol
 
+from .child_process import ONE_THREAD
 from .one_run import UNDER_WAY, Outcome, Task, run_one
 
 _MOST_DEATHS = 3
 """Times that the process of a run may die before the run counts as failed."""
 
 _LOOK_EVERY = 0.2  # s between two looks whether the last run of an orphan has stopped
-
-# Libraries that would start threads of their own in every process.
-_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 class Engine(Protocol):
@@ -162,8 +160,8 @@ def _through(
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
     """Keep the libraries of new processes from starting threads; a run has those of its model."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:
         yield
     finally:

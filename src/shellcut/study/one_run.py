@@ -7,6 +7,7 @@ import json
 import logging
 import logging.handlers
 import multiprocessing
+import threading
 import time
 import traceback
 from collections.abc import Iterator, Mapping
@@ -38,6 +39,9 @@ _PATIENCE = 1.0  # s between two tries at a folder in use
 
 UNDER_WAY: set[str] = set()
 """Hashes of the runs of this process that have not ended."""
+
+ABANDONED = threading.Event()
+"""Set when the process that gave this one its runs has ended."""
 
 Status = Literal["done", "failed", "stopped"]
 
@@ -150,7 +154,7 @@ class _Stops:
         if time.monotonic() - self._looked > _LOOK_EVERY:
             self._looked = time.monotonic()
             alone = self._parent is not None and not self._parent.is_alive()
-            self._found = alone or self._file.exists()
+            self._found = alone or ABANDONED.is_set() or self._file.exists()
         return self._found
 
 

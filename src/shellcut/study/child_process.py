@@ -1,0 +1,158 @@
+"""Runs in a child of this process: for a worker that does other things in its own.
+
+A Dask worker looks a hundred times a second what its task is at, and answers the network, in
+threads beside that of the task. A step of a small film calls a dozen kernels of some microseconds,
+each of which releases the interpreter's lock, and every other thread that takes it makes the step
+wait: runs of 600 quads took a third longer than in a process of their own. So the worker hands a
+run to a child and waits for its outcome; the child is kept for the next run.
+
+``multiprocessing`` starts no child of a Dask worker, whose process is a daemon. Here tasks and
+outcomes go through the child's standard streams, whose end tells it that the worker has died.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from multiprocessing import spawn
+from queue import SimpleQueue
+from typing import Any
+
+from .one_run import ABANDONED, Outcome, Task, run_one
+
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""Variables that keep libraries from starting threads of their own in every process."""
+
+# Dask has its workers give freed memory back at once. A run takes it again in each of its steps,
+# which costs 4 %.
+_NOT_FOR_CHILD = "MALLOC_TRIM_THRESHOLD_"
+
+_KEPT_FOR = 60.0
+"""Wall time for which a child without a task is kept [s]."""
+
+# Modules are found where this process finds them.
+_BEGIN = (
+    "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer); "
+    f"from {__name__} import serve; serve()"
+)
+
+
+class ChildDied(RuntimeError):
+    """The process of a run has died."""
+
+
+class _Child:
+    """A process that does one run after the other."""
+
+    def __init__(self) -> None:
+        environment = {name: v for name, v in os.environ.items() if name != _NOT_FOR_CHILD}
+        environment |= dict.fromkeys(ONE_THREAD, "1")
+        self._process: Any = subprocess.Popen(
+            [os.fsdecode(spawn.get_executable()), "-c", _BEGIN],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=environment,
+        )
+        with contextlib.suppress(OSError):  # it has died: so says the first run
+            self._give(sys.path)
+        self.end_if_idle: threading.Timer | None = None
+
+    @property
+    def lives(self) -> bool:
+        return self._process.poll() is None
+
+    def run(self, task: Task) -> Outcome:
+        try:
+            self._give(task)
+            outcome: Outcome = pickle.load(self._process.stdout)
+        except (OSError, EOFError, pickle.UnpicklingError):  # the last one of half an outcome
+            self.end()
+            raise ChildDied("its process died: killed, or out of memory") from None
+        return outcome
+
+    def end(self) -> None:
+        """Let it end, which it does after its run."""
+        with contextlib.suppress(OSError), self._process:
+            pass
+
+    def _give(self, what: object) -> None:
+        pickle.dump(what, self._process.stdin)
+        self._process.stdin.flush()
+
+
+_idle: list[_Child] = []
+_change = threading.Lock()
+
+
+def run_in_child(task: Task) -> Outcome:
+    """Do a run as :func:`run_one` does, in a child of this process.
+
+    Several threads have a child each.
+
+    Raises
+    ------
+    ChildDied
+        If it died meanwhile.
+    """
+    child = _take()
+    outcome = child.run(task)
+    _keep(child)
+    return outcome
+
+
+def _take() -> _Child:
+    """Return a child without a task, a new one if there is none."""
+    with _change:
+        while _idle:
+            child = _idle.pop()
+            if child.end_if_idle is not None:
+                child.end_if_idle.cancel()
+            if child.lives:
+                return child
+            child.end()
+    return _Child()
+
+
+def _keep(child: _Child) -> None:
+    """Keep a child for the next run, but not for ever: it holds memory."""
+    child.end_if_idle = threading.Timer(_KEPT_FOR, _end, [child])
+    child.end_if_idle.daemon = True
+    with _change:
+        _idle.append(child)
+    child.end_if_idle.start()
+
+
+def _end(child: _Child) -> None:
+    with _change:
+        if child not in _idle:  # it has been taken meanwhile
+            return
+        _idle.remove(child)
+    child.end()
+
+
+def serve() -> None:
+    """Do the runs that come through the standard input, until that is closed: be such a child."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study stops all runs by its file
+    # What anything prints must not come between the outcomes.
+    outcomes = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    tasks: SimpleQueue[Task | None] = SimpleQueue()
+    threading.Thread(target=_receive, args=[tasks], daemon=True).start()
+    with contextlib.suppress(BrokenPipeError), outcomes:
+        while (task := tasks.get()) is not None:
+            pickle.dump(run_one(task), outcomes)
+            outcomes.flush()
+
+
+def _receive(tasks: SimpleQueue[Task | None]) -> None:
+    """Pass tasks on; when there are no more, a run that is under way must stop."""
+    with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
+        while True:
+            tasks.put(pickle.load(sys.stdin.buffer))
+    ABANDONED.set()
+    tasks.put(None)

@@ -1,0 +1,112 @@
+"""Runs in a child of a worker: nothing is lost when either of the two dies."""
+
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from shellcut.files.folder_lock import FolderInUse, FolderLock
+from shellcut.files.run_folder import CHECKPOINT
+from shellcut.study import child_process
+from shellcut.study.child_process import ChildDied, run_in_child
+from shellcut.study.design import Design
+from shellcut.study.factors import factors_of
+from shellcut.study.one_run import OUTCOME, run_one
+from shellcut.study.plan import plan
+from shellcut.study.study import _tasks
+from tiny_study import SETTINGS
+
+WAIT = 120.0  # s: of another process, on a machine with much else to do
+
+
+@pytest.fixture(autouse=True)
+def no_children_left():
+    yield
+    while child_process._idle:
+        child = child_process._idle[0]
+        child._process.kill()
+        child_process._end(child)
+
+
+def task_in(folder, **settings):
+    """Return the task of a run, and its folder."""
+    factors, one_value = factors_of({"wedge_half_angle_deg": [10]})
+    planned = plan("guillotine", SETTINGS | settings | one_value, factors, Design())
+    task = next(_tasks(planned, list(planned.runs), folder, jobs=2))
+    return task, planned.runs[0].folder(folder)
+
+
+def until(true):
+    """Wait for something that another process does."""
+    end = time.monotonic() + WAIT
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def is_held(folder):
+    """Return whether a run is under way in a folder."""
+    if not folder.exists():
+        return False
+    try:
+        FolderLock(folder).close()
+    except FolderInUse:
+        return True
+    return False
+
+
+def figures_of(outcome):
+    of_the_machine = {"wall_s", "ns_per_quad_step", "pictures_s"}
+    return {name: v for name, v in outcome.figures.items() if name not in of_the_machine}
+
+
+def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monkeypatch):
+    made = []
+
+    class Noted(child_process._Child):
+        def __init__(self):
+            super().__init__()
+            made.append(self)
+
+    monkeypatch.setattr(child_process, "_Child", Noted)
+    task, folder = task_in(tmp_path / "child")
+
+    def kill_at_its_run():
+        until(lambda: is_held(folder))
+        made[0]._process.kill()
+
+    killer = threading.Thread(target=kill_at_its_run)
+    killer.start()
+    with pytest.raises(ChildDied, match="killed, or out of memory"):
+        run_in_child(task)
+    killer.join()
+    assert not child_process._idle
+    here = run_one(task_in(tmp_path / "here")[0])
+    there = run_in_child(task)
+    assert there.status == "done"
+    assert figures_of(there) == figures_of(here)
+    assert run_in_child(task).figures == there.figures
+    assert child_process._idle == made[1:]  # one
+    made[1]._process.kill()
+    made[1]._process.wait()
+    child = child_process._take()
+    child._process.kill()
+    child.end()
+    assert child is made[2]
+
+
+def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):
+    # A run of many seconds: within one of them a run sees that it must stop.
+    task, folder = task_in(tmp_path, **{"membrane.size": 0.2})
+    code = (
+        "from shellcut.study.child_process import run_in_child; "
+        f"from shellcut.study.one_run import Task; run_in_child({task!r})"
+    )
+    with subprocess.Popen([sys.executable, "-c", code]) as worker:
+        until(lambda: is_held(folder))
+        worker.kill()
+    until(lambda: not is_held(folder))
+    assert (folder / CHECKPOINT).exists()
+    assert not (folder / OUTCOME).exists()
