@@ -22,13 +22,12 @@ from numba.extending import NativeValue, overload, register_model, typeof_impl, 
 from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
 
 from .point_law import LAWS, History, PointLaw
 
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -138,7 +137,7 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     def run(laws, *arguments):
         return linear(*arguments)
 
-    @overload(run, jit_options=_OPTIONS)
+    @overload(run, jit_options=OVERLOAD_OPTIONS)
     def _run_in_kernel(laws, *arguments):
         function = linear if all(law.linear for law in _laws_of(laws)) else other
         return lambda laws, *arguments: function(*arguments)
@@ -150,7 +149,7 @@ def _borrowed_new(table: Numbers | None) -> Numbers | None:
     return table
 
 
-@overload(_borrowed_new, jit_options=_OPTIONS)
+@overload(_borrowed_new, jit_options=OVERLOAD_OPTIONS)
 def _borrowed_new_in_kernel(table):
     if isinstance(table, types.NoneType):
         return lambda table: None
@@ -169,21 +168,21 @@ def borrowed_history(history: HistoryStep) -> HistoryStep:
     )
 
 
-@overload(dissipates, jit_options=_OPTIONS)
+@overload(dissipates, jit_options=OVERLOAD_OPTIONS)
 def _dissipates(laws):
     if any(law.history for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
 
-@overload(has_axes, jit_options=_OPTIONS)
+@overload(has_axes, jit_options=OVERLOAD_OPTIONS)
 def _has_axes(laws):
     if any(law.oriented for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
 
-@overload(point_stress, jit_options=_OPTIONS)
+@overload(point_stress, jit_options=OVERLOAD_OPTIONS)
 def _point_stress(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
 
@@ -193,7 +192,7 @@ def _point_stress(laws, k, strain, history, first, lane):
     return stress
 
 
-@overload(point_thickness, jit_options=_OPTIONS)
+@overload(point_thickness, jit_options=OVERLOAD_OPTIONS)
 def _point_thickness(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
 
@@ -265,7 +264,7 @@ def _storer(n: int) -> Any:
     def store(history, first, lane, done):
         raise NotImplementedError
 
-    @overload(store, jit_options=_OPTIONS)
+    @overload(store, jit_options=OVERLOAD_OPTIONS)
     def _store_in_kernel(history, first, lane, done):
         if not isinstance(history.types[1], types.NoneType):
             return lambda history, first, lane, done: write(
@@ -286,7 +285,7 @@ def _changes(done: tuple[Any, ...]) -> bool:
     return len(done) < 5 or done[4]
 
 
-@overload(_changes, jit_options=_OPTIONS)
+@overload(_changes, jit_options=OVERLOAD_OPTIONS)
 def _changes_in_kernel(done):
     if len(done) < 5:
         return lambda done: True

@@ -20,9 +20,8 @@ from numba.extending import intrinsic, overload
 from shellcut.arrays import Number
 
 from .lane_arithmetic import broadcast
-from .lane_instructions import LanesType
+from .lane_instructions import OVERLOAD_OPTIONS, LanesType
 
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
 @intrinsic
@@ -58,7 +57,7 @@ def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
     return chosen if chosen.ndim else float(chosen)
 
 
-@overload(where_above, jit_options=_OPTIONS)
+@overload(where_above, jit_options=OVERLOAD_OPTIONS)
 def _where_above(a, b, yes, no):
     if any(isinstance(v, LanesType) for v in (a, b, yes, no)):
         return lambda a, b, yes, no: _choose_lanes(a, b, yes, no)
@@ -71,7 +70,7 @@ def square_root(a: Number) -> Number:
     return root if np.ndim(root) else float(root)
 
 
-@overload(square_root, jit_options=_OPTIONS)
+@overload(square_root, jit_options=OVERLOAD_OPTIONS)
 def _square_root(a):
     if isinstance(a, LanesType):
         return lambda a: _root_of_lanes(a)
@@ -83,6 +82,6 @@ def larger(a: Number, b: Number) -> Number:
     return where_above(b, a, b, a)
 
 
-@overload(larger, jit_options=_OPTIONS)
+@overload(larger, jit_options=OVERLOAD_OPTIONS)
 def _larger(a, b):
     return lambda a, b: where_above(b, a, b, a)
