@@ -22,6 +22,7 @@ from numba.extending import NativeValue, overload, register_model, typeof_impl, 
 from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
+from shellcut.numerics.lane_exponentials import any_above
 from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
@@ -244,7 +245,7 @@ def _stress_function(law: PointLaw) -> Any:
             return stress, stored, zero(lane)
 
         return without
-    read, store = _reader(n), _storer(n)
+    read, store = _history_reader(law), _storer(n)
 
     @always_inline
     def with_history(p, strain, history, first, lane):
@@ -302,13 +303,45 @@ def _thickness_function(law: PointLaw) -> Any:
             return function(p, strain, ())
 
         return without
-    read = _reader(n)
+    read = _history_reader(law)
 
     @always_inline
     def with_history(p, strain, history, first, lane):
         return function(p, strain, read(history.old, history.block, first, lane))
 
     return with_history
+
+
+@functools.cache
+def _history_reader(law: PointLaw) -> Any:
+    """Return a function that reads the history of a point of a block as a tuple."""
+    n = len(law.history)
+    read_all, repeated = _reader(n), _repeater(n)
+    if not law.first_leads:
+        return read_all
+
+    @always_inline
+    def read(table, b, first, lane):
+        lead = pick(table, b, first, lane)
+        if any_above(lead, 0.0):
+            return read_all(table, b, first, lane)
+        return repeated(lead)  # all are zero
+
+    return read
+
+
+@functools.cache
+def _repeater(n: int) -> Any:
+    """Return a function that returns a number n times."""
+    if n == 1:
+        return always_inline(lambda one: (one,))
+    before = _repeater(n - 1)
+
+    @always_inline
+    def repeated(one):
+        return before(one) + (one,)  # noqa: RUF005
+
+    return repeated
 
 
 @functools.cache

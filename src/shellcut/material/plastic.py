@@ -41,7 +41,7 @@ from shellcut.numerics.processor import seldom
 
 from .elastic import Elastic
 from .elastic_part import WithElasticPart, elastic_problems
-from .hardening import Hardening, RateFactor
+from .hardening import Hardening, hardening_problems
 from .logarithmic_strain import (
     logarithmic_strain,
     mean_and_deviator,
@@ -51,6 +51,7 @@ from .logarithmic_strain import (
 from .material import refuse
 from .orthotropic import Orthotropic, strain_turn
 from .point_law import History, PointLaw, register
+from .rate_factor import RateFactor, rate_problems
 from .return_mapping import excess, make_flow, modes_of
 
 HISTORY = (
@@ -202,7 +203,11 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
     functions, n_mode = (_law_with_axes, 3) if axes else (_isotropic_law, 2)
     flow = make_flow(hardening.function, hardening.slope, rate.function, has_rate, n_mode)
     frozen = PointLaw(
-        f"{name}, frozen", *functions(flow, _never, kinematic), HISTORY, oriented=axes
+        f"{name}, frozen",
+        *functions(flow, _never, kinematic),
+        HISTORY,
+        oriented=axes,
+        first_leads=True,
     )
     return register(
         PointLaw(
@@ -212,6 +217,7 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
             oriented=axes,
             timed=has_rate,
             frozen=register(frozen),
+            first_leads=True,
         )
     )
 
@@ -247,7 +253,7 @@ class Plastic(WithElasticPart):
     kinematic : float
         H_k [MPa], slope of linear kinematic hardening, 0 by default.
     rate : RateFactor, optional
-        :class:`~.hardening.CowperSymonds` or :class:`~.hardening.JohnsonCook`.
+        :class:`~.rate_factor.CowperSymonds` or :class:`~.rate_factor.JohnsonCook`.
     angle_deg : float
         Of the axes of ``r_values`` against the film's direction; those of an Orthotropic are
         turned by its own angle.
@@ -279,12 +285,7 @@ class Plastic(WithElasticPart):
 
     def __post_init__(self) -> None:
         problems = elastic_problems(self.elastic)
-        if not isinstance(self.hardening, Hardening) or type(self.hardening) is Hardening:
-            problems.append(
-                f"hardening must be a Linear, Swift, Voce or Table, got {self.hardening!r}"
-            )
-        if not (self.rate is None or isinstance(self.rate, RateFactor)):
-            problems.append(f"rate must be a CowperSymonds or a JohnsonCook, got {self.rate!r}")
+        problems += hardening_problems(self.hardening) + rate_problems(self.rate)
         if not (math.isfinite(self.kinematic) and self.kinematic >= 0.0):
             problems.append(f"kinematic must not be negative in MPa, got {self.kinematic!r}")
         if not math.isfinite(self.angle_deg):

@@ -26,11 +26,21 @@ the slope of the hardening follows from R without its exponential:
 
     Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i),       Q = Σ q_i.
 
-The iteration ends when |G - 1| < 8e-6 (singles: 1e-3) in all lanes that yield; the last
-correction is added to the first order, which leaves 1e-11 to 1e-10. So a step of an explicit run
-evaluates the hardening once. If it takes more than ``_FREE_TURNS`` turns, it begins anew with a
-bracket: G > 1 at Δp = 0, and σ_eq^trial bounds Δp from above; a turn that would leave it halves it.
-A lane that is not solved in ``_TURNS`` turns gets nan, and the run is stopped by name. Lanes that
+**With a rate factor** σ_y rises from Δp = 0 like the fifth root of Δp, or steeper: a straight line
+from the right of the root ends below zero. In ln Δp it is no steeper than its own height, and its
+slope only grows: Newton's method for 1/√G over ln Δp comes down to the root from the right, and a
+first turn from the left takes it there,
+
+    Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
+
+The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6
+(singles: 1e-3); the last correction is added to the first order, which leaves 1e-11 to 1e-10. So a
+step of an explicit run evaluates the hardening once. A flow that changes the stress by less than
+its round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows
+of 1e-30 and less, of which G cannot tell. If it takes more than ``_FREE_TURNS`` turns, it begins
+anew with a bracket: G > 1 at Δp = 0, and σ_eq^trial bounds Δp from above; a turn that would leave
+it halves it, and it ends when the bracket has closed to round-off at the latest. A lane that is not
+solved in ``_TURNS`` turns gets nan, and the run is stopped by name. Lanes that
 do not yield keep their bits, whatever their neighbours in the block do. Isotropic moduli with
 von Mises have two modes, the mean and the deviator.
 
@@ -52,15 +62,17 @@ import numpy as np
 
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline, apart_as
-from shellcut.numerics.lane_exponentials import any_above, precision_of
+from shellcut.numerics.lane_exponentials import any_above, exponential, precision_of
 from shellcut.numerics.lane_functions import larger, square_root, where_above
 from shellcut.numerics.processor import not_inlined
 
 _TURNS = 80
-# Of Newton alone; after them the root is bracketed.
-_FREE_TURNS = 6
-# |G - 1| over the root of the precision at which the last correction ends the iteration.
+# Of Newton alone, without a rate factor and with one; after them the root is bracketed.
+_FREE_TURNS, _FREE_TURNS_OF_RATE = 6, 20
+# |G - 1|, or |x|, over the root of the precision at which the last correction ends the iteration.
 _ENOUGH = 512.0
+# The largest x of a turn.
+_MOST = 2.0
 
 
 @always_inline
@@ -163,7 +175,7 @@ _OF_MODES = {
 
 
 @always_inline
-def _change(G, B, beyond, none):
+def _straight(G, B, dp, stiff, beyond, none):
     """Return |G - 1| of the lanes that yield, and the change of Δp."""
     off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), none)
     if any_above(off, 0.1):
@@ -172,6 +184,19 @@ def _change(G, B, beyond, none):
         d = G - 1.0
         change = d * (0.5 + d * (0.375 - d * (0.0625 - 0.0234375 * d)))
     return off, change / B
+
+
+@always_inline
+def _in_proportion(G, B, dp, stiff, beyond, none):
+    """Return |x| of the lanes that yield, and the change of Δp, for a rate factor.
+
+    stiff : k/(σ_y + k Δp) of one mode, which says how Δp changes the stress.
+    """
+    _, change = _straight(G, B, dp, stiff, beyond, none)
+    x = change / dp
+    x = where_above(x, _MOST, _MOST, x)
+    off = where_above(stiff * dp, 0.25 * precision_of(dp), larger(x, -x), none)
+    return where_above(beyond, 0.0, off, none), dp * (exponential(x) - 1.0)
 
 
 def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
@@ -188,7 +213,9 @@ def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
     return yield_stress
 
 
-def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any, name: str) -> Any:
+def _make_bracketed(yield_stress: Any, turn: tuple[Any, Any], sums: Any, name: str) -> Any:
+    one_turn, newton = turn
+
     @apart_as(name)
     def bracketed(p, at, q, k, beyond, state, dt):
         """Return Δp between bounds that close in on it; nan where it is not found."""
@@ -199,16 +226,18 @@ def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any, name: str) -> A
         total, _, least = sums(q, k)
         # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
         low, high = none, (square_root(total) - (p[at] + R_old)) / least
+        closed = 64.0 * precision_of(eq) * high
         dp = where_above(beyond, 0.0, 0.5 * high, none)
         off = none
         for _ in range(_TURNS):
             yielding, _ = yield_stress(p, at, eq, dp, dt)
-            G, _, _, B = one_turn(yielding, q, k, dp)
-            off, change = _change(G, B, beyond, none)
-            if not any_above(off, enough):
-                break
+            G, inverse, _, B = one_turn(yielding, q, k, dp)
+            off, change = newton(G, B, dp, k[0] * inverse[0], beyond, none)
             low = where_above(G, 1.0, dp, low)
             high = where_above(G, 1.0, high, dp)
+            off = where_above(high - low, closed, off, none)
+            if not any_above(off, enough):
+                break
             new, middle = dp + change, 0.5 * (low + high)
             new = where_above(new, low, new, middle)
             new = where_above(high, new, new, middle)
@@ -241,7 +270,9 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
     name = " ".join(
         [*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode), str(has_rate)]
     )
-    bracketed = _make_bracketed(yield_stress, one_turn, sums, name)
+    newton = _in_proportion if has_rate else _straight
+    free_turns = _FREE_TURNS_OF_RATE if has_rate else _FREE_TURNS
+    bracketed = _make_bracketed(yield_stress, (one_turn, newton), sums, name)
 
     @apart_as(name)
     def flow(p, at, q, k, beyond, state, dt):
@@ -258,11 +289,11 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
         while True:
             yielding, isotropic = yield_stress(p, at, eq, dp, dt)
             G, inverse, rates, B = one_turn(yielding, q, k, dp)
-            off, change = _change(G, B, beyond, none)
+            off, change = newton(G, B, dp, k[0] * inverse[0], beyond, none)
             turn += 1
-            if not any_above(off, _enough(eq)) or turn > _FREE_TURNS:
+            if not any_above(off, _enough(eq)) or turn > free_turns:
                 break
-            if turn < _FREE_TURNS:
+            if turn < free_turns:
                 dp = where_above(beyond, 0.0, dp + change, none)
             else:
                 dp = bracketed(p, at, q, k, beyond, state, dt)

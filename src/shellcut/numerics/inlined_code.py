@@ -16,7 +16,7 @@ from typing import Any
 from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import register_pass
+from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.typed_passes import NativeLowering
 
 
@@ -53,6 +53,22 @@ class _InlinedLibrary(JITCodeLibrary):
         self._finalized = True
 
 
+# Passes for what no function in the loops of kernels has. Each takes its time, as Numba analyses a
+# function anew after every pass that may change it.
+_NOT_ASKED_FOR = {
+    "WithLifting",  # with blocks
+    "InlineClosureLikes",  # functions and comprehensions within it
+    "MakeFunctionToJitFunction",
+    "RewriteDynamicRaises",  # exceptions
+    "InlineInlinables",  # inline="always"; of overloads another pass takes care
+    "FindLiterallyCalls",  # literally(), literal_unroll()
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "NopythonRewrites",  # expressions of whole arrays
+    "DumpParforDiagnostics",
+}
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Lowering(NativeLowering):
     """Counts no references to arrays that the function only uses: its caller holds them."""
@@ -78,9 +94,10 @@ class InlinedCompiler(Compiler):
         """Choose where the code goes."""
         name = self.state.func_id.func_qualname
         self.state.library = _InlinedLibrary(self.state.targetctx.codegen(), name)
-        (pipeline,) = super().define_pipelines()
-        for k, (one, words) in enumerate(pipeline.passes):
-            if one is NativeLowering:
-                pipeline.passes[k] = (_Lowering, words)
+        (before,) = super().define_pipelines()
+        pipeline = PassManager("inlined")
+        for one, words in before.passes:
+            if one.__name__ not in _NOT_ASKED_FOR:
+                pipeline.add_pass(_Lowering if one is NativeLowering else one, words)
         pipeline.finalize()
         return [pipeline]
