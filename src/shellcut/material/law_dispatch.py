@@ -23,7 +23,7 @@ from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above
-from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane
+from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
 
@@ -89,6 +89,11 @@ def point_thickness(
 
 def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> History:
     return tuple(pick(history.old, history.block, first + i, lane) for i in range(len(law.history)))
+
+
+def all_linear(laws: PointLaws) -> bool:
+    """Whether all laws are linear."""
+    return all(law.linear for law in laws.laws)
 
 
 def dissipates(laws: PointLaws) -> bool:
@@ -167,6 +172,13 @@ def borrowed_history(history: HistoryStep) -> HistoryStep:
         history.new_block,
         history.dt,
     )
+
+
+@overload(all_linear, jit_options=OVERLOAD_OPTIONS)
+def _all_linear(laws):
+    if all(law.linear for law in _laws_of(laws)):
+        return lambda laws: True
+    return lambda laws: False
 
 
 @overload(dissipates, jit_options=OVERLOAD_OPTIONS)
@@ -252,9 +264,21 @@ def _stress_function(law: PointLaw) -> Any:
         before = read(history.old, history.block, first, lane)
         done = function(p, strain, before, history.dt)
         store(history, first, lane, done)
-        return done[0], done[1], zero(lane) + done[2]
+        return done[0], done[1], _of_lane(done[2], lane)
 
     return with_history
+
+
+def _of_lane(number: Number, lane: Lane) -> Number:
+    """Return lanes also of a law that returns a plain zero."""
+    return zero(lane) + number
+
+
+@overload(_of_lane, jit_options=OVERLOAD_OPTIONS)
+def _of_lane_in_kernel(number, lane):
+    if isinstance(number, LanesType):
+        return lambda number, lane: number
+    return lambda number, lane: zero(lane) + number
 
 
 @functools.cache

@@ -75,12 +75,6 @@ _ENOUGH = 512.0
 _MOST = 2.0
 
 
-@always_inline
-def equivalent(weight: Vector, z: Vector) -> Number:
-    """Return σ_eq² of the modes z."""
-    return weight[0] * z[0] * z[0] + weight[1] * z[1] * z[1] + weight[2] * z[2] * z[2]
-
-
 class Flow(NamedTuple):
     """What flows in a step; in lanes that do not yield nothing does."""
 
@@ -95,13 +89,12 @@ class Flow(NamedTuple):
 
 
 @always_inline
-def excess(weight: Vector, z: Vector, start: Number, may_flow: bool) -> Number:
+def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     """Return by how much the trial is beyond the yield surface, σ_eq² - start² [MPa²].
 
-    start : (σ_0 + R) at the start of the step [MPa].  The last step may have left the stress above
+    squared : σ_eq² of the trial.  start : (σ_0 + R) at the start of the step [MPa].  The last step may have left the stress above
     the surface by some round-off, which is not taken for flow.
     """
-    squared = equivalent(weight, z)
     beyond = (1.0 - 64.0 * precision_of(squared)) * squared - start * start
     return beyond if may_flow else -start * start
 
@@ -175,6 +168,23 @@ _OF_MODES = {
 
 
 @always_inline
+def _first_flow(total, start, steep):
+    """Return Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i) by one division, and no root where Q is near σ_y².
+
+    total, start, steep : Q, σ_y and the divisor.
+    """
+    squared = start * start
+    over = 1.0 / (squared * steep)
+    d = (total - squared) * (over * steep)
+    if any_above(d, 0.1):
+        further = square_root(total) - start
+    else:
+        d2 = d * d
+        further = (d * start) * ((0.5 - 0.125 * d) + d2 * ((0.0625 - 0.0390625 * d) + d2 * 0.02734375))
+    return (total * further) * (over * squared)
+
+
+@always_inline
 def _straight(G, B, dp, stiff, beyond, none):
     """Return |G - 1| of the lanes that yield, and the change of Δp."""
     off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), none)
@@ -182,8 +192,9 @@ def _straight(G, B, dp, stiff, beyond, none):
         change = G * (square_root(G) - 1.0)
     else:
         d = G - 1.0
-        change = d * (0.5 + d * (0.375 - d * (0.0625 - 0.0234375 * d)))
-    return off, change / B
+        change = d * ((0.5 + d * 0.375) - (d * d) * (0.0625 - 0.0234375 * d))
+    # The division does not wait for the series.
+    return off, change * (1.0 / B)
 
 
 @always_inline
@@ -282,8 +293,7 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
         start = p[at] + R_old
         total, slopes, _ = sums(q, k)
         # The first turn, at Δp = 0.
-        dp = total * (square_root(total) - start)
-        dp = dp / (total * first_slope(p, at + 1, eq, R_old) + slopes)
+        dp = _first_flow(total, start, total * first_slope(p, at + 1, eq, R_old) + slopes)
         dp = where_above(beyond, 0.0, dp, none)
         turn = 1
         while True:

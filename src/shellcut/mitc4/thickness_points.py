@@ -29,6 +29,7 @@ from shellcut.arrays import Floats, Number, Numbers, Vec3, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
+    all_linear,
     borrowed_history,
     chosen_by_laws,
     dissipates,
@@ -61,6 +62,8 @@ class PointRule(NamedTuple):
     """Material laws of the points."""
     shear: Annotated[Floats, "(n_point, 3)"]
     """Transverse shear moduli 11, 12, 22 with the shear factor [MPa]."""
+    whole_shear: Annotated[Floats, "(3,)"]
+    """Their integrals over the thickness [N/mm]."""
     n_history: int
     """History numbers per point, for the law with the most."""
 
@@ -92,19 +95,21 @@ def build_rule(material: ShellMaterial) -> PointRule:
     if material.integration_points is None:
         none = np.zeros(0)
         nothing = PointLaws((), np.zeros(0, np.int64), np.zeros((0, 1)))
-        return PointRule(none, none, nothing, np.zeros((0, 3)), 0)
+        return PointRule(none, none, nothing, np.zeros((0, 3)), np.zeros(3), 0)
     place, weight, layers = material.thickness_points(material.integration_points)
     laws = list(dict.fromkeys(layer.law for layer in layers))
     rows = [np.asarray(layer.parameters(), float) for layer in layers]
     parameters = np.zeros((len(rows), max(1, *(row.size for row in rows))))
     for row, given in zip(parameters, rows, strict=True):
         row[: given.size] = given
-    shear = [material.shear_factor * layer.transverse_shear() for layer in layers]
+    moduli = [material.shear_factor * layer.transverse_shear() for layer in layers]
+    shear = np.array([[one[0, 0], one[0, 1], one[1, 1]] for one in moduli])
     return PointRule(
         place,
         weight,
         PointLaws(tuple(laws), np.array([laws.index(layer.law) for layer in layers]), parameters),
-        np.array([[s[0, 0], s[0, 1], s[1, 1]] for s in shear]),
+        shear,
+        weight @ shear,
         max(len(law.history) for law in laws),
     )
 
@@ -213,9 +218,12 @@ def _flat_layers(
         density = density + w * energy
         if dissipates(rule.laws):
             lost = lost + w * dissipated
-        g11 += w * rule.shear[j, 0]
-        g12 += w * rule.shear[j, 1]
-        g22 += w * rule.shear[j, 2]
+        if all_linear(rule.laws):
+            g11 += w * rule.shear[j, 0]
+            g12 += w * rule.shear[j, 1]
+            g22 += w * rule.shear[j, 2]
+    if not all_linear(rule.laws):
+        g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     return n, m, density, lost, (g11, g12, g22)
 
 

@@ -51,6 +51,27 @@ def _root_of_lanes(typing_context: Any, a: Any) -> Any:
     return a(a), generate
 
 
+@intrinsic
+def _zeros_like(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(a.all, [0.0] * a.width)
+
+    return a(a), generate
+
+
+def zero_like(a: Number) -> Number:
+    """Return zero, or lanes of zeros, as ``a`` is."""
+    none = np.zeros_like(a)
+    return none if np.ndim(none) else 0.0
+
+
+@overload(zero_like, jit_options=OVERLOAD_OPTIONS)
+def _zero_like(a):
+    if isinstance(a, LanesType):
+        return lambda a: _zeros_like(a)
+    return lambda a: 0.0
+
+
 def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
     """Return ``yes`` where a > b, else ``no``, also for nan."""
     chosen: Any = np.where(np.asarray(a) > b, yes, no)
