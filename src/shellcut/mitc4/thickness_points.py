@@ -58,6 +58,8 @@ class PointRule(NamedTuple):
     """xi³ [mm]."""
     weight: Annotated[Floats, "(n_point,)"]
     """Weights of the quadrature [mm]."""
+    lever: Annotated[Floats, "(n_point,)"]
+    """Place times weight [mm²]."""
     laws: PointLaws
     """Material laws of the points."""
     shear: Annotated[Floats, "(n_point, 3)"]
@@ -95,7 +97,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
     if material.integration_points is None:
         none = np.zeros(0)
         nothing = PointLaws((), np.zeros(0, np.int64), np.zeros((0, 1)))
-        return PointRule(none, none, nothing, np.zeros((0, 3)), np.zeros(3), 0)
+        return PointRule(none, none, none, nothing, np.zeros((0, 3)), np.zeros(3), 0)
     place, weight, layers = material.thickness_points(material.integration_points)
     laws = list(dict.fromkeys(layer.law for layer in layers))
     rows = [np.asarray(layer.parameters(), float) for layer in layers]
@@ -107,6 +109,7 @@ def build_rule(material: ShellMaterial) -> PointRule:
     return PointRule(
         place,
         weight,
+        place * weight,
         PointLaws(tuple(laws), np.array([laws.index(layer.law) for layer in layers]), parameters),
         shear,
         weight @ shear,
@@ -208,12 +211,13 @@ def _flat_layers(
     g11, g12, g22 = 0.0, 0.0, 0.0
     n_point = rule.place.shape[0]
     for j in range(n_point):
-        z, w = rule.place[j], rule.weight[j]
+        z = rule.place[j]
         first = (q * n_point + j) * rule.n_history
         strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
         stress, energy, dissipated = point_stress(rule.laws, j, strain, history, first, lane)
+        # Read only now: straight into all lanes of a register.
+        w, zw = rule.weight[j], rule.lever[j]
         n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
-        zw = z * w
         m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
         density = density + w * energy
         if dissipates(rule.laws):
