@@ -151,6 +151,7 @@ def hardening_problems(hardening: object) -> list[str]:
 
 
 def not_negative(**values: float) -> list[str]:
+    """Return in words which of some numbers are negative."""
     return [
         f"{name} must not be negative (a film that softens localises in one row of quads), "
         f"got {value!r}"
@@ -160,6 +161,7 @@ def not_negative(**values: float) -> list[str]:
 
 
 def positive(**values: float) -> list[str]:
+    """Return in words which of some numbers are not positive."""
     return [
         f"{name} must be positive, got {value!r}"
         for name, value in values.items()

@@ -30,7 +30,6 @@ from shellcut.numerics.table_row import table_row
 from .point_law import LAWS, History, PointLaw
 
 
-
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     return function if hasattr(function, "py_func") else always_inline(function)
 

@@ -100,7 +100,9 @@ class PointLaw:
             )
         if problems:
             raise ValueError("; ".join(problems))
-        words = f"{self.history} {self.linear} {self.oriented} {self.timed} {self.first_leads}".encode()
+        words = (
+            f"{self.history} {self.linear} {self.oriented} {self.timed} {self.first_leads}".encode()
+        )
         sources = source_digest(self.stress, self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)

@@ -21,7 +21,7 @@ from numba.core.typed_passes import NativeLowering
 
 
 class _NoEnvironment:
-    """Numba's code generator as its target sees it: functions that are not called need no tables."""
+    """Numba's code generator, without the tables for calls from Python."""
 
     def __init__(self, codegen: Any) -> None:
         self._codegen = codegen

@@ -23,7 +23,6 @@ from .lane_arithmetic import broadcast
 from .lane_instructions import OVERLOAD_OPTIONS, LanesType
 
 
-
 @intrinsic
 def _choose_lanes(typing_context: Any, a: Any, b: Any, yes: Any, no: Any) -> Any:
     (kind,) = {v for v in (a, b, yes, no) if isinstance(v, LanesType)}
