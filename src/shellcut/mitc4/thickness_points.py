@@ -15,8 +15,7 @@ d = 1: strains are turned once per Gauss point, and the law is evaluated at e + 
 
 The loop over the heights with a linear law is a few operations and inlined. With other laws it is a
 function of its own, called at each Gauss point: while the law is evaluated, the 32 strains and
-resultants of the quad would be in its way, and four copies of it would exceed the processor's cache
-of instructions and take four times as long to compile.
+resultants of the quad would be in its way, and four copies would exceed the processor's cache.
 """
 
 from __future__ import annotations
@@ -206,16 +205,14 @@ def _flat_layers(
 
     Of flat quads.  e, k : strain of the mid-surface and curvature at Gauss point ``q``.
     """
-    none = zero(lane)
+    none, n_point = zero(lane), rule.place.shape[0]
     n, m, density, lost = (none, none, none), (none, none, none), none, none
     g11, g12, g22 = 0.0, 0.0, 0.0
-    n_point = rule.place.shape[0]
     for j in range(n_point):
         z = rule.place[j]
         first = (q * n_point + j) * rule.n_history
         strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
         stress, energy, dissipated = point_stress(rule.laws, j, strain, history, first, lane)
-        # Read only now: straight into all lanes of a register.
         w, zw = rule.weight[j], rule.lever[j]
         n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
         m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
@@ -344,10 +341,9 @@ def _full_layers(
     table, rule = points.full_frame, points.rule
     n_point = rule.place.shape[0]
     none = zero(lane)
-    stored, lost = none, none
+    stored, lost, q1, q2 = none, none, none, none
     e, k, g1, g2, along, aside = s
     n, m = (none, none, none), (none, none, none)
-    q1, q2 = none, none
     for j in range(n_point):
         z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
         a = 0.25 * pick(table, b, at, lane)
