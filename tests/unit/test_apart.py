@@ -2,12 +2,14 @@
 
 from typing import Annotated, NamedTuple
 
+import numba as nb
 import numpy as np
 import pytest
+from numba.core.runtime import rtsys
 
 from shellcut.arrays import Floats
 from shellcut.numerics.borrowed import borrowed, lent
-from shellcut.numerics.jit import apart, kernel
+from shellcut.numerics.jit import always_inline, apart, kernel
 from shellcut.numerics.processor import not_inlined, seldom
 
 
@@ -48,3 +50,42 @@ def test_python_gets_an_error():
     if hasattr(_work, "py_func"):
         with pytest.raises(TypeError, match="Python cannot call"):
             _work(Rods(np.ones(1), np.ones(1)), 0, 1.0)
+
+
+@always_inline
+def _row(table, k):
+    return table[k]
+
+
+@always_inline
+def _made(n):
+    return np.empty(n)[0]
+
+
+@kernel
+def _sum_of_rows(table: Floats) -> float:
+    total = 0.0
+    for k in range(table.shape[0]):
+        total += _row(table, k)[0]
+    return total
+
+
+@kernel
+def _from_made(n: int) -> float:
+    return _made(n)
+
+
+def test_an_inlined_function_that_returns_an_array_counts_its_references():
+    table = np.arange(12.0).reshape(6, 2)
+    before = rtsys.get_allocation_stats()
+    for _ in range(5):
+        assert _sum_of_rows(table) == 30.0
+    after = rtsys.get_allocation_stats()
+    assert after.alloc - before.alloc == after.free - before.free
+
+
+def test_an_inlined_function_may_not_make_an_array():
+    if hasattr(_made, "py_func"):
+        # It would never be freed.
+        with pytest.raises(nb.core.errors.NumbaRuntimeError, match="NRT required"):
+            _from_made(3)

@@ -16,7 +16,7 @@ from shellcut.material import (
     Table,
     Voce,
 )
-from shellcut.material.hardening import RateFactor
+from shellcut.material.rate_factor import RateFactor
 from shellcut.material.return_mapping import make_flow
 from shellcut.material.source_digest import source_files
 

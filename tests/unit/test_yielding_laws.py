@@ -18,8 +18,10 @@ from shellcut.material import (
     Table,
     Voce,
 )
+from shellcut.material.hardening import Hardening
 from shellcut.material.logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
 from shellcut.material.plastic import hill_matrix
+from shellcut.material.rate_factor import RateFactor
 from shellcut.numerics.lane_exponentials import any_above, exponential, logarithm
 from shellcut.numerics.lanes import pick, put
 
@@ -258,7 +260,39 @@ def test_a_rate_multiplies_the_yield_stress(factor):
     np.testing.assert_array_equal(point._history, before)
 
 
+@pytest.mark.parametrize(
+    "factor", [CowperSymonds(40.0, 5.0), CowperSymonds(100.0, 10.0), JohnsonCook(0.05, 1.0)]
+)
+def test_a_trial_however_little_beyond_the_yield_stress_flows_at_its_rate(factor):
+    # Just above it the rate law asks for flows of 1e-30 and less, from a slope without end.
+    dt, shear = 1e-7, 0.5 * E / (1.0 + NU)
+    parameters, f = np.array(factor.row()), type(factor).function
+    for beyond in (1e-12, 1e-8, 1e-6, 3e-6, 1e-5, 1e-3, 0.1, 5.0):
+        strain = 20.0 * (1.0 + beyond) / np.sqrt(3) / shear
+        state = MaterialPoint(Plastic(FILM, Linear(20.0, 50.0), rate=factor)).strain_to(
+            np.array([0.0, 0.0, strain]), dt=dt
+        )
+        low, high = np.log(1e-40), np.log(20.0 * beyond / (3.0 * shear))
+        for _ in range(100):  # halves the logarithm of the flow
+            middle = 0.5 * (low + high)
+            p = np.exp(middle)
+            trial = np.sqrt(3) * shear * (strain - np.sqrt(3) * p)
+            above = trial > (20.0 + 50.0 * p) * f(parameters, 0, p / dt)[0]
+            low, high = (middle, high) if above else (low, middle)
+        # What the last correction leaves.
+        wanted = shear * (strain - np.sqrt(3) * np.exp(low))
+        assert state.stress[2] == pytest.approx(wanted, rel=1e-10)
+        assert state.dissipated >= 0.0
+
+
 # ---------------------------------------------------------------- refusals
+
+
+class Bare(Hardening):
+    """A hardening of a user's own with half of what the kernels ask for."""
+
+    kind = "bare"
+    function = staticmethod(Linear.function)
 
 
 @pytest.mark.parametrize(
@@ -277,6 +311,9 @@ def test_a_rate_multiplies_the_yield_stress(factor):
         (lambda: JohnsonCook(-0.1, 1.0), "factor must not be negative"),
         (lambda: Plastic(FILM, Linear(1.0), (1.0, -0.5, 1.0)), "not closed and convex"),
         (lambda: Plastic(FILM, 20.0, kinematic=-1.0), "hardening must be.*kinematic must not"),
+        (lambda: Plastic(FILM, Hardening()), "hardening must be"),
+        (lambda: Plastic(FILM, Bare()), "Bare lacks slope, a static function"),
+        (lambda: Plastic(FILM, Linear(1.0), rate=RateFactor()), "rate must be a CowperSymonds"),
         (lambda: Plastic(3, Linear(1.0)), "elastic must be an Elastic or an Orthotropic"),
         (lambda: Hencky(3), "elastic must be an Elastic or an Orthotropic"),
         (lambda: Orthotropic(100.0, 400.0, 0.6, 50.0, 1e-9), "poisson must lie between"),

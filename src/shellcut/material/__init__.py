@@ -4,13 +4,14 @@ May import ``numerics`` and rows below.
 """
 
 from .elastic import Elastic
-from .hardening import CowperSymonds, JohnsonCook, Linear, Swift, Table, Voce
+from .hardening import Linear, Swift, Table, Voce
 from .hencky import Hencky
 from .material import Material
 from .material_point import MaterialPoint, PointState
 from .orthotropic import Orthotropic
 from .plastic import Plastic
 from .point_law import LAWS, PointLaw, register
+from .rate_factor import CowperSymonds, JohnsonCook
 from .shell_material import Layer, ShellMaterial
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Hardening: the yield stress as a function of the equivalent plastic strain, and of its rate.
+"""Hardening: the yield stress as a function of the equivalent plastic strain.
 
 Each kind is a class for the user, with its checks, and a function of numbers for the kernels, which
 returns R = σ_y(p) - σ_y(0) and its slope dR/dp [MPa] (:mod:`shellcut.material.point_law` says what
@@ -10,13 +10,6 @@ such functions may use). Parameters for a kernel come in one row, from the index
 `Voce`         σ_0 + Q (1 - exp(-p/p_c)) + H p
 `Table`        straight between given points (p, σ), constant beyond the last
 =============  ===============================================================================
-
-The rate p' = dp/dt multiplies all of it, :math:`σ_y = [σ_0 + R(p)] f(p')`:
-
-=================  ===========================================================================
-`CowperSymonds`    f = 1 + (p'/D)^(1/q)
-`JohnsonCook`      f = 1 + C ln(p'/p'_0) where p' > p'_0, else 1
-=================  ===========================================================================
 
 Softening is refused: a film that softens localises in one row of quads, whatever its size, so that
 its dissipation depends on the mesh. What a film loses in strength belongs to the cohesive law.
@@ -33,13 +26,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from shellcut.arrays import Floats, Number
-from shellcut.numerics.lane_exponentials import exponential, logarithm, power
+from shellcut.numerics.lane_exponentials import any_above, exponential, power
 from shellcut.numerics.lane_functions import larger, where_above
 
 from .material import refuse
 
 MOST_POINTS = 24
-"""Points of a table: each costs a few operations a step and point."""
+"""Points of a table: each that a film has passed costs a few operations a step and point."""
 
 
 def _linear(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
@@ -82,6 +75,8 @@ def _table(p: Floats, first: int, plastic: Number) -> tuple[Number, Number]:
     for k in range(int(p[first])):
         at = first + 1 + 3 * k
         into = plastic - p[at]
+        if not any_above(into, -p[at + 1]):
+            break  # far from this part and from all that follow
         within = larger(where_above(into, p[at + 1], p[at + 1], into), 0.0)
         stress = stress + p[at + 2] * within
         # On a corner the slope of the part that follows.
@@ -95,6 +90,8 @@ def _table_slope(p: Floats, first: int, plastic: Number, reached: Number) -> Num
     for k in range(int(p[first])):
         at = first + 1 + 3 * k
         into = plastic - p[at]
+        if not any_above(into, -p[at + 1]):
+            break
         slope = slope + where_above(0.0, into, 0.0, where_above(p[at + 1], into, p[at + 2], 0.0))
     return slope
 
@@ -130,7 +127,31 @@ class Hardening:
         return math.inf
 
 
-def _not_negative(**values: float) -> list[str]:
+# What the kernels ask a class for, and what it is.
+_ASKED = {
+    "function": "a static function (p, first, plastic) that returns R and dR/dp",
+    "slope": "a static function (p, first, plastic, reached) that returns dR/dp at p and R",
+    "kind": "a word for the law's name",
+}
+
+
+def hardening_problems(hardening: object) -> list[str]:
+    """Return in words why something is no hardening."""
+    kind = type(hardening)
+    if not isinstance(hardening, Hardening) or kind is Hardening:
+        return [f"hardening must be a Linear, Swift, Voce or Table, got {hardening!r}"]
+    missing = [
+        f"{name}, {what}"
+        for name, what in _ASKED.items()
+        if not (isinstance(getattr(kind, name, None), str) or callable(getattr(kind, name, None)))
+    ]
+    if not missing:
+        return []
+    return [f"the hardening {kind.__name__} lacks {'; '.join(missing)}"]
+
+
+def not_negative(**values: float) -> list[str]:
+    """Return in words which of some numbers are negative."""
     return [
         f"{name} must not be negative (a film that softens localises in one row of quads), "
         f"got {value!r}"
@@ -139,7 +160,8 @@ def _not_negative(**values: float) -> list[str]:
     ]
 
 
-def _positive(**values: float) -> list[str]:
+def positive(**values: float) -> list[str]:
+    """Return in words which of some numbers are not positive."""
     return [
         f"{name} must be positive, got {value!r}"
         for name, value in values.items()
@@ -172,7 +194,7 @@ class Linear(Hardening):
     modulus: float = 0.0
 
     def __post_init__(self) -> None:
-        refuse(_positive(yield_stress=self.yield_stress) + _not_negative(modulus=self.modulus))
+        refuse(positive(yield_stress=self.yield_stress) + not_negative(modulus=self.modulus))
 
     @property
     def first_yield(self) -> float:
@@ -218,7 +240,7 @@ class Swift(Hardening):
     exponent: float
 
     def __post_init__(self) -> None:
-        problems = _positive(strength=self.strength, start=self.start)
+        problems = positive(strength=self.strength, start=self.start)
         if not 0.0 <= self.exponent <= 1.0:
             problems.append(f"exponent must lie between 0 and 1, got {self.exponent!r}")
         refuse(problems)
@@ -265,8 +287,8 @@ class Voce(Hardening):
 
     def __post_init__(self) -> None:
         refuse(
-            _positive(yield_stress=self.yield_stress, strain=self.strain)
-            + _not_negative(gain=self.gain, modulus=self.modulus)
+            positive(yield_stress=self.yield_stress, strain=self.strain)
+            + not_negative(gain=self.gain, modulus=self.modulus)
         )
 
     @property
@@ -350,101 +372,3 @@ class Table(Hardening):
         length = np.diff(p)
         parts = np.stack([p[:-1], length, np.diff(sigma) / length], axis=1)
         return [float(len(length)), *parts.ravel().tolist()]
-
-
-# ---------------------------------------------------------------- the rate
-
-
-def _no_rate(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
-    return 1.0 + 0.0 * rate, 0.0 * rate
-
-
-def _cowper_symonds(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
-    """1/D, 1/q."""
-    over = larger(rate * p[first], 1e-30)
-    more = power(over, p[first + 1])
-    return 1.0 + more, p[first + 1] * more / over * p[first]
-
-
-def _johnson_cook(p: Floats, first: int, rate: Number) -> tuple[Number, Number]:
-    """1/p'_0, C."""
-    over = larger(rate * p[first], 1.0)
-    slope = where_above(over, 1.0, p[first + 1] / over * p[first], 0.0)
-    return 1.0 + p[first + 1] * logarithm(over), slope
-
-
-@dataclass(frozen=True)
-class RateFactor:
-    """Factor f on the yield stress by the rate of plastic strain; use one of the subclasses."""
-
-    function: ClassVar[Callable[..., Any]] = staticmethod(_no_rate)
-    kind: ClassVar[str] = ""
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return []
-
-
-@dataclass(frozen=True)
-class CowperSymonds(RateFactor):
-    """f = 1 + (p'/D)^(1/q).
-
-    Parameters
-    ----------
-    rate : float
-        D [1/s], at which the yield stress is doubled.
-    exponent : float
-        q, at least 1.
-
-    Examples
-    --------
-    >>> CowperSymonds(rate=40.0, exponent=5.0).row()
-    [0.025, 0.2]
-    """
-
-    function = staticmethod(_cowper_symonds)
-    kind = "Cowper-Symonds"
-
-    rate: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        problems = _positive(rate=self.rate)
-        if not (math.isfinite(self.exponent) and self.exponent >= 1.0):
-            problems.append(f"exponent must be 1 or more, got {self.exponent!r}")
-        refuse(problems)
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return [1.0 / self.rate, 1.0 / self.exponent]
-
-
-@dataclass(frozen=True)
-class JohnsonCook(RateFactor):
-    """f = 1 + C ln(p'/p'_0) where the rate p' is above p'_0, else 1.
-
-    Parameters
-    ----------
-    factor : float
-        C, not negative.
-    rate : float
-        p'_0 [1/s], that of the tests behind the hardening.
-
-    Examples
-    --------
-    >>> JohnsonCook(factor=0.02, rate=1.0).row()
-    [1.0, 0.02]
-    """
-
-    function = staticmethod(_johnson_cook)
-    kind = "Johnson-Cook"
-
-    factor: float
-    rate: float
-
-    def __post_init__(self) -> None:
-        refuse(_positive(rate=self.rate) + _not_negative(factor=self.factor))
-
-    def row(self) -> list[float]:
-        """Return the parameters of ``function``."""
-        return [1.0 / self.rate, self.factor]

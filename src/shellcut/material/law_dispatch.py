@@ -22,13 +22,12 @@ from numba.extending import NativeValue, overload, register_model, typeof_impl, 
 from shellcut.arrays import Floats, Ints, Number, Numbers, Vector
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline
-from shellcut.numerics.lane_instructions import Lane
+from shellcut.numerics.lane_exponentials import any_above
+from shellcut.numerics.lane_instructions import OVERLOAD_OPTIONS, Lane, LanesType
 from shellcut.numerics.lanes import pick, put, zero
 from shellcut.numerics.table_row import table_row
 
 from .point_law import LAWS, History, PointLaw
-
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -91,6 +90,11 @@ def _before(law: PointLaw, history: HistoryStep, first: int, lane: Lane) -> Hist
     return tuple(pick(history.old, history.block, first + i, lane) for i in range(len(law.history)))
 
 
+def all_linear(laws: PointLaws) -> bool:
+    """Whether all laws are linear."""
+    return all(law.linear for law in laws.laws)
+
+
 def dissipates(laws: PointLaws) -> bool:
     """Whether any law has a history; without one, no dissipation is summed."""
     return any(law.history for law in laws.laws)
@@ -138,7 +142,7 @@ def chosen_by_laws(linear: Callable[..., Any], other: Callable[..., Any]) -> Cal
     def run(laws, *arguments):
         return linear(*arguments)
 
-    @overload(run, jit_options=_OPTIONS)
+    @overload(run, jit_options=OVERLOAD_OPTIONS)
     def _run_in_kernel(laws, *arguments):
         function = linear if all(law.linear for law in _laws_of(laws)) else other
         return lambda laws, *arguments: function(*arguments)
@@ -150,7 +154,7 @@ def _borrowed_new(table: Numbers | None) -> Numbers | None:
     return table
 
 
-@overload(_borrowed_new, jit_options=_OPTIONS)
+@overload(_borrowed_new, jit_options=OVERLOAD_OPTIONS)
 def _borrowed_new_in_kernel(table):
     if isinstance(table, types.NoneType):
         return lambda table: None
@@ -169,21 +173,28 @@ def borrowed_history(history: HistoryStep) -> HistoryStep:
     )
 
 
-@overload(dissipates, jit_options=_OPTIONS)
+@overload(all_linear, jit_options=OVERLOAD_OPTIONS)
+def _all_linear(laws):
+    if all(law.linear for law in _laws_of(laws)):
+        return lambda laws: True
+    return lambda laws: False
+
+
+@overload(dissipates, jit_options=OVERLOAD_OPTIONS)
 def _dissipates(laws):
     if any(law.history for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
 
-@overload(has_axes, jit_options=_OPTIONS)
+@overload(has_axes, jit_options=OVERLOAD_OPTIONS)
 def _has_axes(laws):
     if any(law.oriented for law in _laws_of(laws)):
         return lambda laws: True
     return lambda laws: False
 
 
-@overload(point_stress, jit_options=_OPTIONS)
+@overload(point_stress, jit_options=OVERLOAD_OPTIONS)
 def _point_stress(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_stress_function(law) for law in _laws_of(laws)))
 
@@ -193,7 +204,7 @@ def _point_stress(laws, k, strain, history, first, lane):
     return stress
 
 
-@overload(point_thickness, jit_options=_OPTIONS)
+@overload(point_thickness, jit_options=OVERLOAD_OPTIONS)
 def _point_thickness(laws, k, strain, history, first, lane):
     function = _one_of(tuple(_thickness_function(law) for law in _laws_of(laws)))
 
@@ -245,16 +256,28 @@ def _stress_function(law: PointLaw) -> Any:
             return stress, stored, zero(lane)
 
         return without
-    read, store = _reader(n), _storer(n)
+    read, store = _history_reader(law), _storer(n)
 
     @always_inline
     def with_history(p, strain, history, first, lane):
         before = read(history.old, history.block, first, lane)
         done = function(p, strain, before, history.dt)
         store(history, first, lane, done)
-        return done[0], done[1], zero(lane) + done[2]
+        return done[0], done[1], _of_lane(done[2], lane)
 
     return with_history
+
+
+def _of_lane(number: Number, lane: Lane) -> Number:
+    """Return lanes also of a law that returns a plain zero."""
+    return zero(lane) + number
+
+
+@overload(_of_lane, jit_options=OVERLOAD_OPTIONS)
+def _of_lane_in_kernel(number, lane):
+    if isinstance(number, LanesType):
+        return lambda number, lane: number
+    return lambda number, lane: zero(lane) + number
 
 
 @functools.cache
@@ -265,7 +288,7 @@ def _storer(n: int) -> Any:
     def store(history, first, lane, done):
         raise NotImplementedError
 
-    @overload(store, jit_options=_OPTIONS)
+    @overload(store, jit_options=OVERLOAD_OPTIONS)
     def _store_in_kernel(history, first, lane, done):
         if not isinstance(history.types[1], types.NoneType):
             return lambda history, first, lane, done: write(
@@ -286,7 +309,7 @@ def _changes(done: tuple[Any, ...]) -> bool:
     return len(done) < 5 or done[4]
 
 
-@overload(_changes, jit_options=_OPTIONS)
+@overload(_changes, jit_options=OVERLOAD_OPTIONS)
 def _changes_in_kernel(done):
     if len(done) < 5:
         return lambda done: True
@@ -303,13 +326,45 @@ def _thickness_function(law: PointLaw) -> Any:
             return function(p, strain, ())
 
         return without
-    read = _reader(n)
+    read = _history_reader(law)
 
     @always_inline
     def with_history(p, strain, history, first, lane):
         return function(p, strain, read(history.old, history.block, first, lane))
 
     return with_history
+
+
+@functools.cache
+def _history_reader(law: PointLaw) -> Any:
+    """Return a function that reads the history of a point of a block as a tuple."""
+    n = len(law.history)
+    read_all, repeated = _reader(n), _repeater(n)
+    if not law.first_leads:
+        return read_all
+
+    @always_inline
+    def read(table, b, first, lane):
+        lead = pick(table, b, first, lane)
+        if any_above(lead, 0.0):
+            return read_all(table, b, first, lane)
+        return repeated(lead)  # all are zero
+
+    return read
+
+
+@functools.cache
+def _repeater(n: int) -> Any:
+    """Return a function that returns a number n times."""
+    if n == 1:
+        return always_inline(lambda one: (one,))
+    before = _repeater(n - 1)
+
+    @always_inline
+    def repeated(one):
+        return before(one) + (one,)  # noqa: RUF005
+
+    return repeated
 
 
 @functools.cache

@@ -77,7 +77,7 @@ class WayBack(NamedTuple):
 
 @always_inline
 def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Number, Number]:
-    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of small strains: no division, short chains."""
+    """Return ½ ln D, b, (τ²/D - A')/τ³ and 1/D of small strains: no division, short chains."""
     y4 = y2 * y2
     start = 1.0 - y
     start = start + start * y2
@@ -88,12 +88,12 @@ def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Nu
     spread = (1.0 / 3.0 + q * (1.0 / 5.0)) + q2 * (1.0 / 7.0)
     over = 1.0 + q
     ratio = over + over * q2
-    of_mean = (y * (1.0 / 6.0) - 0.25) + y2 * (y * (1.0 / 10.0) - 1.0 / 8.0)
-    of_mean = of_mean + y4 * ((y * (1.0 / 14.0) - 1.0 / 12.0) - y2 * (1.0 / 16.0))
-    of_shear = (q * (1.0 / 8.0) + 0.25) + q2 * (q * (1.0 / 16.0) + 1.0 / 12.0)
-    mid = 0.5 * y + (y2 * of_mean - q * of_shear)
+    of_mean = (y * (1.0 / 3.0) - 0.5) + y2 * (y * (1.0 / 5.0) - 0.25)
+    of_mean = of_mean + y4 * ((y * (1.0 / 7.0) - 1.0 / 6.0) - y2 * (1.0 / 8.0))
+    of_shear = (q * 0.25 + 0.5) + q2 * (q * (1.0 / 8.0) + 1.0 / 6.0)
+    both = y + (y2 * of_mean - q * of_shear)
     slope = inverse_mean + inverse_mean * (q * spread)
-    return mid, slope, (squared * inverse_mean) * (ratio - spread), squared * ratio
+    return both, slope, (squared * inverse_mean) * (ratio - spread), squared * ratio
 
 
 @always_inline
@@ -148,13 +148,13 @@ def _slope_and_curve(
 def _moderate_strain(
     mean: Number, excess: Number, r4: Number
 ) -> tuple[Number, Number, Number, Number]:
-    """Return ¼ ln D, b, (τ²/D - A')/τ³ and 1/D of τ, D - 1 and (2 r)²."""
+    """Return ½ ln D, b, (τ²/D - A')/τ³ and 1/D of τ, D - 1 and (2 r)²."""
     inverse_mean, inverse_det, s = _divided(mean, excess)
     q_area, q_shear = s * s, r4 * (inverse_mean * inverse_mean)
-    mid = 0.5 * s * (1.0 + q_area * _short_series(q_area))
+    both = s * (1.0 + q_area * _short_series(q_area))
     spread = _short_series(q_shear)
     slope, curve = _slope_and_curve(mean, inverse_mean, inverse_det, q_shear, spread)
-    return mid, slope, curve, inverse_det
+    return both, slope, curve, inverse_det
 
 
 @apart
@@ -170,17 +170,17 @@ def _large_strain(
     q_most = larger(1.0 - (1.0 + excess) * squared, 0.0)
     q_shear = where_above(q_shear, 0.5, q_most, q_shear)
     if any_above(larger(q_area, q_shear), _LONG):
-        mid, spread = 0.25 * logarithm(1.0 + excess), _any_spread(q_shear)
+        both, spread = 0.5 * logarithm(1.0 + excess), _any_spread(q_shear)
     else:
-        mid = 0.5 * s * (1.0 + q_area * _long_series(q_area))
+        both = s * (1.0 + q_area * _long_series(q_area))
         spread = _long_series(q_shear)
     slope, curve = _slope_and_curve(mean, inverse_mean, inverse_det, q_shear, spread)
-    return mid, slope, curve, inverse_det
+    return both, slope, curve, inverse_det
 
 
 @always_inline
-def mean_and_deviator(strain: Vector) -> tuple[Vector, WayBack]:
-    """Return (½ (ε_11 + ε_22), ½ (ε_11 - ε_22), ε_12) of the strain (E_11, E_22, 2 E_12)."""
+def sum_and_difference(strain: Vector) -> tuple[Vector, WayBack]:
+    """Return (ε_11 + ε_22, ε_11 - ε_22, 2 ε_12) of the strain (E_11, E_22, 2 E_12)."""
     y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
     y2, r4 = y * y, u * u + v * v
     mean = 1.0 + y
@@ -190,20 +190,19 @@ def mean_and_deviator(strain: Vector) -> tuple[Vector, WayBack]:
         if seldom(any_above(most, _MODERATE)):
             mean = larger(mean, _LEAST)
             excess = larger(excess, _LEAST - 1.0)
-            mid, slope, curve, inverse_det = _large_strain(mean, excess, r4)
+            both, slope, curve, inverse_det = _large_strain(mean, excess, r4)
         else:
-            mid, slope, curve, inverse_det = _moderate_strain(mean, excess, r4)
+            both, slope, curve, inverse_det = _moderate_strain(mean, excess, r4)
     else:
-        mid, slope, curve, inverse_det = _small_strain(y, y2, r4)
-    half = 0.5 * slope
-    return (mid, half * u, half * v), WayBack(u, v, mean, slope, curve, inverse_det)
+        both, slope, curve, inverse_det = _small_strain(y, y2, r4)
+    return (both, slope * u, slope * v), WayBack(u, v, mean, slope, curve, inverse_det)
 
 
 @always_inline
 def logarithmic_strain(strain: Vector) -> tuple[Vector, WayBack]:
     """Return (ε_11, ε_22, 2 ε_12) of the Green-Lagrange strain (E_11, E_22, 2 E_12)."""
-    (mid, wide, slip), way = mean_and_deviator(strain)
-    return (mid + wide, mid - wide, slip + slip), way
+    (both, unlike, slip), way = sum_and_difference(strain)
+    return (0.5 * (both + unlike), 0.5 * (both - unlike), slip), way
 
 
 @always_inline

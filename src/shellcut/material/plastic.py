@@ -37,20 +37,22 @@ import numpy as np
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
+from shellcut.numerics.lane_functions import zero_like
 from shellcut.numerics.processor import seldom
 
 from .elastic import Elastic
 from .elastic_part import WithElasticPart, elastic_problems
-from .hardening import Hardening, RateFactor
+from .hardening import Hardening, hardening_problems
 from .logarithmic_strain import (
     logarithmic_strain,
-    mean_and_deviator,
     piola_of_mean,
     second_piola_kirchhoff,
+    sum_and_difference,
 )
 from .material import refuse
 from .orthotropic import Orthotropic, strain_turn
 from .point_law import History, PointLaw, register
+from .rate_factor import RateFactor, rate_problems
 from .return_mapping import excess, make_flow, modes_of
 
 HISTORY = (
@@ -88,30 +90,31 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
     ) -> tuple[Vector, Number, Number, History, bool]:
-        (mean, wide, slip), way = mean_and_deviator(strain)
+        (both, unlike, slip), way = sum_and_difference(strain)
         eq, R, p1, p2, p12 = history
-        mean, wide, slip = mean - 0.5 * (p1 + p2), wide - 0.5 * (p1 - p2), slip - 0.5 * p12
-        z = (p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip)
+        if any_above(eq, 0.0):
+            both, unlike, slip = both - (p1 + p2), unlike - (p1 - p2), slip - p12
+        z = (p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip)
         if kinematic:
             h = p[_KINEMATIC]
             third = h / 3.0
             z = (z[0] - h * (p1 + p2), z[1] - third * (p1 - p2), z[2] - third * p12)
-        weight = (1.0, 3.0, 3.0)
-        beyond = excess(weight, z, p[_YIELD] + R, may_flow(dt))
-        lost = 0.0 * R
+        of_mean, of_shear = z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2])
+        beyond = excess(of_mean + of_shear, p[_YIELD] + R, may_flow(dt))
+        lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
-            of_mean, of_shear = 0.5 * p[_MEAN] + p[_KINEMATIC], 1.5 * p[_SHEAR] + p[_KINEMATIC]
-            q = (z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2]))
-            done = flow(p, _YIELD, q, (of_mean, of_shear), beyond, (eq, R), dt)
+            k = (p[_MEAN] + p[_KINEMATIC], 3.0 * p[_SHEAR] + p[_KINEMATIC])
+            done = flow(p, _YIELD, (of_mean, of_shear), k, beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
-            d_mean = 0.5 * done.by_mode[0] * z[0]
-            by_shear = 1.5 * done.by_mode[1]
-            d_wide, d_slip = by_shear * z[1], by_shear * z[2]
-            mean, wide, slip = mean - d_mean, wide - d_wide, slip - d_slip
-            p1, p2, p12 = p1 + (d_mean + d_wide), p2 + (d_mean - d_wide), p12 + 2.0 * d_slip
-        t, Tu, Tv = p[_MEAN] * mean, p[_SHEAR] * wide, p[_SHEAR] * slip
-        stored = t * mean + Tu * wide + Tv * slip
+            d_both = done.by_mode[0] * z[0]
+            by_shear = 3.0 * done.by_mode[1]
+            d_unlike, d_slip = by_shear * z[1], by_shear * z[2]
+            both, unlike, slip = both - d_both, unlike - d_unlike, slip - d_slip
+            p1, p2 = p1 + 0.5 * (d_both + d_unlike), p2 + 0.5 * (d_both - d_unlike)
+            p12 = p12 + d_slip
+        t, Tu, Tv = p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip
+        stored = 0.5 * (t * both + Tu * unlike + Tv * slip)
         if kinematic:
             # ½ β · ε_p
             q, d = p1 + p2, p1 - p2
@@ -150,11 +153,11 @@ def _law_with_axes(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
                 y2 - (p[_TO_MODES + 6] * b0 + p[_TO_MODES + 7] * b1 + p[_TO_MODES + 8] * b2),
             )
         m0, m1, m2, h = p[_MU], p[_MU + 1], p[_MU + 2], p[_H]
-        beyond = excess((m0, m1, m2), z, p[_YIELD_AXES] + R, may_flow(dt))
-        lost = 0.0 * R
+        q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
+        beyond = excess(q[0] + q[1] + q[2], p[_YIELD_AXES] + R, may_flow(dt))
+        lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
-            q = (m0 * z[0] * z[0], m1 * z[1] * z[1], m2 * z[2] * z[2])
             done = flow(p, _YIELD_AXES, q, (m0 + h, m1 + h, m2 + h), beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
             z0 = done.by_mode[0] * z[0]
@@ -209,6 +212,11 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
         HISTORY,
         oriented=axes,
         turning=_TURNING,
+        f"{name}, frozen",
+        *functions(flow, _never, kinematic),
+        HISTORY,
+        oriented=axes,
+        first_leads=True,
     )
     return register(
         PointLaw(
@@ -219,6 +227,7 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
             timed=has_rate,
             turning=_TURNING,
             frozen=register(frozen),
+            first_leads=True,
         )
     )
 
@@ -254,7 +263,7 @@ class Plastic(WithElasticPart):
     kinematic : float
         H_k [MPa], slope of linear kinematic hardening, 0 by default.
     rate : RateFactor, optional
-        :class:`~.hardening.CowperSymonds` or :class:`~.hardening.JohnsonCook`.
+        :class:`~.rate_factor.CowperSymonds` or :class:`~.rate_factor.JohnsonCook`.
     angle_deg : float
         Of the axes of ``r_values`` against the film's direction; those of an Orthotropic are
         turned by its own angle.
@@ -286,12 +295,7 @@ class Plastic(WithElasticPart):
 
     def __post_init__(self) -> None:
         problems = elastic_problems(self.elastic)
-        if not isinstance(self.hardening, Hardening) or type(self.hardening) is Hardening:
-            problems.append(
-                f"hardening must be a Linear, Swift, Voce or Table, got {self.hardening!r}"
-            )
-        if not (self.rate is None or isinstance(self.rate, RateFactor)):
-            problems.append(f"rate must be a CowperSymonds or a JohnsonCook, got {self.rate!r}")
+        problems += hardening_problems(self.hardening) + rate_problems(self.rate)
         if not (math.isfinite(self.kinematic) and self.kinematic >= 0.0):
             problems.append(f"kinematic must not be negative in MPa, got {self.kinematic!r}")
         if not math.isfinite(self.angle_deg):
@@ -341,7 +345,7 @@ class Plastic(WithElasticPart):
             ]
         else:
             e, nu = self.elastic.stretching_modulus, self._poisson
-            rows = [nu / (1.0 - nu), e / (1.0 - nu), e / (1.0 + nu), self.kinematic]
+            rows = [nu / (1.0 - nu), 0.5 * e / (1.0 - nu), 0.5 * e / (1.0 + nu), self.kinematic]
         rows += [self.hardening.first_yield, *self.hardening.row()]
         rate = [] if self.rate is None else self.rate.row()
         return np.array([1.0 + len(rows), *rows, *rate])

@@ -61,6 +61,10 @@ class PointLaw:
         The energy released at the tip of a tear is that of the frozen law, too.
     turning : tuple of int
         Where strains (11, 22, twice 12) begin among the history numbers: these turn with the axes.
+    first_leads : bool
+        Whether all history numbers are zero where the first is not above zero. Then the others are
+        read only where it is: most of a film has never yielded, and to read five numbers of every
+        point would take a third of its time.
     """
 
     name: str
@@ -72,6 +76,7 @@ class PointLaw:
     timed: bool = False
     frozen: PointLaw | None = None
     turning: tuple[int, ...] = ()
+    first_leads: bool = False
     digest: str = field(init=False, default="")
     """Digest of all fields, and of the sources (:mod:`shellcut.material.source_digest`)."""
 
@@ -88,13 +93,20 @@ class PointLaw:
                 f"the frozen law of {self.name!r} must have its history, {self.history}, got "
                 f"{self.frozen.history}"
             )
+        if self.first_leads and len(self.history) < 2:
+            problems.append(
+                f"a history must have numbers for the first to lead, {self.name!r} has "
+                f"{self.history}"
+            )
         if any("/" in one or not one.strip() for one in self.history):
             problems.append(
                 f"history names must be words without a slash, {self.name!r} has {self.history}"
             )
         if problems:
             raise ValueError("; ".join(problems))
-        words = f"{self.history} {self.linear} {self.oriented} {self.timed}".encode()
+        words = (
+            f"{self.history} {self.linear} {self.oriented} {self.timed} {self.first_leads}".encode()
+        )
         sources = source_digest(self.stress, self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)

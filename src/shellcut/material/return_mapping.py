@@ -26,11 +26,21 @@ the slope of the hardening follows from R without its exponential:
 
     Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i),       Q = Σ q_i.
 
-The iteration ends when |G - 1| < 8e-6 (singles: 1e-3) in all lanes that yield; the last
-correction is added to the first order, which leaves 1e-11 to 1e-10. So a step of an explicit run
-evaluates the hardening once. If it takes more than ``_FREE_TURNS`` turns, it begins anew with a
-bracket: G > 1 at Δp = 0, and σ_eq^trial bounds Δp from above; a turn that would leave it halves it.
-A lane that is not solved in ``_TURNS`` turns gets nan, and the run is stopped by name. Lanes that
+**With a rate factor** σ_y rises from Δp = 0 like the fifth root of Δp, or steeper: a straight line
+from the right of the root ends below zero. In ln Δp it is no steeper than its own height, and its
+slope only grows: Newton's method for 1/√G over ln Δp comes down to the root from the right, and a
+first turn from the left takes it there,
+
+    Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
+
+The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6
+(singles: 1e-3); the last correction is added to the first order, which leaves 1e-11 to 1e-10. So a
+step of an explicit run evaluates the hardening once. A flow that changes the stress by less than
+its round-off is found as it is: just above the yield stress at rest, a rate factor asks for flows
+of 1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
+and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
+when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
+turns gets nan, and the run is stopped by name. Lanes that
 do not yield keep their bits, whatever their neighbours in the block do. Isotropic moduli with
 von Mises have two modes, the mean and the deviator.
 
@@ -50,23 +60,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Number, Vector
+from shellcut.arrays import Floats, Number
 from shellcut.numerics.jit import always_inline, apart_as
-from shellcut.numerics.lane_exponentials import any_above, precision_of
-from shellcut.numerics.lane_functions import larger, square_root, where_above
-from shellcut.numerics.processor import not_inlined
+from shellcut.numerics.lane_exponentials import any_above, exponential, precision_of
+from shellcut.numerics.lane_functions import larger, square_root, where_above, zero_like
+from shellcut.numerics.processor import not_inlined, seldom
 
 _TURNS = 80
-# Of Newton alone; after them the root is bracketed.
-_FREE_TURNS = 6
-# |G - 1| over the root of the precision at which the last correction ends the iteration.
+# |G - 1|, or |x|, over the root of the precision at which the last correction ends the iteration.
 _ENOUGH = 512.0
-
-
-@always_inline
-def equivalent(weight: Vector, z: Vector) -> Number:
-    """Return σ_eq² of the modes z."""
-    return weight[0] * z[0] * z[0] + weight[1] * z[1] * z[1] + weight[2] * z[2] * z[2]
+# The largest x of a turn.
+_MOST = 2.0
 
 
 class Flow(NamedTuple):
@@ -83,13 +87,12 @@ class Flow(NamedTuple):
 
 
 @always_inline
-def excess(weight: Vector, z: Vector, start: Number, may_flow: bool) -> Number:
+def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     """Return by how much the trial is beyond the yield surface, σ_eq² - start² [MPa²].
 
-    start : (σ_0 + R) at the start of the step [MPa].  The last step may have left the stress above
-    the surface by some round-off, which is not taken for flow.
+    squared : σ_eq² of the trial.  start : (σ_0 + R) at the start of the step [MPa].  The last step
+    may have left the stress above the surface by some round-off, which is not taken for flow.
     """
-    squared = equivalent(weight, z)
     beyond = (1.0 - 64.0 * precision_of(squared)) * squared - start * start
     return beyond if may_flow else -start * start
 
@@ -163,15 +166,49 @@ _OF_MODES = {
 
 
 @always_inline
-def _change(G, B, beyond, none):
+def _first_flow(total, start, steep):
+    """Return Q (√Q - σ_y)/(Q dR/dp + Σ q_i k_i) by one division, and no root where Q is near σ_y².
+
+    total, start, steep : Q, σ_y and the divisor.
+    """
+    squared = start * start
+    over = 1.0 / (squared * steep)
+    d = (total - squared) * (over * steep)
+    if any_above(d, 0.1):
+        further = square_root(total) - start
+    else:
+        d2 = d * d
+        further = (d * start) * (
+            (0.5 - 0.125 * d) + d2 * ((0.0625 - 0.0390625 * d) + d2 * 0.02734375)
+        )
+    return (total * further) * (over * squared)
+
+
+@always_inline
+def _straight(G, B, dp, stiff, beyond):
     """Return |G - 1| of the lanes that yield, and the change of Δp."""
-    off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), none)
+    off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), zero_like(G))
     if any_above(off, 0.1):
         change = G * (square_root(G) - 1.0)
     else:
         d = G - 1.0
-        change = d * (0.5 + d * (0.375 - d * (0.0625 - 0.0234375 * d)))
-    return off, change / B
+        change = d * ((0.5 + d * 0.375) - (d * d) * (0.0625 - 0.0234375 * d))
+    # The division does not wait for the series.
+    return off, change * (1.0 / B)
+
+
+@always_inline
+def _in_proportion(G, B, dp, stiff, beyond):
+    """Return |x| of the lanes that yield, and the change of Δp, for a rate factor.
+
+    stiff : k/(σ_y + k Δp) of one mode, which says how Δp changes the stress.
+    """
+    none = zero_like(G)
+    _, change = _straight(G, B, dp, stiff, beyond)
+    x = change / dp
+    x = where_above(x, _MOST, _MOST, x)
+    off = where_above(stiff * dp, 0.25 * precision_of(dp), larger(x, -x), none)
+    return where_above(beyond, 0.0, off, none), dp * (exponential(x) - 1.0)
 
 
 def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
@@ -188,36 +225,6 @@ def _make_yield_stress(hardening: Any, rate_factor: Any, has_rate: bool) -> Any:
     return yield_stress
 
 
-def _make_bracketed(yield_stress: Any, one_turn: Any, sums: Any, name: str) -> Any:
-    @apart_as(name)
-    def bracketed(p, at, q, k, beyond, state, dt):
-        """Return Δp between bounds that close in on it; nan where it is not found."""
-        not_inlined()
-        eq, R_old = state
-        none = 0.0 * eq
-        enough = _enough(eq)
-        total, _, least = sums(q, k)
-        # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
-        low, high = none, (square_root(total) - (p[at] + R_old)) / least
-        dp = where_above(beyond, 0.0, 0.5 * high, none)
-        off = none
-        for _ in range(_TURNS):
-            yielding, _ = yield_stress(p, at, eq, dp, dt)
-            G, _, _, B = one_turn(yielding, q, k, dp)
-            off, change = _change(G, B, beyond, none)
-            if not any_above(off, enough):
-                break
-            low = where_above(G, 1.0, dp, low)
-            high = where_above(G, 1.0, high, dp)
-            new, middle = dp + change, 0.5 * (low + high)
-            new = where_above(new, low, new, middle)
-            new = where_above(high, new, new, middle)
-            dp = where_above(beyond, 0.0, where_above(off, enough, new, dp), none)
-        return where_above(off, enough, np.nan * dp, dp)
-
-    return bracketed
-
-
 @always_inline
 def _enough(number):
     """Return |G - 1| at which the last correction ends the iteration."""
@@ -232,41 +239,58 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
     shares q_i of the two or three trial modes in σ_eq²; k_i = μ_i + H_k; :func:`excess`, above zero
     in at least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
     """
-    one_turn, sums, flow_of_modes = _OF_MODES[n_mode]
+    _, sums, _ = _OF_MODES[n_mode]
     first_slope = always_inline(slope)
-    yield_stress = _make_yield_stress(
-        always_inline(hardening), always_inline(rate_factor), has_rate
-    )
+    turn = _make_turn(always_inline(hardening), always_inline(rate_factor), has_rate, n_mode)
+    end = _make_end(has_rate, n_mode)
     inside = (hardening, slope, rate_factor)
     name = " ".join(
         [*(f"{one.__module__}.{one.__qualname__}" for one in inside), str(n_mode), str(has_rate)]
     )
-    bracketed = _make_bracketed(yield_stress, one_turn, sums, name)
+    further = _make_further(turn, end, sums, name)
 
     @apart_as(name)
     def flow(p, at, q, k, beyond, state, dt):
+        # No loop: the compiler would first load all constants of its body, and then store them.
         not_inlined()
         eq, R_old = state
-        none = 0.0 * eq
-        start = p[at] + R_old
         total, slopes, _ = sums(q, k)
-        # The first turn, at Δp = 0.
-        dp = total * (square_root(total) - start)
-        dp = dp / (total * first_slope(p, at + 1, eq, R_old) + slopes)
-        dp = where_above(beyond, 0.0, dp, none)
-        turn = 1
-        while True:
-            yielding, isotropic = yield_stress(p, at, eq, dp, dt)
-            G, inverse, rates, B = one_turn(yielding, q, k, dp)
-            off, change = _change(G, B, beyond, none)
-            turn += 1
-            if not any_above(off, _enough(eq)) or turn > _FREE_TURNS:
-                break
-            if turn < _FREE_TURNS:
-                dp = where_above(beyond, 0.0, dp + change, none)
-            else:
-                dp = bracketed(p, at, q, k, beyond, state, dt)
-        # The last correction to the first order.
+        dp = _first_flow(total, p[at] + R_old, total * first_slope(p, at + 1, eq, R_old) + slopes)
+        dp = where_above(beyond, 0.0, dp, zero_like(eq))
+        off, found = turn(p, at, q, k, beyond, eq, dp, dt)
+        if seldom(any_above(off, _enough(eq))):
+            return further(p, at, q, k, beyond, state, dp, dt)
+        return end(p, at, beyond, state, dp, found)
+
+    return flow
+
+
+def _make_turn(hardening: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
+    yield_stress = _make_yield_stress(hardening, rate_factor, has_rate)
+    one_turn, _, _ = _OF_MODES[n_mode]
+    newton = _in_proportion if has_rate else _straight
+
+    @always_inline
+    def turn(p, at, q, k, beyond, eq, dp, dt):
+        """Return how far Δp is off, and what :func:`end` needs."""
+        yielding, isotropic = yield_stress(p, at, eq, dp, dt)
+        G, inverse, rates, B = one_turn(yielding, q, k, dp)
+        off, change = newton(G, B, dp, k[0] * inverse[0], beyond)
+        return off, (yielding, isotropic, inverse, rates, change, G)
+
+    return turn
+
+
+def _make_end(has_rate: bool, n_mode: int) -> Any:
+    _, _, flow_of_modes = _OF_MODES[n_mode]
+
+    @always_inline
+    def end(p, at, beyond, state, dp, found):
+        """Return the flow after the last correction, to the first order."""
+        yielding, isotropic, inverse, rates, change, _ = found
+        eq, R_old = state
+        none = zero_like(eq)
+        start = p[at] + R_old
         dp, sigma = dp + change, yielding[0] + yielding[1] * change
         R = isotropic[0] + isotropic[1] * change
         mean = 0.5 * (start + sigma)
@@ -279,7 +303,39 @@ def make_flow(hardening: Any, slope: Any, rate_factor: Any, has_rate: bool, n_mo
             where_above(beyond, 0.0, mean * dp, none),
         )
 
-    return flow
+    return end
+
+
+def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
+    @apart_as(name)
+    def further(p, at, q, k, beyond, state, dp, dt):
+        """Return the flow by as many turns as it takes, between bounds that close in on Δp."""
+        not_inlined()
+        eq, R_old = state
+        none = zero_like(eq)
+        enough = _enough(eq)
+        total, _, least = sums(q, k)
+        # σ_eq <= σ_eq^trial/(1 + Δλ k_min) has come down to the first yield by here.
+        low, high = none, (square_root(total) - (p[at] + R_old)) / least
+        closed = 64.0 * precision_of(eq) * high
+        count = 0
+        while True:
+            off, found = turn(p, at, q, k, beyond, eq, dp, dt)
+            G, change = found[5], found[4]
+            low = where_above(G, 1.0, dp, low)
+            high = where_above(G, 1.0, high, dp)
+            off = where_above(high - low, closed, off, none)
+            count += 1
+            if count == _TURNS or not any_above(off, enough):
+                break
+            new, middle = dp + change, 0.5 * (low + high)
+            new = where_above(new, low, new, middle)
+            new = where_above(high, new, new, middle)
+            dp = where_above(beyond, 0.0, where_above(off, enough, new, dp), none)
+        dp = where_above(off, enough, np.nan * dp, dp)
+        return end(p, at, beyond, state, dp, found)
+
+    return further
 
 
 def modes_of(moduli: Floats, flow: Floats) -> tuple[Floats, Floats]:

@@ -15,8 +15,7 @@ d = 1: strains are turned once per Gauss point, and the law is evaluated at e + 
 
 The loop over the heights with a linear law is a few operations and inlined. With other laws it is a
 function of its own, called at each Gauss point: while the law is evaluated, the 32 strains and
-resultants of the quad would be in its way, and four copies of it would exceed the processor's cache
-of instructions and take four times as long to compile.
+resultants of the quad would be in its way, and four copies would exceed the processor's cache.
 """
 
 from __future__ import annotations
@@ -29,6 +28,7 @@ from shellcut.arrays import Floats, Number, Numbers, Vec3, Vector
 from shellcut.material.law_dispatch import (
     HistoryStep,
     PointLaws,
+    all_linear,
     borrowed_history,
     chosen_by_laws,
     dissipates,
@@ -57,10 +57,14 @@ class PointRule(NamedTuple):
     """xi³ [mm]."""
     weight: Annotated[Floats, "(n_point,)"]
     """Weights of the quadrature [mm]."""
+    lever: Annotated[Floats, "(n_point,)"]
+    """Place times weight [mm²]."""
     laws: PointLaws
     """Material laws of the points."""
     shear: Annotated[Floats, "(n_point, 3)"]
     """Transverse shear moduli 11, 12, 22 with the shear factor [MPa]."""
+    whole_shear: Annotated[Floats, "(3,)"]
+    """Their integrals over the thickness [N/mm]."""
     n_history: int
     """History numbers per point, for the law with the most."""
 
@@ -92,19 +96,22 @@ def build_rule(material: ShellMaterial) -> PointRule:
     if material.integration_points is None:
         none = np.zeros(0)
         nothing = PointLaws((), np.zeros(0, np.int64), np.zeros((0, 1)))
-        return PointRule(none, none, nothing, np.zeros((0, 3)), 0)
+        return PointRule(none, none, none, nothing, np.zeros((0, 3)), np.zeros(3), 0)
     place, weight, layers = material.thickness_points(material.integration_points)
     laws = list(dict.fromkeys(layer.law for layer in layers))
     rows = [np.asarray(layer.parameters(), float) for layer in layers]
     parameters = np.zeros((len(rows), max(1, *(row.size for row in rows))))
     for row, given in zip(parameters, rows, strict=True):
         row[: given.size] = given
-    shear = [material.shear_factor * layer.transverse_shear() for layer in layers]
+    moduli = [material.shear_factor * layer.transverse_shear() for layer in layers]
+    shear = np.array([[one[0, 0], one[0, 1], one[1, 1]] for one in moduli])
     return PointRule(
         place,
         weight,
+        place * weight,
         PointLaws(tuple(laws), np.array([laws.index(layer.law) for layer in layers]), parameters),
-        np.array([[s[0, 0], s[0, 1], s[1, 1]] for s in shear]),
+        shear,
+        weight @ shear,
         max(len(law.history) for law in laws),
     )
 
@@ -198,24 +205,26 @@ def _flat_layers(
 
     Of flat quads.  e, k : strain of the mid-surface and curvature at Gauss point ``q``.
     """
-    none = zero(lane)
+    none, n_point = zero(lane), rule.place.shape[0]
     n, m, density, lost = (none, none, none), (none, none, none), none, none
     g11, g12, g22 = 0.0, 0.0, 0.0
-    n_point = rule.place.shape[0]
     for j in range(n_point):
-        z, w = rule.place[j], rule.weight[j]
+        z = rule.place[j]
         first = (q * n_point + j) * rule.n_history
         strain = (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2])
         stress, energy, dissipated = point_stress(rule.laws, j, strain, history, first, lane)
+        w, zw = rule.weight[j], rule.lever[j]
         n = (n[0] + w * stress[0], n[1] + w * stress[1], n[2] + w * stress[2])
-        zw = z * w
         m = (m[0] + zw * stress[0], m[1] + zw * stress[1], m[2] + zw * stress[2])
         density = density + w * energy
         if dissipates(rule.laws):
             lost = lost + w * dissipated
-        g11 += w * rule.shear[j, 0]
-        g12 += w * rule.shear[j, 1]
-        g22 += w * rule.shear[j, 2]
+        if all_linear(rule.laws):
+            g11 += w * rule.shear[j, 0]
+            g12 += w * rule.shear[j, 1]
+            g22 += w * rule.shear[j, 2]
+    if not all_linear(rule.laws):
+        g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     return n, m, density, lost, (g11, g12, g22)
 
 
@@ -332,10 +341,9 @@ def _full_layers(
     table, rule = points.full_frame, points.rule
     n_point = rule.place.shape[0]
     none = zero(lane)
-    stored, lost = none, none
+    stored, lost, q1, q2 = none, none, none, none
     e, k, g1, g2, along, aside = s
     n, m = (none, none, none), (none, none, none)
-    q1, q2 = none, none
     for j in range(n_point):
         z, at = rule.place[j], N_FULL_FRAME * (q * n_point + j)
         a = 0.25 * pick(table, b, at, lane)

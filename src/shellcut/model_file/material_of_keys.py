@@ -8,20 +8,12 @@ from typing import Any
 
 from shellcut.formats.errors import FileError
 from shellcut.material.elastic import Elastic
-from shellcut.material.hardening import (
-    CowperSymonds,
-    Hardening,
-    JohnsonCook,
-    Linear,
-    RateFactor,
-    Swift,
-    Table,
-    Voce,
-)
+from shellcut.material.hardening import Hardening, Linear, Swift, Table, Voce
 from shellcut.material.hencky import Hencky
 from shellcut.material.material import Material
 from shellcut.material.orthotropic import Orthotropic
 from shellcut.material.plastic import Plastic
+from shellcut.material.rate_factor import CowperSymonds, JohnsonCook, RateFactor
 
 from .hardening_file import read_hardening
 

@@ -30,6 +30,7 @@ import numba as nb
 from numba.core import event
 from numba.extending import register_jitable
 
+from .inlined_code import InlinedCompiler
 from .kernel_tables import check_tables
 
 P = ParamSpec("P")
@@ -45,7 +46,12 @@ _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "no_cfunc_wrapper": True,
 }
-_INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, **_OPTIONS}
+_INLINED: dict[str, Any] = {
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "pipeline_class": InlinedCompiler,
+    **_OPTIONS,
+}
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

@@ -20,9 +20,7 @@ from numba.extending import intrinsic, overload
 from shellcut.arrays import Number
 
 from .lane_arithmetic import broadcast
-from .lane_instructions import LanesType
-
-_OPTIONS = {"forceinline": True, "fastmath": {"contract"}, "error_model": "numpy"}
+from .lane_instructions import OVERLOAD_OPTIONS, LanesType
 
 
 @intrinsic
@@ -52,13 +50,34 @@ def _root_of_lanes(typing_context: Any, a: Any) -> Any:
     return a(a), generate
 
 
+@intrinsic
+def _zeros_like(typing_context: Any, a: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return ir.Constant(a.all, [0.0] * a.width)
+
+    return a(a), generate
+
+
+def zero_like(a: Number) -> Number:
+    """Return zero, or lanes of zeros, as ``a`` is."""
+    none = np.zeros_like(a)
+    return none if np.ndim(none) else 0.0
+
+
+@overload(zero_like, jit_options=OVERLOAD_OPTIONS)
+def _zero_like(a):
+    if isinstance(a, LanesType):
+        return lambda a: _zeros_like(a)
+    return lambda a: 0.0
+
+
 def where_above(a: Number, b: Number, yes: Number, no: Number) -> Number:
     """Return ``yes`` where a > b, else ``no``, also for nan."""
     chosen: Any = np.where(np.asarray(a) > b, yes, no)
     return chosen if chosen.ndim else float(chosen)
 
 
-@overload(where_above, jit_options=_OPTIONS)
+@overload(where_above, jit_options=OVERLOAD_OPTIONS)
 def _where_above(a, b, yes, no):
     if any(isinstance(v, LanesType) for v in (a, b, yes, no)):
         return lambda a, b, yes, no: _choose_lanes(a, b, yes, no)
@@ -71,7 +90,7 @@ def square_root(a: Number) -> Number:
     return root if np.ndim(root) else float(root)
 
 
-@overload(square_root, jit_options=_OPTIONS)
+@overload(square_root, jit_options=OVERLOAD_OPTIONS)
 def _square_root(a):
     if isinstance(a, LanesType):
         return lambda a: _root_of_lanes(a)
@@ -83,6 +102,6 @@ def larger(a: Number, b: Number) -> Number:
     return where_above(b, a, b, a)
 
 
-@overload(larger, jit_options=_OPTIONS)
+@overload(larger, jit_options=OVERLOAD_OPTIONS)
 def _larger(a, b):
     return lambda a, b: where_above(b, a, b, a)

@@ -1,0 +1,103 @@
+"""Functions that are only ever inlined: compiled to LLVM's code, not to machine code.
+
+Numba treats each function as one that may be called: with all that it calls it is optimised and
+translated to machine code before it becomes part of a kernel, where the same is done again. With
+functions in functions ten deep, the innermost would be compiled ten times. Here a function's code
+is handed on as it is, and the kernel that it ends up in is optimised once.
+"""
+
+# Numba's classes for compilation have no types.
+# mypy: disable-error-code="misc, no-untyped-call, no-untyped-def"
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
+
+
+class _NoEnvironment:
+    """Numba's code generator, without the tables for calls from Python."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Leave the environment out: it serves calls from Python."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+
+class _InlinedLibrary(JITCodeLibrary):
+    """The code of a function that is linked into those of its callers, and never run by itself."""
+
+    @property
+    def codegen(self) -> Any:
+        return _NoEnvironment(self._codegen)
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0: there is no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the kernel."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+# Passes for what no function in the loops of kernels has. Each takes its time, as Numba analyses a
+# function anew after every pass that may change it.
+_NOT_ASKED_FOR = {
+    "WithLifting",  # with blocks
+    "InlineClosureLikes",  # functions and comprehensions within it
+    "MakeFunctionToJitFunction",
+    "RewriteDynamicRaises",  # exceptions
+    "InlineInlinables",  # inline="always"; of overloads another pass takes care
+    "FindLiterallyCalls",  # literally(), literal_unroll()
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "NopythonRewrites",  # expressions of whole arrays
+    "DumpParforDiagnostics",
+}
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Lowering(NativeLowering):
+    """Counts no references to arrays that the function only uses: its caller holds them."""
+
+    _name = "lowering_of_inlined"
+
+    def run_pass(self, state: Any) -> bool:
+        if not _holds_arrays(state.return_type):
+            state.targetctx = state.targetctx.subtarget(enable_nrt=False)
+        return bool(super().run_pass(state))
+
+
+def _holds_arrays(kind: Any) -> bool:
+    if isinstance(kind, types.BaseTuple):
+        return any(_holds_arrays(field) for field in kind)
+    return isinstance(kind, types.Array)
+
+
+class InlinedCompiler(Compiler):
+    """Numba's compiler for such functions, an option ``pipeline_class`` of them."""
+
+    def define_pipelines(self) -> Any:
+        """Choose where the code goes."""
+        name = self.state.func_id.func_qualname
+        self.state.library = _InlinedLibrary(self.state.targetctx.codegen(), name)
+        (before,) = super().define_pipelines()
+        pipeline = PassManager("inlined")
+        for one, words in before.passes:
+            if one.__name__ not in _NOT_ASKED_FOR:
+                pipeline.add_pass(_Lowering if one is NativeLowering else one, words)
+        pipeline.finalize()
+        return [pipeline]
