@@ -99,17 +99,21 @@ class Contact:
     tool_points : bool
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.
+    film_edges : bool
+        Whether rims and flanks of the film touch edges of the tool between their nodes, see
+        :mod:`shellcut.contact.edge_contact`.
 
     Examples
     --------
-    >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25, friction=0.0, tool_points=True, self_contact=False)
+    >>> Contact(penalty=2e4).friction
+    0.0
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
     friction: float = 0.0
     tool_points: bool = True
+    film_edges: bool = False
     self_contact: bool = False
 
     def __post_init__(self) -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from shellcut.contact.coulomb_friction import CoulombFriction
+from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
 from shellcut.contact.point_friction import PointFriction
@@ -22,11 +26,16 @@ _FINER = 0.25
 
 
 def contact_terms(
-    tool: Tool | None, settings: Contact, mesh: Mesh, film: ShellMaterial, fracture: Fracture
+    tool: Tool | None,
+    settings: Contact,
+    mesh: Mesh,
+    film: ShellMaterial,
+    fracture: Fracture,
+    part_of: Callable[[int], Part],
 ) -> tuple[PenaltyContact | None, list[ToolTerm]]:
     """Return the contact of the nodes, and all terms in the order of their evaluation.
 
-    Without a tool there are none.
+    Without a tool there are none.  part_of : returns the polygon of a row that is cut.
     """
     if tool is None:
         return None, []
@@ -42,4 +51,6 @@ def contact_terms(
         terms.append(points)
         if settings.friction > 0.0:
             terms.append(PointFriction(points, settings.friction))
+    if settings.film_edges:
+        terms.append(EdgeContact(contact, part_of))
     return contact, terms

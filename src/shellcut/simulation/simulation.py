@@ -13,6 +13,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
+from shellcut.contact.film_outline import Part
 from shellcut.contact.self_contact import SelfContact
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
@@ -163,7 +164,9 @@ class Simulation:
         tool, film = self.tool, (self.mesh, self.material)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(tool, contact, *film, self.fracture)
+        self.contact, touching = contact_terms(
+            tool, contact, *film, self.fracture, self._part_of
+        )
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
         """What touches the tool."""
@@ -189,9 +192,14 @@ class Simulation:
                 parts = self.shell, self.cracks, self.contact
                 self._loose = LoosePieces(*parts, edge_length, alpha)
         if contact.self_contact:
-            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
-            self.self_contact = SelfContact(contact, self.material, edge_length, part_of)
+            self.self_contact = SelfContact(contact, self.material, edge_length, self._part_of)
         self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+
+    def _part_of(self, row: int) -> Part:
+        """Return the polygon of a row that is cut; without cracks none ever is."""
+        if self.cracks is None:
+            raise ValueError(f"row {row} is cut in a simulation without cracks")
+        return self.cracks.cuts.topology.polygon(row)
 
     def _begin(self) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
