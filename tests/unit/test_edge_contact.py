@@ -1,21 +1,18 @@
 """Edges of the film against edges of the tool."""
 
-import itertools
-
 import numpy as np
 import pytest
 
+from free_strip import cut_strip
 from naive.contact import smoothed
 from naive.edge_contact import deepest_on_edge
 from notched_strip import cutting
 from shellcut.contact.film_edges import open_edges
 from shellcut.contact.film_outline import FilmOutline
 from shellcut.contact.settings import Contact, node_stiffness
-from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
-from shellcut.models import guillotine
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
@@ -88,8 +85,8 @@ def evaluated(sim, shift=(0.0, 0.0, 0.0), rotation=None):
     turn = np.eye(3) if rotation is None else rotation
     pose = Pose(turn, np.asarray(shift, float) - turn @ far)
     s.node.contact_side[:] = 0
-    s.node.contact_depth[:] = s.node.contact_offset[:] = 0.0
-    # Whatever it was before is forgotten: found at first sight, and as if by motion.
+    # Whatever it was before is forgotten; it was deeper, so that no growth is a jump.
+    s.node.contact_depth[:], s.node.contact_offset[:] = 1e3, 0.0
     sim.contact.near._known.revision = -1
     sim.contact._pose = term(sim)._pose = pose
     s.node.force[:] = 0.0
@@ -164,13 +161,13 @@ def test_forces_are_minus_the_gradient_on_film_and_tool():
         np.testing.assert_allclose(found.wrench[0, :3], -force.sum(axis=0), atol=1e-12 * scale)
         moment = np.cross(corners - [-50.0, 0.0, 0.0], force).sum(axis=0)
         np.testing.assert_allclose(found.wrench[0, 3:], -moment, atol=1e-10 * scale)
-        moved, eps = rng.normal(size=corners.shape), 1e-6
+        moved, eps = rng.normal(size=corners.shape), 1e-5
         energy = []
         for sign in (1.0, -1.0):
             place(sim, corners + sign * eps * moved)
             energy.append(evaluated(sim)[2].stored)
         slope = (energy[0] - energy[1]) / (2.0 * eps)
-        # Second differences; where two faces part in the step the energy has a kink of that order.
+        # Differences of second order; deeper than r the place is known to 1e-9 of the edge only.
         assert -slope == pytest.approx((force * moved).sum(), rel=1e-4, abs=1e-5 * scale)
         place(sim, corners)
         push, spin = rng.normal(size=(2, 3)) * eps
@@ -238,7 +235,7 @@ def test_the_force_does_not_jump(name):
 def test_a_film_edge_across_a_right_angle_has_the_closed_form():
     sim = one_quad(quad_with(np.array([0.0, -0.4, 0.0]), np.array([0.0, 0.6, 0.0])))
     law, area = sim.contact.law, sim.state.node.contact_area[0]
-    for deep in (0.012, 0.02, 0.03, 0.05):
+    for deep in (0.012, 0.02, 0.03, 0.045):
         place(sim, quad_with(np.array([-deep, -0.4, 0.0]), np.array([-deep, 0.6, 0.0])))
         force, _, found = evaluated(sim)
         g = deep - LIP * law.rounding
@@ -256,7 +253,7 @@ def test_a_film_edge_on_a_face_is_left_to_its_nodes():
     sim = one_quad(quad_with(a, b, (0.3, -0.3, 0.5)))
     _, both, found = evaluated(sim)
     assert found.stored < 1e-12
-    assert np.abs(both[:2]).min() > 0.0
+    assert np.abs(both[:2, :2]).min() > 0.0
 
 
 # ---------------------------------------------------------------- runs
@@ -305,23 +302,27 @@ def test_waiting_misses_nothing():
 
 
 def ends_by_place(state, outline):
-    """Places of both ends of all open edges, by the rows' polygons."""
-    found = []
+    """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
+    found, flank = [], state.flank
+    of_row = flank.row[: flank.count]
     for row in range(state.n_quad):
-        if outline.absent[row]:
-            continue
         n = outline.n_edge[row]
-        xi, eta = outline.point[row, :n].T
+        points = outline.point[row, :n]
+        xi, eta = points.T
         weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
-        weights = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)])
-        x = weights.T @ state.node.x[state.quads[row]]
-        found += [(x[k], x[(k + 1) % n]) for k in range(n) if outline.open[row, k]]
+        x = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]).T @ state.node.x[state.quads[row]]
+        # Where a crack starts there is no flank point, and nothing is touched.
+        tied = flank.place[: flank.count][of_row == row]
+        there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]
+        for k in range(n):
+            if outline.open[row, k] and not outline.absent[row]:
+                found += [(x[k], x[(k + 1) % n])] * (there[k] and there[(k + 1) % n])
     return np.array(found)
 
 
 @pytest.mark.parametrize("path", ["edges", "free"])
 def test_open_edges_are_those_of_rim_and_flanks(path):
-    sim = cutting(fracture=Fracture(path=path, check_every=5), contact=ON)
+    sim = cut_strip(contact=ON, notched=False) if path == "free" else cutting(contact=ON)
     while sim.state.n_cable < 6:
         sim.step()
     s = sim.state
@@ -343,19 +344,19 @@ def test_same_bits_over_threads_and_a_restart(tmp_path):
         n = sim.state.node
         return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
 
-    options = {"contact": ON, "fracture": Fracture(path="free", check_every=5)}
-    whole = cutting(**options)
+    whole = cut_strip(contact=ON)
     touched = 0
     while whole.state.step < 400:
         whole.step()
         touched += term(whole).forces.n_touching
     wanted = go(whole, 400)
-    assert touched > 10
-    other = go(cutting(**options, threads=2), 400)
-    first = cutting(**options)
-    go(first, 250)
+    assert touched > 3
+    other = go(cut_strip(contact=ON, threads=2), 400)
+    first = cut_strip(contact=ON)
+    while not term(first).forces.n_touching:  # within a touch
+        first.step()
     save_checkpoint(first, tmp_path / "half.h5")
-    again = cutting(**options)
+    again = cut_strip(contact=ON)
     load_checkpoint(again, tmp_path / "half.h5")
     for x, v, book in (other, go(again, 400)):
         np.testing.assert_array_equal(x, wanted[0])
@@ -365,7 +366,7 @@ def test_same_bits_over_threads_and_a_restart(tmp_path):
 
 def test_off_there_is_no_term():
     sim = pushed(Contact())
-    assert [t.name for t in sim.tool_terms] == ["contact", "points", "cables"]
+    assert [t.name for t in sim.tool_terms] == ["contact", "points", "joints"]
 
 
 def test_edges_that_a_split_makes_inside_the_tool_do_not_press():
