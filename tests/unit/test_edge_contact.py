@@ -316,7 +316,7 @@ def ends_by_place(state, outline):
         there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]
         for k in range(n):
             if outline.open[row, k] and not outline.absent[row]:
-                found += [(x[k], x[(k + 1) % n])] * (there[k] and there[(k + 1) % n])
+                found += [(x[k], x[(k + 1) % n])] * int(there[k] and there[(k + 1) % n])
     return np.array(found)
 
 
