@@ -190,18 +190,18 @@ def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
             p[1] = low[1] + rng.uniform(-0.5, 1.0) * H
         place = x.copy()
         term._known.revision = -1
-        term._tables = None
+        term.tables = None
         evaluated(state, term, place)  # far away: no side is known
         start = place.copy()
         start[node] = p + H * np.array([0.0, 0.0, 3.0] if edge == 2 else [2.0, -2.0, 0.0])
         term._known.revision = -1
         evaluated(state, term, start)
         side = 1 if edge == 2 else 0
-        term._tables.memory.side[:] = side
+        term.tables.memory.side[:] = side
         place[node] = p
         force, _ = evaluated(state, term, place)
         depth, out = depth_in_plate(p, low, high, H, side)
-        k = term._tables.stiffness[np.searchsorted(term._tables.pairs.node, node)]
+        k = term.tables.stiffness[np.searchsorted(term.tables.pairs.node, node)]
         wanted = k * smoothed(depth, term.law.smoothing_depth) * out
         np.testing.assert_allclose(force[node], wanted, atol=1e-9 * k)
         seen.add((int(np.argmax(np.abs(out))), depth > 0.0))
@@ -402,7 +402,7 @@ def test_the_halves_of_a_split_node_keep_side_and_energy():
     away = np.zeros_like(x)
     away[first:] = [0.0, 0.0, 0.5]
     _, before = approached(state, term, x, away)
-    node = int(term._tables.presses.node[0, 0])
+    node = int(term.tables.presses.node[0, 0])
     assert node >= first
     half = state.node.append_copy(node)
     n = state.node

@@ -39,7 +39,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
-from shellcut.state import KnownTopology, State
+from shellcut.state import State
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 
@@ -96,7 +96,6 @@ class EdgeContact:
         self._around = ConvexNeighbours.of(tool)
         self._outline = FilmOutline(part_of)
         self._of_contact: ContactTables | None = None
-        self._known = KnownTopology()
         self._pose: Pose | None = None
         self._walked = 0.0
         self._hold = Holder()

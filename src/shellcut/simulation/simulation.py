@@ -15,6 +15,7 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
 from shellcut.contact.film_outline import Part
 from shellcut.contact.self_contact import SelfContact
+from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
@@ -35,7 +36,7 @@ from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
 from .contact_terms import contact_terms
-from .film_terms import FilmTerms
+from .film_terms import FilmTerm, FilmTerms
 from .hooks import Hook, serve
 from .input_checks import (
     check_parts,
@@ -193,7 +194,10 @@ class Simulation:
                 self._loose = LoosePieces(*parts, edge_length, alpha)
         if contact.self_contact:
             self.self_contact = SelfContact(contact, self.material, edge_length, self._part_of)
-        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+        itself: list[FilmTerm] = [self.self_contact] if self.self_contact else []
+        if self.self_contact and contact.self_friction > 0.0:
+            itself.append(SelfFriction(self.self_contact, contact.self_friction))
+        self._film_terms = FilmTerms(itself)
 
     def _part_of(self, row: int) -> Part:
         """Return the polygon of a row that is cut; without cracks none ever is."""
@@ -402,8 +406,10 @@ class Simulation:
 
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
-        self.tool_terms.close(self.state, self.ledger)
-        self._film_terms.close(self.state, self.ledger)
+        stored = self.tool_terms.stored(self.state)
+        for entry, energy in self._film_terms.stored(self.state).items():
+            stored[entry] = stored.get(entry, 0.0) + energy
+        vars(self.ledger).update(stored)
         return self.ledger
 
     # ---------------------------------------------------------------- restart

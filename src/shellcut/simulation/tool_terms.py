@@ -21,6 +21,7 @@ from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 
+from .film_terms import sums_of_stored
 from .ledger import Ledger
 
 
@@ -133,14 +134,9 @@ class ToolTerms:
         for term, on_tool in zip(self._terms, works, strict=True):
             term.forces.add_works(entries, on_tool)
 
-    def close(self, state: State, ledger: Ledger) -> None:
-        """Bring the entries of the ledger that are functions of the state up to t_n."""
-        sums: dict[str, float] = {}
-        for term in self._terms:
-            for entry, energy in term.stored(state).items():
-                sums[entry] = sums.get(entry, 0.0) + energy
-        for entry, energy in sums.items():
-            setattr(ledger, entry, energy)
+    def stored(self, state: State) -> dict[str, float]:
+        """Return the entries of the ledger that are functions of the state at t_n [N·mm]."""
+        return sums_of_stored(self._terms, state)
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
