@@ -30,9 +30,7 @@ def bar(side=0.6, length=3.0):
     w = side / np.sqrt(2.0)
     section = np.array([[-w, -w], [-2.0 * w, 0.0], [-w, w], [0.0, 0.0]])
     ends = [np.column_stack([section, np.full(4, z)]) for z in (-0.5 * length, 0.5 * length)]
-    sides = [
-        t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))
-    ]
+    sides = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))]
     caps = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]
     return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
 
@@ -123,16 +121,14 @@ def random_quads(rng, n):
 
 def test_depth_and_place_are_those_of_a_search():
     rng = np.random.default_rng(4)
-    sim = one_quad(np.zeros((4, 3)) + [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]])
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
     tool, r = bar(), sim.contact.law.rounding
     g_m, area = sim.contact.law.smoothing_depth, sim.state.node.contact_area[0]
     pressed = 0
     for corners in random_quads(rng, 45):
         place(sim, corners)
         _, _, found = evaluated(sim)
-        deepest = [
-            deepest_on_edge(corners[i], corners[(i + 1) % 4], tool, r)[0] for i in range(4)
-        ]
+        deepest = [deepest_on_edge(corners[i], corners[(i + 1) % 4], tool, r)[0] for i in range(4)]
         # The search ends at 1e-6 of the edge, so at 1e-9 of the depth, which is flat there.
         np.testing.assert_allclose(found.deepest, max(deepest), atol=1e-7)
         pressed += max(deepest) > 0.0
@@ -148,7 +144,7 @@ def _stored(g, g_m):
 
 def test_forces_are_minus_the_gradient_on_film_and_tool():
     rng = np.random.default_rng(5)
-    sim = one_quad(np.zeros((4, 3)) + [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]])
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
     tried = 0
     for corners in random_quads(rng, 24):
         place(sim, corners)
@@ -177,7 +173,9 @@ def test_forces_are_minus_the_gradient_on_film_and_tool():
         ]
         moment = -np.cross(corners, force).sum(axis=0)
         work = -force.sum(axis=0) @ push + moment @ spin
-        assert -0.5 * (energy[0] - energy[1]) == pytest.approx(work, rel=1e-3, abs=1e-4 * scale * eps)
+        assert -0.5 * (energy[0] - energy[1]) == pytest.approx(
+            work, rel=1e-3, abs=1e-4 * scale * eps
+        )
     assert tried > 12
 
 

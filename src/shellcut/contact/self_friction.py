@@ -3,20 +3,22 @@
 A point P that presses on a sheet with N along n_f (:mod:`.self_contact`) is held there by a spring
 across n_f, as nodes are on the tool's faces (:mod:`.coulomb_friction`), with u its elongation:
 
-    u* = (1 - n_f n_f^T)(u + dt w),    u' = u* min(1, mu N / (k_t |u*|)),    force on P: f = -k_t u'.
+    u* = (1 - n_f n_f^T)(u + w),    u' = u* min(1, mu N / (k_t |u*|)),    force on P: f = -k_t u'.
 
-*Slip speed w.* P is at the distance d over its foot c on the sheet, P = c + d n. What it slides on
-is the sheet's film at P, which turns with the sheet's normal: with the shape functions N_a at c,
+*Way of slip.* P is at the distance d over its foot c on the sheet, P = c + d n. What it slides on
+is the sheet's film at P, which turns with the sheet: its place a step before was y = c + d n of the
+positions then, with the same place of the quad and the same d, and
 
-    w = v_P - sum N_a v_a - d n',    n' = - sum (n · v_a) grad N_a.
+    w = y_{n-1} - P_{n-1},
 
-So two films that move together as a rigid body do not slip, however far apart their mid-surfaces
+seen in the frame of the quad then and taken to that of now. So two films that move together as a
+rigid body do not slip, however far they turn in a step and however far apart their mid-surfaces
 are. The forces are those of virtual work, f on P and on the nodes of the quad
 
-    - N_a f + d (f · grad N_a) n:
+    - N_a f + d (f · grad N_a) n,
 
-no sum, as sum grad N_a = 0, and no moment: d f x n of the second part takes up what f at P and -f
-at c have together.
+N_a being the shape functions at c: no sum, as sum grad N_a = 0, and no moment: d f x n of the
+second part takes up what f at P and -f at c have together.
 
 *The spring turns with the sheet.* u is kept by its components along the tangent, across it and
 along the normal of the quad at the foot, and is read there again a step later, wherever the foot is
@@ -37,8 +39,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
@@ -50,7 +50,7 @@ from .coulomb_friction import TANGENTIAL, stiffer_by
 from .quad_distance import Corners, corners_of, normal_at, place_in, tangents_at, weights_at
 from .self_contact import SelfContact
 from .self_contact_kernel import half_work_of, put_on
-from .self_contact_tables import Memory, Presses, SelfContactTables
+from .self_contact_tables import Memory, Presses, SelfContactTables, SelfNodes
 from .sheet_contact import slopes_along
 
 
@@ -154,6 +154,35 @@ def _spring_of(sheet: int, memory: Memory, x: Floats, quads: Ints) -> Vec3:
     return add_scaled(combine(u[0], along, u[1], across), u[2], n)
 
 
+@inline
+def _way_of_slip(
+    row: int,
+    node: int,
+    xi: float,
+    eta: float,
+    over: float,
+    dt: float,
+    nodes: SelfNodes,
+    quads: Ints,
+) -> Vec3:
+    """Return the way of a point against the sheet's film over the last step [mm].
+
+    By its components in the frame of the quad.  over : d [mm].
+    """
+    x, v = nodes.x, nodes.velocity_half
+    n0, n1, n2, n3 = quads[row, 0], quads[row, 1], quads[row, 2], quads[row, 3]
+    then = Corners(
+        add_scaled(load(x, n0), -dt, load(v, n0)),
+        add_scaled(load(x, n1), -dt, load(v, n1)),
+        add_scaled(load(x, n2), -dt, load(v, n2)),
+        add_scaled(load(x, n3), -dt, load(v, n3)),
+    )
+    along, across, n = _frame_at(then, xi, eta)
+    slid_on = add_scaled(place_in(then, xi, eta), over, n)
+    way = sub(slid_on, add_scaled(load(x, node), -dt, load(v, node)))
+    return dot(way, along), dot(way, across), dot(way, n)
+
+
 @kernel
 def _add_self_friction(
     dt: float, coefficient: float, tables: SelfContactTables, drags: Presses
@@ -179,16 +208,11 @@ def _add_self_friction(
         xi, eta = touches.place[i, 0], touches.place[i, 1]
         q, node = corners_of(x, quads, row), presses.node[i, 0]
         along, across, n = _frame_at(q, xi, eta)
-        weights = weights_at(xi, eta)
         over = dot(sub(load(x, node), place_in(q, xi, eta)), n)
-        on, off = slopes_along(along, xi, eta, q), slopes_along(across, xi, eta, q)
-        slip = load(nodes.velocity_half, node)
-        for a in range(4):
-            v = load(nodes.velocity_half, quads[row, a])
-            lifts = over * dot(n, v)
-            slip = add_scaled(add_scaled(slip, -weights[a], v), lifts * on[a], along)
-            slip = add_scaled(slip, lifts * off[a], across)
-        pulled = add_scaled(_spring_of(sheet, memory, x, quads), dt, slip)
+        u = _spring_of(sheet, memory, x, quads)
+        w = _way_of_slip(row, node, xi, eta, over, dt, nodes, quads)
+        carried = add_scaled(combine(w[0], along, w[1], across), w[2], n)
+        pulled = add_scaled(u, 1.0, carried)
         new = add_scaled(pulled, -dot(pulled, pressed) / (pressure * pressure), pressed)
         stiffness = TANGENTIAL * tables.stiffness[touches.point[i]]
         most, trial = coefficient * pressure, stiffness * norm(new)
@@ -201,8 +225,9 @@ def _add_self_friction(
         memory.drag_place[sheet, 0], memory.drag_place[sheet, 1] = xi, eta
         f = scale(-stiffness, new)
         put_on(count, 0, node, f, nodes, drags)
+        weights, slopes = weights_at(xi, eta), slopes_along(f, xi, eta, q)
         for a in range(4):
-            couple = over * (on[a] * dot(f, along) + off[a] * dot(f, across))
+            couple = over * slopes[a]
             back = combine(-weights[a], f, couple, n)
             put_on(count, a + 1, quads[row, a], back, nodes, drags)
         count += 1

@@ -10,8 +10,8 @@ depth is
 the shorter of the two ways out: through the face, or through the edge. D is continuous, so the
 energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the shape
 functions at c; through the edge along m, the normal of the edge in the tangent plane, with the
-couple that turns m with the film (:func:`slopes_along`). Both leave momentum and angular momentum as
-they are, to round-off.
+couple that turns m with the film (:func:`slopes_along`). Both leave momentum and angular momentum
+as they are, to round-off.
 
 Flanks that are born together lie edge to edge: e = 0, so D = 0 whatever h is. They part freely,
 meet again at e = 0 in the plane, and pass over each other as soon as they are h apart. Nothing has

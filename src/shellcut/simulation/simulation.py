@@ -165,9 +165,7 @@ class Simulation:
         tool, film = self.tool, (self.mesh, self.material)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(
-            tool, contact, *film, self.fracture, self._part_of
-        )
+        self.contact, touching = contact_terms(tool, contact, *film, self.fracture, self._part_of)
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
         """What touches the tool."""
