@@ -32,7 +32,7 @@ at both.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -49,31 +49,10 @@ from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .film_edges import open_edges
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
+from .press_forces import PressForces
 
 # Room for pairs at first.
 _ROOM = 256
-
-
-class EdgeForces(NamedTuple):
-    """Results of one evaluation."""
-
-    wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
-    node_work: float
-    """Work of the contact on the nodes since t_{n-1} [N·mm]."""
-    stored: float
-    """Penalty energy at t_n [N·mm]."""
-    absorbed: float
-    """Energy of springs that have let go since t_{n-1} [N·mm]."""
-    n_touching: int
-    """Number of edges that press."""
-    deepest: float
-    """Largest depth that presses [mm]."""
-
-    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
-        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
-        entries["contact_work"] -= self.node_work + on_tool
-        entries["contact_absorbed"] += self.absorbed
 
 
 class EdgeContact:
@@ -105,10 +84,10 @@ class EdgeContact:
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
         self._soon = BoundOnce(edge_springs)
         self._none = np.zeros((tool.n_body, 6))
-        self.forces = EdgeForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
+        self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
 
-    def add_forces(self, state: State, pose: Pose) -> EdgeForces:
+    def add_forces(self, state: State, pose: Pose) -> PressForces:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
         work = lost = 0.0
@@ -116,7 +95,7 @@ class EdgeContact:
             work, lost = self._renew(state, pose)
         wrench = self._none.copy()
         found = self._call.code(pose, before, state.dt, self._walked, self._held, wrench)
-        self.forces = EdgeForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
+        self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
         self._walked = found[5]
         return self.forces
 
@@ -153,7 +132,7 @@ class EdgeContact:
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
-        self.forces = EdgeForces(**saved["forces"])
+        self.forces = PressForces(**saved["forces"])
         if "pairs" not in saved:
             return
         self._walked = saved["walked"]

@@ -89,7 +89,8 @@ class EdgeMemory(NamedTuple):
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
-        return cls(*np.zeros((4, n)), np.zeros((n, 2, 3)))
+        until, depth, offset, stored = np.zeros((4, n))
+        return cls(until, depth, offset, stored, np.zeros((n, 2, 3)))
 
 
 class EdgeNodes(NamedTuple):

@@ -30,7 +30,7 @@ the next step's are what friction did on the film in between. What is not stored
 mean force times the slip where the foot stays.
 
 *Stiffness.* k_t is ``TANGENTIAL`` of the point's k and acts across it, with slip it adds the
-unsymmetric mu k f'; together at most 1 + :func:`.coulomb_friction.stiffer_by` times the steepest k.
+unsymmetric mu k f'; together at most 1 + :func:`.friction_term.stiffer_by` times the steepest k.
 The couple's part, (d |grad N_a|)² of k_t, is less than what the steepest k leaves to it up to a
 thickness of 1.5 edges.
 """
@@ -46,7 +46,7 @@ from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
 
-from .coulomb_friction import TANGENTIAL, stiffer_by
+from .friction_term import TANGENTIAL, FrictionTerm
 from .quad_distance import Corners, corners_of, normal_at, place_in, tangents_at, weights_at
 from .self_contact import SelfContact
 from .self_contact_kernel import half_work_of, put_on
@@ -72,7 +72,7 @@ class SelfFrictionForces(NamedTuple):
         entries["friction_dissipated"] += self.dissipated
 
 
-class SelfFriction:
+class SelfFriction(FrictionTerm[SelfFrictionForces]):
     """Friction of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
 
     Parameters
@@ -86,7 +86,7 @@ class SelfFriction:
     name = "self_friction"
 
     def __init__(self, contact: SelfContact, coefficient: float) -> None:
-        self.coefficient = coefficient
+        super().__init__(contact, coefficient)
         self._contact = contact
         self._of: SelfContactTables | None = None
         self._drags = Presses.with_room(0)
@@ -105,20 +105,6 @@ class SelfFriction:
         work, stored, n_slipping = self._call.code(state.dt, self.coefficient, held, self._held)
         self.forces = SelfFrictionForces(work, stored, before - stored - work, n_slipping)
         return self.forces
-
-    @property
-    def n_search(self) -> int:
-        """None of its own: it acts where the contact does."""
-        return 0
-
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that may come to press soon and what friction adds there [N/mm]."""
-        near, penalty = self._contact.stiffness(state)
-        return near, stiffer_by(self.coefficient) * penalty
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
-        return {"friction_stored": self.forces.stored}
 
     def saved(self) -> dict[str, Any]:
         """Return the last forces; the springs are in the contact's memory."""
