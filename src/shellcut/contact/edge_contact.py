@@ -18,7 +18,8 @@ as the film's edge turns until it lies on a face.
 
 *Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that turn
 by more than 10 deg and do not cut; both are listed whenever the contact of the nodes lists those
-near. A pair is looked at again when film and tool may have come so near that they touch.
+near. A pair is looked at again when film and tool may have come so near that they touch, and the
+step when they have walked a quarter of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
 blade goes through the film there: it does not press. If g grows by more than film and tool have
@@ -54,6 +55,9 @@ from .press_forces import PressForces
 # Room for pairs at first.
 _ROOM = 256
 
+# Of the way for which the list lasts: the step is looked at again when so much of it is walked.
+_SOON = 0.25
+
 
 class EdgeContact:
     """Contact of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
@@ -76,13 +80,16 @@ class EdgeContact:
         self._outline = FilmOutline(part_of)
         self._of_contact: ContactTables | None = None
         self._pose: Pose | None = None
-        self._walked = 0.0
+        self._soon = _SOON * contact.near.half_margin
+        self._walked, self._looked_at = 0.0, 0.0
+        self.n_search = 0
+        """How often the step must have been looked at anew."""
         self._hold = Holder()
         self.tables: EdgeTables | None = None
         """For kernels, good until the list is made anew."""
         self._held: Any = None
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
-        self._soon = BoundOnce(edge_springs)
+        self._springs = BoundOnce(edge_springs)
         self._none = np.zeros((tool.n_body, 6))
         self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
@@ -97,12 +104,9 @@ class EdgeContact:
         found = self._call.code(pose, before, state.dt, self._walked, self._held, wrench)
         self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
         self._walked = found[5]
+        if self._walked > self._looked_at + self._soon:
+            self.n_search, self._looked_at = self.n_search + 1, self._walked
         return self.forces
-
-    @property
-    def n_search(self) -> int:
-        """None of its own: it lists what is near when the nodes' contact does."""
-        return 0
 
     def stiffness(self, _state: State) -> tuple[Ints, Floats]:
         """Return the ends of edges that may press soon and a bound on their stiffness [N/mm]."""
@@ -110,8 +114,7 @@ class EdgeContact:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 2 * len(self.tables.pairs.node)
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        reach = self._contact.near.half_margin
-        count = self._soon(self._pose, reach, self._held, node, stiffness)
+        count = self._springs(self._pose, self._soon, self._held, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -125,6 +128,8 @@ class EdgeContact:
         return {
             "forces": self.forces._asdict(),
             "walked": self._walked,
+            "looked_at": self._looked_at,
+            "n_search": self.n_search,
             "pairs": self.tables.pairs._asdict(),
             "memory": self.tables.memory._asdict(),
         }
@@ -135,7 +140,8 @@ class EdgeContact:
         self.forces = PressForces(**saved["forces"])
         if "pairs" not in saved:
             return
-        self._walked = saved["walked"]
+        self._walked, self._looked_at = saved["walked"], saved["looked_at"]
+        self.n_search = saved["n_search"]
         pairs = EdgePairs(**{name: rows.copy() for name, rows in saved["pairs"].items()})
         memory = EdgeMemory(**{name: rows.copy() for name, rows in saved["memory"].items()})
         self._lay_out(state, pairs, memory)
@@ -161,7 +167,7 @@ class EdgeContact:
         memory, gone = EdgeMemory.blank(len(near)), (0.0, 0.0)
         if self.tables is not None:
             gone = _take_over(self.tables, pairs, memory, state)
-        self._walked = 0.0
+        self._walked = self._looked_at = 0.0
         self._lay_out(state, pairs, memory)
         return gone
 
