@@ -79,10 +79,6 @@ class FilmTerms:
             term.add_forces(state).add_works(vars(ledger))
             self.n_search += term.n_search - before
 
-    def stored(self, state: State) -> dict[str, float]:
-        """Return the entries of the ledger that are functions of the state at t_n [N·mm]."""
-        return sums_of_stored(self._terms, state)
-
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names."""
         return {term.name: term.saved() for term in self._terms}

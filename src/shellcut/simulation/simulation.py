@@ -13,9 +13,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
 from shellcut.central_difference import CentralDifference
-from shellcut.contact.film_outline import Part
 from shellcut.contact.self_contact import SelfContact
-from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.fracture.cracks import Cracks
@@ -35,8 +33,8 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
-from .contact_terms import contact_terms
-from .film_terms import FilmTerm, FilmTerms
+from .contact_terms import contact_terms, polygons_of, self_contact_terms
+from .film_terms import FilmTerms, sums_of_stored
 from .hooks import Hook, serve
 from .input_checks import (
     check_parts,
@@ -165,7 +163,9 @@ class Simulation:
         tool, film = self.tool, (self.mesh, self.material)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(tool, contact, *film, self.fracture, self._part_of)
+        self.contact, touching = contact_terms(
+            tool, contact, *film, self.fracture, polygons_of(self)
+        )
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
         """What touches the tool."""
@@ -179,8 +179,6 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         self._loose: LoosePieces | None = None
-        self.self_contact: SelfContact | None = None
-        """Of the film with itself, if it is switched on."""
         edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
         if self.law is not None:
             self.cracks = Cracks(
@@ -190,18 +188,10 @@ class Simulation:
                 alpha = self.integrator.damping_alpha
                 parts = self.shell, self.cracks, self.contact
                 self._loose = LoosePieces(*parts, edge_length, alpha)
-        if contact.self_contact:
-            self.self_contact = SelfContact(contact, self.material, edge_length, self._part_of)
-        itself: list[FilmTerm] = [self.self_contact] if self.self_contact else []
-        if self.self_contact and contact.self_friction > 0.0:
-            itself.append(SelfFriction(self.self_contact, contact.self_friction))
-        self._film_terms = FilmTerms(itself)
-
-    def _part_of(self, row: int) -> Part:
-        """Return the polygon of a row that is cut; without cracks none ever is."""
-        if self.cracks is None:
-            raise ValueError(f"row {row} is cut in a simulation without cracks")
-        return self.cracks.cuts.topology.polygon(row)
+        own = self_contact_terms(contact, self.material, edge_length, polygons_of(self))
+        self.self_contact: SelfContact | None = own[0] if own else None
+        """Of the film with itself, if it is switched on."""
+        self._film_terms = FilmTerms(own)
 
     def _begin(self) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
@@ -404,10 +394,8 @@ class Simulation:
 
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
-        stored = self.tool_terms.stored(self.state)
-        for entry, energy in self._film_terms.stored(self.state).items():
-            stored[entry] = stored.get(entry, 0.0) + energy
-        vars(self.ledger).update(stored)
+        terms = [*self.tool_terms, *self._film_terms]
+        vars(self.ledger).update(sums_of_stored(terms, self.state))
         return self.ledger
 
     # ---------------------------------------------------------------- restart

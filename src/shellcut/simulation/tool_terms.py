@@ -21,7 +21,6 @@ from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 
-from .film_terms import sums_of_stored
 from .ledger import Ledger
 
 
@@ -133,10 +132,6 @@ class ToolTerms:
         entries = vars(ledger)
         for term, on_tool in zip(self._terms, works, strict=True):
             term.forces.add_works(entries, on_tool)
-
-    def stored(self, state: State) -> dict[str, float]:
-        """Return the entries of the ledger that are functions of the state at t_n [N·mm]."""
-        return sums_of_stored(self._terms, state)
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
