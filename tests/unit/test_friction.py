@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from notched_strip import cutting
-from shellcut.contact.coulomb_friction import TANGENTIAL, CoulombFriction
+from shellcut.contact.coulomb_friction import CoulombFriction
+from shellcut.contact.friction_term import TANGENTIAL
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial

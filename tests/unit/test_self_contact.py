@@ -8,44 +8,11 @@ from naive.contact import smoothed
 from naive.self_contact import closest_in, depth_in_plate
 from shellcut.contact.film_outline import FilmOutline
 from shellcut.contact.quad_distance import closest_place, corners_of
-from shellcut.contact.self_contact import SelfContact
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import kernel
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
-
-H = 0.074
-ON = sc.Contact(self_contact=True)
-
-
-def two_pieces(gap, turn=20.0, tilt=0.0):
-    """A large piece in z = 0 and a smaller one, turned and moved by ``gap`` from its middle."""
-    one = rectangle(3.0, 2.0, n_x=6, n_y=4)
-    two = rectangle(2.0, 1.4, n_x=5, n_y=4)
-    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
-    a, b = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
-    rotation = np.array([[1, 0, 0], [0, a, -b], [0, b, a]]) @ [[c, -s, 0], [s, c, 0], [0, 0, 1]]
-    middle = one.nodes.mean(axis=0)
-    moved = (two.nodes - two.nodes.mean(axis=0)) @ rotation.T + middle + gap
-    nodes = np.concatenate([one.nodes, moved])
-    return sc.Mesh.from_arrays(nodes, np.concatenate([one.quads, two.quads + one.n_node])), one
-
-
-def thrown(gap, velocity, *, thickness=H, **options):
-    """Two free pieces that fly against each other at ``velocity`` each."""
-    mesh, one = two_pieces(gap)
-    v = np.tile(-np.asarray(velocity, float), (mesh.n_node, 1))
-    v[: one.n_node] *= -1.0
-    return sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(thickness=thickness),
-        contact=ON,
-        velocity=v,
-        damping_alpha=0.0,
-        damping_beta=0.0,
-        **options,
-    )
+from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
 
 
 def momenta(sim):
@@ -110,44 +77,6 @@ def test_edges_are_open_at_rim_and_cut_and_where_a_node_splits():
 # ------------------------------------------------------------------ forces
 
 
-def touching(gap, tilt=0.0, warp=0.0):
-    """State and term of two pieces, the second anywhere; nothing moves."""
-    mesh, one = two_pieces((0.0, 0.0, 5.0), tilt=tilt)
-    material = sc.ShellMaterial.homogeneous(thickness=H)
-    state = initial_state(mesh)
-    MITC4Shell(mesh, material, damping_beta=0.0).initialise(state)
-    term = SelfContact(ON, material, 0.5)
-    rng = np.random.default_rng(1)
-    x = mesh.nodes + warp * rng.normal(size=mesh.nodes.shape)
-    x[one.n_node :] += np.asarray(gap) - [0.0, 0.0, 5.0]
-    return state, term, x, one.n_node
-
-
-def evaluated(state, term, x):
-    """Forces of the term with the nodes at x, after a look at them from where they came."""
-    n = state.node
-    n.x[: n.count] = x
-    n.force_rows[:] = 0.0
-    found = term.add_forces(state)
-    return n.force[: n.count].copy(), found
-
-
-def approached(state, term, x, away):
-    """Bring the nodes from x + away to x, so that sides are known."""
-    for part in (1.0, 0.5, 0.25):
-        evaluated(state, term, x + part * away)
-        term._known.revision = -1  # search anew, as something may have come near
-    return evaluated(state, term, x)
-
-
-CASES = {
-    "face": ([0.13, 0.07, 0.9 * H], [0.0, 0.0, 0.5], 0.0),
-    "from below": ([0.13, 0.07, -0.8 * H], [0.0, 0.0, -0.5], 0.0),
-    "tilted": ([0.13, 0.07, 0.18], [0.0, 0.0, 0.6], 12.0),
-    "edges in plane": ([2.405, 0.1, 0.3 * H], [0.5, 0.0, 0.0], 0.0),
-}
-
-
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("warp", [0.0, 0.01])
 def test_forces_are_minus_the_gradient_of_the_stored_energy(case, warp):
@@ -190,18 +119,18 @@ def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
             p[1] = low[1] + rng.uniform(-0.5, 1.0) * H
         place = x.copy()
         term._known.revision = -1
-        term._tables = None
+        term.tables = None
         evaluated(state, term, place)  # far away: no side is known
         start = place.copy()
         start[node] = p + H * np.array([0.0, 0.0, 3.0] if edge == 2 else [2.0, -2.0, 0.0])
         term._known.revision = -1
         evaluated(state, term, start)
         side = 1 if edge == 2 else 0
-        term._tables.memory.side[:] = side
+        term.tables.memory.side[:] = side
         place[node] = p
         force, _ = evaluated(state, term, place)
         depth, out = depth_in_plate(p, low, high, H, side)
-        k = term._tables.stiffness[np.searchsorted(term._tables.pairs.node, node)]
+        k = term.tables.stiffness[np.searchsorted(term.tables.pairs.node, node)]
         wanted = k * smoothed(depth, term.law.smoothing_depth) * out
         np.testing.assert_allclose(force[node], wanted, atol=1e-9 * k)
         seen.add((int(np.argmax(np.abs(out))), depth > 0.0))
@@ -402,7 +331,7 @@ def test_the_halves_of_a_split_node_keep_side_and_energy():
     away = np.zeros_like(x)
     away[first:] = [0.0, 0.0, 0.5]
     _, before = approached(state, term, x, away)
-    node = int(term._tables.presses.node[0, 0])
+    node = int(term.tables.presses.node[0, 0])
     assert node >= first
     half = state.node.append_copy(node)
     n = state.node

@@ -62,7 +62,7 @@ def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
         Of the film's smaller quads [mm].
     """
     surface = Surface(tool.vertices, tool.triangles)
-    cutting = _is_cutting(tool, surface)
+    cutting = is_cutting(tool, surface)
     vertex, sharpness = _corners(tool, surface, cutting)
     at_vertex = _vertex_normals(tool)
     body_of = np.zeros(tool.n_vertex, np.int64)
@@ -80,7 +80,7 @@ def contact_points(tool: Tool, edge_length: float) -> ContactPoints:
     )
 
 
-def _is_cutting(tool: Tool, surface: Surface) -> Bools:
+def is_cutting(tool: Tool, surface: Surface) -> Bools:
     """Return which edges of the surface cut, (n_edge,)."""
     cut = np.sort(tool.edges, axis=1)
     keys = cut[:, 0] * tool.n_vertex + cut[:, 1]

@@ -21,12 +21,7 @@ normal that turns (the spring loses its part along n) and for a node that comes 
 0: what was stored is dissipated). The work itself comes from the forces on nodes and tool, each in
 their own motion, so that work = stored + dissipated is a check.
 
-*Stiffness.* k_t is ``TANGENTIAL`` times the k of the node's penalty: a node slips by mu N / k_t =
-2 mu f(g) from rest, less than its own depth for mu up to ½. The spring acts across n, the penalty
-along it; slip adds the unsymmetric term mu k f'. With a = 27/16 the steepest slope of the penalty,
-the largest singular value of the two together is at most k sqrt(a² (1 + mu²) + TANGENTIAL²). What
-that is more than a k enters the bound on the step, 4 % of a k for mu = 0.2, so 2 % of the step at
-most.
+*Stiffness* is that of all frictions (:mod:`.friction_term`).
 
 A split leaves its new node with the spring of the node it comes from.
 """
@@ -46,17 +41,9 @@ from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 
 from .contact_tables import ContactTables
+from .friction_term import TANGENTIAL, FrictionTerm
 from .penalty_contact import PenaltyContact
 from .settings import STEEPEST, node_stiffness
-
-TANGENTIAL = 0.5
-"""Stiffness of the tangential spring over that of the node's penalty."""
-
-
-def stiffer_by(coefficient: float) -> float:
-    """Return what friction adds to the steepest penalty in the bound on the step, over that."""
-    coupled = (1.0 + coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
-    return float(np.sqrt(coupled)) - 1.0
 
 
 class FrictionForces(NamedTuple):
@@ -88,7 +75,7 @@ class _Springs(NamedTuple):
     friction_force: Annotated[Floats, "(n_node, 3)"]
 
 
-class CoulombFriction:
+class CoulombFriction(FrictionTerm[FrictionForces]):
     """Friction of all nodes in contact, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -100,8 +87,8 @@ class CoulombFriction:
     """
 
     def __init__(self, contact: PenaltyContact, coefficient: float) -> None:
+        super().__init__(contact, coefficient)
         self.name = "friction"
-        self.coefficient = coefficient
         self._contact = contact
         self._tables: ContactTables | None = None
         self._springs: _Springs | None = None
@@ -125,20 +112,6 @@ class CoulombFriction:
         )
         self.forces = FrictionForces(wrench, work, stored, dissipated + lost, n_slipping)
         return self.forces
-
-    @property
-    def n_search(self) -> int:
-        """None of its own: it acts where the contact does."""
-        return 0
-
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that may come into contact soon and what friction adds there [N/mm]."""
-        near, penalty = self._contact.stiffness(state)
-        return near, stiffer_by(self.coefficient) * penalty
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
-        return {"friction_stored": self.forces.stored}
 
     def saved(self) -> dict[str, Any]:
         """Return the last forces; the springs are in the state."""

@@ -50,6 +50,11 @@ class NearNodes:
         """Searches so far."""
         self._way, self._within = BoundOnce(_moved), BoundOnce(_within)
 
+    @property
+    def half_margin(self) -> float:
+        """Way that tool and listed nodes may go together before the list is made anew [mm]."""
+        return 0.5 * self._margin
+
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
         n = state.node
@@ -59,7 +64,7 @@ class NearNodes:
             tool, fastest = self._way(self.ids, n.velocity_half, pose, self._pose, self._radius)
             self._walked += (state.time - self._time) * fastest
             self._time = state.time
-            if tool + self._walked < 0.5 * self._margin:
+            if tool + self._walked < self.half_margin:
                 return False
         found = np.empty(n.count, np.int64)
         count = _inside(
@@ -101,7 +106,7 @@ class NearNodes:
 
         They depend on the present positions only, not on when the list was made.
         """
-        inner, found = 0.5 * self._margin, np.empty(self.ids.size, np.int64)
+        inner, found = self.half_margin, np.empty(self.ids.size, np.int64)
         low, high = self._low + inner, self._high - inner
         return found[: self._within(self.ids, state.node.x, pose, low, high, found)]
 

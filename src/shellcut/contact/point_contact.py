@@ -38,7 +38,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -63,6 +63,7 @@ from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
 from .point_search import list_pairs, whole_quads_near
 from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
+from .press_forces import PressForces
 from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
@@ -88,28 +89,6 @@ _ROUND_OFF = 1e-10
 
 # Reach of a point in the bound on the step beyond its own shape functions, over the edge length.
 _SOON = 0.3
-
-
-class PointForces(NamedTuple):
-    """Results of one evaluation."""
-
-    wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
-    node_work: float
-    """Work of the contact on the nodes since t_{n-1} [N·mm]."""
-    stored: float
-    """Penalty energy at t_n [N·mm]."""
-    absorbed: float
-    """Energy of springs that have let go since t_{n-1} [N·mm]."""
-    n_touching: int
-    """Number of points that press."""
-    deepest: float
-    """Largest depth [mm]."""
-
-    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
-        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
-        entries["contact_work"] -= self.node_work + on_tool
-        entries["contact_absorbed"] += self.absorbed
 
 
 class PointContact:
@@ -145,17 +124,17 @@ class PointContact:
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
         self._soon = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
-        self.forces = PointForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
+        self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
 
-    def add_forces(self, state: State, pose: Pose) -> PointForces:
+    def add_forces(self, state: State, pose: Pose) -> PressForces:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose, pose
         if not self._known.is_of(state) or self._walked > self._look_at or state.step == 0:
             self._renew(state, pose)
         wrench = self._none.copy()
         found = self._call.code(pose, before, state.dt, self._walked, self.tables, wrench)
-        self.forces, self._walked = PointForces(wrench, *found[:5]), found[5]
+        self.forces, self._walked = PressForces(wrench, *found[:5]), found[5]
         return self.forces
 
     def felt_nodes(self) -> Ints:
@@ -199,7 +178,7 @@ class PointContact:
         self._listed_pose, self._pose = Pose(**saved["pose"]).copied(), pose
         self.n_search = saved["n_search"]
         self._known.restore(saved["revision"], state)
-        self.forces = PointForces(**saved["forces"])
+        self.forces = PressForces(**saved["forces"])
         self._collect(state)
 
     def _renew(self, state: State, pose: Pose) -> None:

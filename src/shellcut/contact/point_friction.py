@@ -33,7 +33,8 @@ from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, 
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 
-from .coulomb_friction import TANGENTIAL, FrictionForces, stiffer_by
+from .coulomb_friction import FrictionForces
+from .friction_term import TANGENTIAL, FrictionTerm
 from .point_contact import PointContact
 from .point_tables import PointFilm, PointTables
 from .settings import node_stiffness
@@ -67,7 +68,7 @@ class _Springs(NamedTuple):
         )
 
 
-class PointFriction:
+class PointFriction(FrictionTerm[FrictionForces]):
     """Friction of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -79,8 +80,8 @@ class PointFriction:
     """
 
     def __init__(self, points: PointContact, coefficient: float) -> None:
+        super().__init__(points, coefficient)
         self.name = "point_friction"
-        self.coefficient = coefficient
         self._points = points
         self._take(_Springs.at_rest(len(points.points.place)))
         self._pose: Pose | None = None
@@ -98,20 +99,6 @@ class PointFriction:
         )
         self.forces = FrictionForces(wrench, *found)
         return self.forces
-
-    @property
-    def n_search(self) -> int:
-        """None of its own: it acts where the points do."""
-        return 0
-
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that points may press soon and what friction adds there [N/mm]."""
-        near, penalty = self._points.stiffness(state)
-        return near, stiffer_by(self.coefficient) * penalty
-
-    def stored(self, _state: State) -> dict[str, float]:
-        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
-        return {"friction_stored": self.forces.stored}
 
     def saved(self) -> dict[str, Any]:
         """Return the springs and the last forces."""

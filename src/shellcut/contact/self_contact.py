@@ -44,6 +44,7 @@ from .self_contact_tables import (
     SelfContactTables,
     SelfNodes,
     Ties,
+    Touches,
     Waits,
 )
 from .settings import Contact
@@ -114,8 +115,10 @@ class SelfContact:
         self._x_then = np.zeros((0, 3))
         self._walked = 0.0
         self._look_at = 0
-        self._tables: SelfContactTables | None = None
-        self._held: Any = None
+        self.tables: SelfContactTables | None = None
+        """What the kernel takes, anew with each search."""
+        self.held: Any = None
+        """The same, laid out."""
         self._hold = Holder()
         self._call, self._farthest = BoundOnce(add_self_contact), BoundOnce(_farthest)
         self._springs = BoundOnce(near_springs)
@@ -132,7 +135,7 @@ class SelfContact:
         """Add its forces at t_n to the nodal forces."""
         if self._is_out_of_date(state):
             self._search(state)
-        found = self._call.code(state.dt, self._walked, self._held)
+        found = self._call.code(state.dt, self._walked, self.held)
         self.forces, self._walked = SelfContactForces(*found[:5]), found[5]
         self.deepest = max(self.deepest, self.forces.deepest)
         self.n_looked += self.forces.n_looked
@@ -144,11 +147,11 @@ class SelfContact:
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most
         k u_P² + k sum N_a u_a²: no more than 2 k at the point and 2 k N_a at the nodes.
         """
-        if self._tables is None:
+        if self.tables is None:
             return np.zeros(0, np.int64), np.zeros(0)
-        room = len(self._tables.pairs.first_pair) - 1
+        room = len(self.tables.pairs.first_pair) - 1
         nodes, stiffness = np.zeros((room, 5), np.int64), np.zeros((room, 5))
-        count = self._springs(self._margin, self._held, nodes, stiffness)
+        count = self._springs(self._margin, self.held, nodes, stiffness)
         return nodes[:count].ravel(), 2.0 * self.law.steepest * stiffness[:count].ravel()
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -174,7 +177,7 @@ class SelfContact:
         return False
 
     def _search(self, state: State) -> None:
-        before, memory = self._tables, None
+        before, memory = self.tables, None
         if not self._known.is_of(state):
             self._choose_points(state)
         outline, n = self._outline.of(state), state.node
@@ -188,20 +191,9 @@ class SelfContact:
         self._x_then, self._walked = n.x[: n.count].copy(), 0.0
         self._look_at = state.step + _LEAST_STEPS
         self.n_search += 1
-        presses = self._kept_presses(len(memory.side))
+        last = None if self.tables is None else self.tables.presses
+        presses = Presses.with_room(len(memory.side), last)
         self._lay_out(state, pairs, memory, presses, outline)
-
-    def _kept_presses(self, n_sheet: int) -> Presses:
-        """Return room for the forces on all sheets, with those of the last evaluation."""
-        last = None if self._tables is None else self._tables.presses
-        count = 0 if last is None else int(last.n[0])
-        room = max(n_sheet, count)
-        presses = Presses(
-            np.zeros((room, 5), np.int64), np.zeros((room, 5, 3)), np.array([count], np.int64)
-        )
-        if last is not None:
-            presses.node[:count], presses.force[:count] = last.node[:count], last.force[:count]
-        return presses
 
     def _lay_out(
         self,
@@ -223,7 +215,7 @@ class SelfContact:
         near[quads[listed]] = True
         near[f.node[: f.count]] = listed[f.row[: f.count]]
         near[pairs.node] = True
-        self._tables = SelfContactTables(
+        self.tables = SelfContactTables(
             law=self.law,
             pairs=pairs,
             stiffness=self.law.stiffness(n, pairs.node),
@@ -235,8 +227,9 @@ class SelfContact:
             nodes=SelfNodes(**{name: getattr(n, name) for name in SelfNodes._fields}),
             ties=Ties(flank, f.nodes, f.weight),
             presses=presses,
+            touches=Touches.with_room(len(presses.node)),
         )
-        self._held = self._hold(self._tables)
+        self.held = self._hold(self.tables)
 
     def _choose_points(self, state: State) -> None:
         """Choose the points of a new topology: near cracks, and of pieces that nothing holds."""
@@ -266,14 +259,13 @@ class SelfContact:
             "n_looked": self.n_looked,
             "n_search": self.n_search,
         }
-        t = self._tables
+        t = self.tables
         if t is not None:
-            count = int(t.presses.n[0])
             saved |= {
                 "pairs": t.pairs._asdict(),
                 "memory": t.memory._asdict(),
                 "waits": t.waits._asdict(),
-                "presses": {"node": t.presses.node[:count], "force": t.presses.force[:count]},
+                "presses": t.presses.saved(),
             }
         return saved
 
@@ -286,16 +278,11 @@ class SelfContact:
         self.forces, self.deepest = SelfContactForces(**saved["forces"]), saved["deepest"]
         self.n_looked, self.n_search = saved["n_looked"], saved["n_search"]
         if "pairs" not in saved:
-            self._tables = None
+            self.tables = None
             return
         pairs = Pairs(**_copies(saved["pairs"]))
         memory = Memory(**_copies(saved["memory"]))
-        last = saved["presses"]
-        count, room = len(last["node"]), max(len(memory.side), len(last["node"]))
-        presses = Presses(
-            np.zeros((room, 5), np.int64), np.zeros((room, 5, 3)), np.array([count], np.int64)
-        )
-        presses.node[:count], presses.force[:count] = last["node"], last["force"]
+        presses = Presses.of_saved(saved["presses"], len(memory.side))
         waits = Waits(**_copies(saved["waits"]))
         self._lay_out(state, pairs, memory, presses, self._outline.of(state), waits)
 

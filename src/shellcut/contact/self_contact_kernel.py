@@ -17,7 +17,7 @@ from shellcut.numerics.vec3 import add_scaled, combine, dot, load, scale, store
 from .quad_distance import corners_of, normal_at, weights_at
 from .self_contact_tables import Memory, Presses, SelfContactTables, SelfNodes, Ties
 from .settings import NOTICED, largest_rebound, smoothed, smoothed_integral
-from .sheet_contact import Way, edge_shares, nearest_on, way_out
+from .sheet_contact import Way, nearest_on, slopes_along, way_out
 
 # Steps of the fastest node by which a point is looked at before it can touch.
 _AHEAD = 4.0
@@ -37,7 +37,7 @@ def add_self_contact(
     tables = borrowed(tables)
     law, pairs, memory, waits = tables.law, tables.pairs, tables.memory, tables.waits
     nodes, outline, quads, presses = tables.nodes, tables.outline, tables.quads, tables.presses
-    x, g_m = nodes.x, law.smoothing_depth
+    x, g_m, touches = nodes.x, law.smoothing_depth, tables.touches
     fastest = 0.0
     for i in range(tables.moving.shape[0]):
         v = load(nodes.velocity_half, tables.moving[i])
@@ -45,7 +45,7 @@ def add_self_contact(
     step = 2.0 * dt * sqrt(fastest)
     walked += step
     ahead = _AHEAD * step
-    work = _work_of(presses, nodes, dt)
+    work = half_work_of(presses, nodes, dt)
     stored = deepest = 0.0
     count = n_looked = 0
     for i in range(pairs.node.shape[0]):
@@ -92,10 +92,13 @@ def add_self_contact(
             stored += energy
             deepest = max(deepest, loaded)
             _press(count, pairs.node[i], force, way, quads, nodes, presses)
+            touches.point[count], touches.sheet[count] = i, sheet
+            touches.row[count] = near.row
+            touches.place[count, 0], touches.place[count, 1] = near.place.xi, near.place.eta
             count += 1
         waits.point[i] = walked + max(free - ahead, 0.0)
     presses.n[0] = count
-    work += _work_of(presses, nodes, dt)
+    work += half_work_of(presses, nodes, dt)
     return work, stored, count, deepest, n_looked, walked
 
 
@@ -132,10 +135,11 @@ def _after_impact(
 @always_inline
 def _forget(sheet: int, memory: Memory) -> None:
     memory.offset[sheet] = memory.depth[sheet] = memory.force[sheet] = memory.work[sheet] = 0.0
+    store(memory.drag, sheet, (0.0, 0.0, 0.0))
 
 
 @inline
-def _work_of(presses: Presses, nodes: SelfNodes, dt: float) -> float:
+def half_work_of(presses: Presses, nodes: SelfNodes, dt: float) -> float:
     """Return half the work of forces over the last step [N·mm]."""
     work = 0.0
     for i in range(presses.n[0]):
@@ -162,15 +166,16 @@ def _press(
     weights = weights_at(way.xi, way.eta)
     turns = (0.0, 0.0, 0.0, 0.0)
     if way.lifted != 0.0:
-        turns = edge_shares(way, q)
-    _put_on(at, 0, node, scale(force, way.direction), nodes, presses)
+        turns = slopes_along(way.direction, way.xi, way.eta, q)
+    put_on(at, 0, node, scale(force, way.direction), nodes, presses)
     for a in range(4):
         back = combine(-force * weights[a], way.direction, force * way.lifted * turns[a], n)
-        _put_on(at, a + 1, quads[way.row, a], back, nodes, presses)
+        put_on(at, a + 1, quads[way.row, a], back, nodes, presses)
 
 
 @always_inline
-def _put_on(at: int, which: int, node: int, f: Vec3, nodes: SelfNodes, presses: Presses) -> None:
+def put_on(at: int, which: int, node: int, f: Vec3, nodes: SelfNodes, presses: Presses) -> None:
+    """Add a force [N] to a node; write it to a place of row ``at`` of presses."""
     presses.node[at, which] = node
     store(presses.force[at], which, f)
     for c in range(3):

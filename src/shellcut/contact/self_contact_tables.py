@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,12 @@ class Memory(NamedTuple):
     """Force at the last look [N]."""
     work: Annotated[Floats, "(n_sheet,)"]
     """Work put into the spring since they touch [N·mm]."""
+    drag: Annotated[Floats, "(n_sheet, 3)"]
+    """Elongation of the spring of friction in the frame of its quad [mm]."""
+    drag_row: Annotated[Ints, "(n_sheet,)"]
+    """That quad."""
+    drag_place: Annotated[Floats, "(n_sheet, 2)"]
+    """xi and eta of the foot there."""
 
     @classmethod
     def blank(cls, n: int) -> Memory:
@@ -39,6 +45,9 @@ class Memory(NamedTuple):
             depth=np.zeros(n),
             force=np.zeros(n),
             work=np.zeros(n),
+            drag=np.zeros((n, 3)),
+            drag_row=np.zeros(n, np.int64),
+            drag_place=np.zeros((n, 2)),
         )
 
 
@@ -79,6 +88,45 @@ class Presses(NamedTuple):
     n: Annotated[Ints, "(1,)"]
     """How many points press."""
 
+    @classmethod
+    def with_room(cls, n_room: int, last: Presses | None = None) -> Presses:
+        """Return a table for so many points that press, with those of another one."""
+        count = 0 if last is None else int(last.n[0])
+        room = max(n_room, count)
+        node, force = np.zeros((room, 5), np.int64), np.zeros((room, 5, 3))
+        if last is not None:
+            node[:count], force[:count] = last.node[:count], last.force[:count]
+        return cls(node, force, np.array([count], np.int64))
+
+    def saved(self) -> dict[str, Any]:
+        """Return the rows in use."""
+        count = int(self.n[0])
+        return {"node": self.node[:count], "force": self.force[:count]}
+
+    @classmethod
+    def of_saved(cls, saved: dict[str, Any], n_room: int) -> Presses:
+        """Return a table of what :meth:`saved` gave."""
+        count = np.array([len(saved["node"])], np.int64)
+        return cls.with_room(n_room, cls(saved["node"], saved["force"], count))
+
+
+class Touches(NamedTuple):
+    """Which point presses on which sheet, row by row as in :class:`Presses`."""
+
+    point: Annotated[Ints, "(n_room,)"]
+    """Place of the point among those of the pairs."""
+    sheet: Annotated[Ints, "(n_room,)"]
+    row: Annotated[Ints, "(n_room,)"]
+    """Quad that the point is over."""
+    place: Annotated[Floats, "(n_room, 2)"]
+    """xi and eta of its foot there."""
+
+    @classmethod
+    def with_room(cls, n_room: int) -> Touches:
+        """Return a table for so many points that press."""
+        ids = np.zeros((3, n_room), np.int64)
+        return cls(ids[0], ids[1], ids[2], np.zeros((n_room, 2)))
+
 
 class SelfContactTables(NamedTuple):
     """Kernel arguments that stay valid until the search is repeated."""
@@ -96,3 +144,4 @@ class SelfContactTables(NamedTuple):
     nodes: SelfNodes
     ties: Ties
     presses: Presses
+    touches: Touches

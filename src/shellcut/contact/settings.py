@@ -92,6 +92,9 @@ class Contact:
     self_contact : bool
         Whether film near cracks and loose pieces also touch the film
         (:mod:`shellcut.contact.self_contact`).
+    self_friction : float
+        Coefficient mu of Coulomb friction there, see :mod:`shellcut.contact.self_friction`; 0 for
+        none.
     friction : float
         Coefficient mu of Coulomb friction between the film and the tool, see
         :mod:`shellcut.contact.coulomb_friction` and :mod:`shellcut.contact.point_friction`; 0 for
@@ -99,18 +102,23 @@ class Contact:
     tool_points : bool
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.
+    film_edges : bool
+        Whether rims and flanks of the film touch edges of the tool between their nodes, see
+        :mod:`shellcut.contact.edge_contact`.
 
     Examples
     --------
-    >>> Contact(penalty=2e4)
-    Contact(penalty=20000.0, smoothing=0.25, friction=0.0, tool_points=True, self_contact=False)
+    >>> Contact(penalty=2e4).friction
+    0.0
     """
 
     penalty: float | None = None
     smoothing: float = 0.25
     friction: float = 0.0
     tool_points: bool = True
+    film_edges: bool = False
     self_contact: bool = False
+    self_friction: float = 0.0
 
     def __post_init__(self) -> None:
         problems = [
@@ -118,9 +126,15 @@ class Contact:
             for name, value in (("penalty", self.penalty), ("smoothing", self.smoothing))
             if value is not None and not (math.isfinite(value) and value > 0)
         ]
-        if not (math.isfinite(self.friction) and self.friction >= 0):
+        problems += [
+            f"{name} must be a coefficient of 0 (none) or more, got {value!r}"
+            for name, value in (("friction", self.friction), ("self_friction", self.self_friction))
+            if not (math.isfinite(value) and value >= 0)
+        ]
+        if self.self_friction and not self.self_contact:
             problems.append(
-                f"friction must be a coefficient of 0 (none) or more, got {self.friction!r}"
+                f"self_friction = {self.self_friction!r} needs self_contact = true: without it the "
+                "film does not touch itself; friction is that of the tool"
             )
         if problems:
             raise ValueError("; ".join(problems))

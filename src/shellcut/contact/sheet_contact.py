@@ -10,8 +10,8 @@ depth is
 the shorter of the two ways out: through the face, or through the edge. D is continuous, so the
 energy k F(D) is, and forces are its gradient: through the face along r = p - c, shared by the shape
 functions at c; through the edge along m, the normal of the edge in the tangent plane, with the
-couple that turns m with the film (:func:`edge_shares`). Both leave momentum and angular momentum as
-they are, to round-off.
+couple that turns m with the film (:func:`slopes_along`). Both leave momentum and angular momentum
+as they are, to round-off.
 
 Flanks that are born together lie edge to edge: e = 0, so D = 0 whatever h is. They part freely,
 meet again at e = 0 in the plane, and pass over each other as soon as they are h apart. Nothing has
@@ -195,20 +195,21 @@ def _way_to_edge(
 
 
 @inline
-def edge_shares(way: Way, q: Corners) -> tuple[float, float, float, float]:
-    """Return the slopes of the shape functions along the direction of a way out [1/mm].
+def slopes_along(m: Vec3, xi: float, eta: float, q: Corners) -> tuple[float, float, float, float]:
+    """Return the slopes of the shape functions along m, over its length [1/mm].
 
-    A force F along m on the point, at the distance d above the tangent plane, has the moment
-    d F (n x m) about the closest place. Forces F d N_b,m n at the nodes take it up, N_b,m being the
-    slopes along m: their sum is zero, and sum N_b,m x_b = m. They are the part of the gradient of
-    the depth that comes from the turning of the tangent plane.
+    They are linear in m; its part across the quad does not count.
+
+    A force F along m on a point at the distance d above the tangent plane has the moment d F (n x
+    m) about the closest place. Forces F d N_b,m n at the nodes take it up, N_b,m being the slopes
+    along m: their sum is zero, and sum N_b,m x_b = m. They are the part of the gradient of the
+    depth that comes from the turning of the tangent plane.
     """
-    a1, a2 = tangents_at(q, way.xi, way.eta)
+    a1, a2 = tangents_at(q, xi, eta)
     g11, g12, g22 = dot(a1, a1), dot(a1, a2), dot(a2, a2)
-    b1, b2 = dot(way.direction, a1), dot(way.direction, a2)
+    b1, b2 = dot(m, a1), dot(m, a2)
     det = g11 * g22 - g12 * g12
     m1, m2 = (g22 * b1 - g12 * b2) / det, (g11 * b2 - g12 * b1) / det
-    xi, eta = way.xi, way.eta
     return (
         0.25 * (-(1.0 - eta) * m1 - (1.0 - xi) * m2),
         0.25 * ((1.0 - eta) * m1 - (1.0 + xi) * m2),

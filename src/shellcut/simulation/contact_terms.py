@@ -1,13 +1,20 @@
-"""Which terms make up the contact of a film with a tool, from its settings."""
+"""Which terms make up the contact of a film with a tool and with itself, from its settings."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shellcut.contact.coulomb_friction import CoulombFriction
+from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
 from shellcut.contact.point_friction import PointFriction
+from shellcut.contact.self_contact import SelfContact
+from shellcut.contact.self_friction import SelfFriction
 from shellcut.contact.settings import Contact
 from shellcut.fracture.crack_path import MERGE
 from shellcut.fracture.criterion import Fracture
@@ -17,16 +24,24 @@ from shellcut.tool.tool import Tool
 
 from .tool_terms import ToolTerm
 
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
 # Quantile of the quads' areas that the distance of the tool's points follows: those of the path.
 _FINER = 0.25
 
 
 def contact_terms(
-    tool: Tool | None, settings: Contact, mesh: Mesh, film: ShellMaterial, fracture: Fracture
+    tool: Tool | None,
+    settings: Contact,
+    mesh: Mesh,
+    film: ShellMaterial,
+    fracture: Fracture,
+    part_of: Callable[[int], Part],
 ) -> tuple[PenaltyContact | None, list[ToolTerm]]:
     """Return the contact of the nodes, and all terms in the order of their evaluation.
 
-    Without a tool there are none.
+    Without a tool there are none.  part_of : returns the polygon of a row that is cut.
     """
     if tool is None:
         return None, []
@@ -42,4 +57,34 @@ def contact_terms(
         terms.append(points)
         if settings.friction > 0.0:
             terms.append(PointFriction(points, settings.friction))
+    if settings.film_edges:
+        terms.append(EdgeContact(contact, part_of))
     return contact, terms
+
+
+def self_contact_terms(
+    settings: Contact,
+    film: ShellMaterial,
+    edge_length: float,
+    part_of: Callable[[int], Part],
+) -> tuple[()] | tuple[SelfContact] | tuple[SelfContact, SelfFriction]:
+    """Return the terms of a film's contact with itself in the order of their evaluation.
+
+    edge_length : of a typical quad [mm].  part_of : returns the polygon of a row that is cut.
+    """
+    if not settings.self_contact:
+        return ()
+    contact = SelfContact(settings, film, edge_length, part_of)
+    if settings.self_friction == 0.0:
+        return (contact,)
+    return contact, SelfFriction(contact, settings.self_friction)
+
+
+def polygons_of(simulation: Simulation) -> Callable[[int], Part]:
+    """Return what gives the polygon of a row that is cut, by cracks that may be built later."""
+
+    def polygon(row: int) -> Part:
+        assert simulation.cracks is not None  # without cracks no row is cut
+        return simulation.cracks.cuts.topology.polygon(row)
+
+    return polygon

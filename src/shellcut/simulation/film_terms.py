@@ -7,7 +7,7 @@ it keeps from step to step. Terms that touch the tool are :class:`.tool_terms.To
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from shellcut.arrays import Floats, Ints
@@ -79,11 +79,6 @@ class FilmTerms:
             term.add_forces(state).add_works(vars(ledger))
             self.n_search += term.n_search - before
 
-    def close(self, state: State, ledger: Ledger) -> None:
-        """Bring the entries of the ledger that are functions of the state up to t_n."""
-        for term in self._terms:
-            vars(ledger).update(term.stored(state))
-
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names."""
         return {term.name: term.saved() for term in self._terms}
@@ -93,3 +88,18 @@ class FilmTerms:
         for term in self._terms:
             term.restore(state, saved[term.name])
         self.n_search = sum(term.n_search for term in self._terms)
+
+
+class _Stores(Protocol):
+    """A term of either kind."""
+
+    def stored(self, state: State) -> Mapping[str, float]: ...
+
+
+def sums_of_stored(terms: Iterable[_Stores], state: State) -> dict[str, float]:
+    """Return what terms store, entry by entry of the ledger [N·mm]."""
+    sums: dict[str, float] = {}
+    for term in terms:
+        for entry, energy in term.stored(state).items():
+            sums[entry] = sums.get(entry, 0.0) + energy
+    return sums

@@ -33,8 +33,8 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import poses_of
 from shellcut.tool.tool import Tool
 
-from .contact_terms import contact_terms
-from .film_terms import FilmTerms
+from .contact_terms import contact_terms, polygons_of, self_contact_terms
+from .film_terms import FilmTerms, sums_of_stored
 from .hooks import Hook, serve
 from .input_checks import (
     check_parts,
@@ -163,7 +163,9 @@ class Simulation:
         tool, film = self.tool, (self.mesh, self.material)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
         # Contact comes first: it looks at the forces of the shells, without those of the cables.
-        self.contact, touching = contact_terms(tool, contact, *film, self.fracture)
+        self.contact, touching = contact_terms(
+            tool, contact, *film, self.fracture, polygons_of(self)
+        )
         touching.append(self.cables)
         self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
         """What touches the tool."""
@@ -177,8 +179,6 @@ class Simulation:
         self._flanks = FlankPoints()
         self.cracks: Cracks | None = None
         self._loose: LoosePieces | None = None
-        self.self_contact: SelfContact | None = None
-        """Of the film with itself, if it is switched on."""
         edge_length = float(np.sqrt(np.median(self.mesh.quad_areas())))
         if self.law is not None:
             self.cracks = Cracks(
@@ -188,10 +188,10 @@ class Simulation:
                 alpha = self.integrator.damping_alpha
                 parts = self.shell, self.cracks, self.contact
                 self._loose = LoosePieces(*parts, edge_length, alpha)
-        if contact.self_contact:
-            part_of = self.cracks.cuts.topology.polygon if self.cracks else None
-            self.self_contact = SelfContact(contact, self.material, edge_length, part_of)
-        self._film_terms = FilmTerms([self.self_contact] if self.self_contact else [])
+        own = self_contact_terms(contact, self.material, edge_length, polygons_of(self))
+        self.self_contact: SelfContact | None = own[0] if own else None
+        """Of the film with itself, if it is switched on."""
+        self._film_terms = FilmTerms(own)
 
     def _begin(self) -> None:
         """Place the tool, which must not overlap the film, and take the first half kick."""
@@ -394,8 +394,8 @@ class Simulation:
 
     def close_ledger(self) -> Ledger:
         """Bring the entries that are functions of the state up to t_n; return the ledger."""
-        self.tool_terms.close(self.state, self.ledger)
-        self._film_terms.close(self.state, self.ledger)
+        terms = [*self.tool_terms, *self._film_terms]
+        vars(self.ledger).update(sums_of_stored(terms, self.state))
         return self.ledger
 
     # ---------------------------------------------------------------- restart

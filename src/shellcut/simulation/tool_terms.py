@@ -133,15 +133,6 @@ class ToolTerms:
         for term, on_tool in zip(self._terms, works, strict=True):
             term.forces.add_works(entries, on_tool)
 
-    def close(self, state: State, ledger: Ledger) -> None:
-        """Bring the entries of the ledger that are functions of the state up to t_n."""
-        sums: dict[str, float] = {}
-        for term in self._terms:
-            for entry, energy in term.stored(state).items():
-                sums[entry] = sums.get(entry, 0.0) + energy
-        for entry, energy in sums.items():
-            setattr(ledger, entry, energy)
-
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
         return {"last": self._last, **{term.name: term.saved() for term in self._terms}}

@@ -1,0 +1,211 @@
+"""Contact of edges of the film with convex edges of the tool.
+
+A rim, a notch or a flank that crosses an edge of the tool between its nodes is felt neither at a
+node nor by a point of the tool, which is beside the film there. So each edge of the film at which
+it ends (:mod:`.film_edges`) presses with
+
+    k f(g),    g = max over s of  D(p(s)) - (1 - s) D_a - s D_b,
+
+the most that it is deeper in the tool than its ends are felt to be (:mod:`.deepest_on_edge`), with
+f of the nodes' contact. On the ends act k f(g) (1 - s)(n - n_a) and k f(g) s (n - n_b), n being the
+way out at the deepest place and n_a, n_b those at ends that are in the tool, 0 for others: minus
+the gradient of the potential k ∫f, as s is where g is largest. On the tool act minus both, at the
+ends: D depends on where the film is relative to it, so the moments are those of the gradient, too.
+
+*Nothing jumps.* D is continuous around convex edges and corners of the tool, so g is. It goes to
+zero as the tool's edge slides along the film's to one of its ends, where the node takes over, and
+as the film's edge turns until it lies on a face.
+
+*Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that turn
+by more than 10 deg and do not cut; both are listed whenever the contact of the nodes lists those
+near. A pair is looked at again when film and tool may have come so near that they touch, and the
+step when they have walked a quarter of an edge.
+
+*Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
+blade goes through the film there: it does not press. If g grows by more than film and tool have
+moved (a split makes new edges), that part is an offset, which does not press and goes as they part.
+
+*Stiffness.* k is ``STIFFNESS`` of a node's. A force on the ends goes with (1 - s)|n - n_a| and s|n
+- n_b|, whose squares are no more than 2 where the faces turn by 90 deg or less, so 2 k is counted
+at both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.numerics.held_table import Holder
+from shellcut.numerics.jit import BoundOnce
+from shellcut.state import State
+from shellcut.tool.pose import Pose
+from shellcut.tool.rounded_depth import ConvexNeighbours
+
+from .contact_tables import ContactTables
+from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
+from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .film_edges import open_edges
+from .film_outline import FilmOutline, Part
+from .penalty_contact import PenaltyContact
+from .press_forces import PressForces
+
+# Room for pairs at first.
+_ROOM = 256
+
+# Of the way for which the list lasts: the step is looked at again when so much of it is walked.
+_SOON = 0.25
+
+
+class EdgeContact:
+    """Contact of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+
+    Parameters
+    ----------
+    contact : PenaltyContact
+        Of the nodes, evaluated before this in every step.
+    part_of : Callable
+        Returns the polygon of a row that is cut.
+    """
+
+    def __init__(self, contact: PenaltyContact, part_of: Callable[[int], Part]) -> None:
+        self.name = "edges"
+        self._contact = contact
+        tool = contact.tool
+        self._edges = ToolEdges.of(tool, contact.law.rounding)
+        self._radius = float(np.linalg.norm(tool.vertices, axis=1).max())
+        self._around = ConvexNeighbours.of(tool)
+        self._outline = FilmOutline(part_of)
+        self._of_contact: ContactTables | None = None
+        self._pose: Pose | None = None
+        self._soon = _SOON * contact.near.half_margin
+        self._walked, self._looked_at = 0.0, 0.0
+        self.n_search = 0
+        """How often the step must have been looked at anew."""
+        self._hold = Holder()
+        self.tables: EdgeTables | None = None
+        """For kernels, good until the list is made anew."""
+        self._held: Any = None
+        self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
+        self._springs = BoundOnce(edge_springs)
+        self._none = np.zeros((tool.n_body, 6))
+        self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
+        """Results of the last evaluation."""
+
+    def add_forces(self, state: State, pose: Pose) -> PressForces:
+        """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
+        before, self._pose = self._pose or pose, pose
+        work = lost = 0.0
+        if self._of_contact is not self._contact.tables:
+            work, lost = self._renew(state, pose)
+        wrench = self._none.copy()
+        found = self._call.code(pose, before, state.dt, self._walked, self._held, wrench)
+        self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
+        self._walked = found[5]
+        if self._walked > self._looked_at + self._soon:
+            self.n_search, self._looked_at = self.n_search + 1, self._walked
+        return self.forces
+
+    def stiffness(self, _state: State) -> tuple[Ints, Floats]:
+        """Return the ends of edges that may press soon and a bound on their stiffness [N/mm]."""
+        if self.tables is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        room = 2 * len(self.tables.pairs.node)
+        node, stiffness = np.empty(room, np.int64), np.empty(room)
+        count = self._springs(self._pose, self._soon, self._held, node, stiffness)
+        return node[:count], stiffness[:count]
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
+        return {"contact_stored": self.forces.stored}
+
+    def saved(self) -> dict[str, Any]:
+        """Return the list, what is kept of its edges, and the last forces."""
+        if self.tables is None:
+            return {"forces": self.forces._asdict()}
+        return {
+            "forces": self.forces._asdict(),
+            "walked": self._walked,
+            "looked_at": self._looked_at,
+            "n_search": self.n_search,
+            "pairs": self.tables.pairs._asdict(),
+            "memory": self.tables.memory._asdict(),
+        }
+
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
+        self._pose = pose
+        self.forces = PressForces(**saved["forces"])
+        if "pairs" not in saved:
+            return
+        self._walked, self._looked_at = saved["walked"], saved["looked_at"]
+        self.n_search = saved["n_search"]
+        pairs = EdgePairs(**{name: rows.copy() for name, rows in saved["pairs"].items()})
+        memory = EdgeMemory(**{name: rows.copy() for name, rows in saved["memory"].items()})
+        self._lay_out(state, pairs, memory)
+
+    def _renew(self, state: State, pose: Pose) -> tuple[float, float]:
+        """List the pairs anew; return the work and the energy of edges that have gone [N·mm]."""
+        ends = open_edges(state, self._outline.of(state), self._rows_near(state))
+        reach = self._contact.near.half_margin + float(self._edges.reach.max(initial=0.0))
+        first, room = np.zeros(len(ends) + 1, np.int64), _ROOM
+        while True:
+            edge = np.empty(room, np.int64)
+            count = self._list(ends, state.node.x, pose, self._edges, reach, first, edge)
+            if count <= room:
+                break
+            room = 2 * count
+        near = np.flatnonzero(np.diff(first))
+        pairs = EdgePairs(
+            node=ends[near],
+            first=np.append(first[near], count),
+            edge=edge[:count].copy(),
+            moving=np.unique(ends[near]),
+        )
+        memory, gone = EdgeMemory.blank(len(near)), (0.0, 0.0)
+        if self.tables is not None:
+            gone = _take_over(self.tables, pairs, memory, state)
+        self._walked = self._looked_at = 0.0
+        self._lay_out(state, pairs, memory)
+        return gone
+
+    def _rows_near(self, state: State) -> Ints:
+        """Return the quads and copies at the nodes near the tool, ascending."""
+        near = np.zeros(state.node.count, np.bool_)
+        near[self._contact.near.ids] = True
+        f = state.flank
+        tied = f.nodes[: f.count][near[f.node[: f.count]]]
+        near[tied] = True
+        return np.flatnonzero(near[state.quads].any(axis=1))
+
+    def _lay_out(self, state: State, pairs: EdgePairs, memory: EdgeMemory) -> None:
+        """Build the kernels' tables, valid until the list is made anew."""
+        n, contact = state.node, self._contact
+        self.tables = EdgeTables(
+            edges=self._edges,
+            radius=self._radius,
+            grid=contact.grid.arrays,
+            around=self._around,
+            law=contact.law,
+            pairs=pairs,
+            memory=memory,
+            nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
+        )
+        self._held = self._hold(self.tables)
+        self._of_contact = contact.tables
+
+
+def _take_over(
+    old: EdgeTables, pairs: EdgePairs, memory: EdgeMemory, state: State
+) -> tuple[float, float]:
+    """Give edges what was kept of them; return half the last work, and energy, of those gone."""
+    was, count = old.pairs.node, state.node.count
+    keys, wanted = was[:, 0] * count + was[:, 1], pairs.node[:, 0] * count + pairs.node[:, 1]
+    _, at, to = np.intersect1d(keys, wanted, return_indices=True)
+    for name in ("depth", "offset", "stored", "force"):
+        getattr(memory, name)[to] = getattr(old.memory, name)[at]
+    gone = np.setdiff1d(np.arange(len(was)), at)
+    power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()
+    return 0.5 * state.dt * float(power), float(old.memory.stored[gone].sum())

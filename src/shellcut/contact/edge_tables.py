@@ -1,0 +1,119 @@
+"""Tables of the contact of the film's edges with the tool's."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.tool.rounded_depth import ConvexNeighbours
+from shellcut.tool.signed_distance import TriangleGrid
+from shellcut.tool.surface import Surface
+from shellcut.tool.tool import Tool
+
+from .contact_points import LEAST_TURN, is_cutting
+from .settings import PenaltyLaw
+
+# Over the rounding radius: the line that the round of an edge is centred on is taken no farther
+# inside than this. In a solid sharper than 29 deg it lies deeper.
+_DEEPEST = 4.0
+
+
+class ToolEdges(NamedTuple):
+    """Convex edges of the tool that do not cut, in its body frame."""
+
+    start: Annotated[Floats, "(n_edge, 3)"]
+    """One end of the line on which the round of the edge is centred [mm]."""
+    way: Annotated[Floats, "(n_edge, 3)"]
+    """From there to its other end [mm]."""
+    reach: Annotated[Floats, "(n_edge,)"]
+    """Film that is farther than this from that line is not within the round of the edge [mm]."""
+    flank: Annotated[SmallInts, "(n_edge, 2)"]
+    """The tool's flank labels on both sides."""
+    body: Annotated[Ints, "(n_edge,)"]
+    """Tooth."""
+
+    @classmethod
+    def of(cls, tool: Tool, rounding: float) -> ToolEdges:
+        """Return the edges of a tool whose convex edges are rounded by a radius [mm]."""
+        surface = Surface(tool.vertices, tool.triangles)
+        rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
+        one, two = surface.forward[rows], surface.backward[rows]
+        start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
+        middle = surface.normals[one] + surface.normals[two]
+        # |n_1 + n_2|² = 2 (1 + n_1 n_2): the line that is r deep under both faces.
+        middle /= np.maximum(0.5 * (middle**2).sum(axis=1, keepdims=True), 1e-12)
+        deep = np.linalg.norm(middle, axis=1)
+        taken = np.minimum(deep, _DEEPEST)
+        inward = -rounding * middle * (taken / deep)[:, None]
+        # At a corner the faces beyond may lie so much farther out.
+        along = end - start
+        beyond = rounding * along / np.linalg.norm(along, axis=1, keepdims=True)
+        return cls(
+            start=np.ascontiguousarray(start + inward - beyond),
+            way=np.ascontiguousarray(along + 2.0 * beyond),
+            reach=rounding * (1.0 + deep - taken),
+            flank=np.ascontiguousarray(np.column_stack([tool.flank[one], tool.flank[two]])),
+            body=tool.triangle_body[one],
+        )
+
+
+class EdgePairs(NamedTuple):
+    """Which edges of the tool are near which edge of the film."""
+
+    node: Annotated[Ints, "(n_film, 2)"]
+    """Ends of the film's edge."""
+    first: Annotated[Ints, "(n_first,)"]
+    """First pair of each, and the end."""
+    edge: Annotated[Ints, "(n_pair,)"]
+    """Edge of the tool."""
+    moving: Annotated[Ints, "(n_moving,)"]
+    """Nodes at the ends, ascending."""
+
+
+class EdgeMemory(NamedTuple):
+    """What is kept of each edge of the film."""
+
+    until: Annotated[Floats, "(n_film,)"]
+    """Way walked from which on it may touch, and is looked at again [mm]."""
+    depth: Annotated[Floats, "(n_film,)"]
+    """How much deeper than its chord it goes into the tool [mm]."""
+    offset: Annotated[Floats, "(n_film,)"]
+    """Part of that which does not press [mm]."""
+    stored: Annotated[Floats, "(n_film,)"]
+    """Penalty energy [N·mm]."""
+    force: Annotated[Floats, "(n_film, 2, 3)"]
+    """On its ends [N]."""
+
+    @classmethod
+    def blank(cls, n: int) -> EdgeMemory:
+        """Return that of n edges that touch nothing."""
+        until, depth, offset, stored = np.zeros((4, n))
+        return cls(until, depth, offset, stored, np.zeros((n, 2, 3)))
+
+
+class EdgeNodes(NamedTuple):
+    """Fields of the nodes that the kernels need, as in :class:`shellcut.state.NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+    contact_share: Annotated[Floats, "(n_node,)"]
+    contact_side: Annotated[SmallInts, "(n_node,)"]
+    force: Annotated[Floats, "(n_node, 3)"]
+    """Written."""
+
+
+class EdgeTables(NamedTuple):
+    """Kernel arguments that stay valid until the list is made anew."""
+
+    edges: ToolEdges
+    radius: float
+    """Of the tool's farthest point, around the body's origin [mm]."""
+    grid: TriangleGrid
+    around: ConvexNeighbours
+    law: PenaltyLaw
+    pairs: EdgePairs
+    memory: EdgeMemory
+    nodes: EdgeNodes

@@ -1,0 +1,385 @@
+"""Edges of the film against edges of the tool."""
+
+import numpy as np
+import pytest
+
+from free_strip import cut_strip
+from naive.contact import smoothed
+from naive.edge_contact import deepest_on_edge
+from notched_strip import cutting
+from shellcut.contact.film_edges import open_edges
+from shellcut.contact.film_outline import FilmOutline
+from shellcut.contact.settings import Contact, node_stiffness
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.pose import Pose
+from shellcut.tool.tool import Tool
+
+ON = Contact(film_edges=True, tool_points=False)
+GAP = 0.01
+LIP = np.sqrt(2.0) - 1.0
+"""What a rounded right angle loses, over the radius."""
+
+
+def bar(side=0.6, length=3.0):
+    """A square bar along z; one of its edges is at the origin, the bar lies in x < 0."""
+    w = side / np.sqrt(2.0)
+    section = np.array([[-w, -w], [-2.0 * w, 0.0], [-w, w], [0.0, 0.0]])
+    ends = [np.column_stack([section, np.full(4, z)]) for z in (-0.5 * length, 0.5 * length)]
+    sides = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))]
+    caps = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]
+    return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
+
+
+def pushed(contact=ON, at=0.3, **options):
+    """A film of 1 mm quads, clamped on the right, and a bar that comes at its left rim."""
+    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    left, right = mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max()
+    return Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        supports=[Support.clamped(np.flatnonzero(np.isclose(mesh.nodes[:, 0], right)))],
+        tool=bar().translated((left - GAP, at, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=2000.0, ramp=2e-5),
+        contact=contact,
+        **options,
+    )
+
+
+def term(sim):
+    return next(t for t in sim.tool_terms if t.name == "edges")
+
+
+def one_quad(corners):
+    """A film of one quad anywhere near a bar that rests; the simulation, not stepped."""
+    mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
+    far = (50.0, 0.0, 0.0)
+    sim = Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        tool=bar().translated(far),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed=1.0),
+        contact=ON,
+    )
+    sim.corners = mesh.quads[0]
+    place(sim, corners)
+    return sim
+
+
+def place(sim, corners):
+    sim.state.node.x[sim.corners] = corners
+
+
+def evaluated(sim, shift=(0.0, 0.0, 0.0), rotation=None):
+    """Evaluate the nodes' contact and the edges' with the bar at its own place; the edges' part.
+
+    Returns the forces on the corners, of the edges and of both, and what the term did.
+    """
+    s, far = sim.state, np.array([50.0, 0.0, 0.0])
+    turn = np.eye(3) if rotation is None else rotation
+    pose = Pose(turn, np.asarray(shift, float) - turn @ far)
+    s.node.contact_side[:] = 0
+    # Whatever it was before is forgotten; it was deeper, so that no growth is a jump.
+    s.node.contact_depth[:], s.node.contact_offset[:] = 1e3, 0.0
+    sim.contact.near._known.revision = -1
+    sim.contact._pose = term(sim)._pose = pose
+    s.node.force[:] = 0.0
+    sim.contact.add_forces(s, pose)
+    alone = s.node.force[sim.corners].copy()
+    term(sim).tables = None
+    term(sim)._renew(s, pose)
+    term(sim).tables.memory.depth[:] = 1e3  # no growth is a jump
+    found = term(sim).add_forces(s, pose)
+    both = s.node.force[sim.corners].copy()
+    return both - alone, both, found
+
+
+def stiffness(sim, contact_area):
+    return 0.25 * node_stiffness(contact_area, sim.contact.law)
+
+
+# ---------------------------------------------------------------- the law
+
+
+def random_quads(rng, n):
+    """Quads around the bar's edge at the origin and its corner at the upper end, edges across."""
+    for k in range(n):
+        height = 0.0 if k % 3 else 1.5 + rng.uniform(-0.06, 0.02)
+        along = rng.normal(size=3)
+        along[0] *= 0.3
+        along /= np.linalg.norm(along)
+        middle = np.array([-rng.uniform(0.0, 0.06), rng.uniform(-0.02, 0.02), height])
+        s = rng.uniform(0.15, 0.85)
+        a, b = middle - s * along, middle + (1.0 - s) * along
+        off = np.array([1.0, 0.0, 0.0]) + 0.3 * rng.normal(size=3)
+        yield np.array([a, b, b + off, a + off])
+
+
+def test_depth_and_place_are_those_of_a_search():
+    rng = np.random.default_rng(4)
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
+    tool, r = bar(), sim.contact.law.rounding
+    g_m, area = sim.contact.law.smoothing_depth, sim.state.node.contact_area[0]
+    pressed = 0
+    for corners in random_quads(rng, 45):
+        place(sim, corners)
+        _, _, found = evaluated(sim)
+        deepest = [deepest_on_edge(corners[i], corners[(i + 1) % 4], tool, r)[0] for i in range(4)]
+        # The search ends at 1e-6 of the edge, so at 1e-9 of the depth, which is flat there.
+        np.testing.assert_allclose(found.deepest, max(deepest), atol=1e-7)
+        pressed += max(deepest) > 0.0
+        wanted = sum(_stored(g, g_m) for g in deepest) * stiffness(sim, area)
+        np.testing.assert_allclose(found.stored, wanted, atol=1e-7 * stiffness(sim, area) * 0.1)
+    assert pressed > 25
+
+
+def _stored(g, g_m):
+    s = np.linspace(0.0, g, 2001)
+    return np.trapezoid([smoothed(v, g_m) for v in s], s) if g > 0.0 else 0.0
+
+
+def test_forces_are_minus_the_gradient_on_film_and_tool():
+    rng = np.random.default_rng(5)
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
+    tried = 0
+    for corners in random_quads(rng, 24):
+        place(sim, corners)
+        force, _, found = evaluated(sim)
+        if found.stored == 0.0:
+            continue
+        tried += 1
+        # Film and tool push each other: no sum, and no moment.
+        scale = np.abs(force).max()
+        np.testing.assert_allclose(found.wrench[0, :3], -force.sum(axis=0), atol=1e-12 * scale)
+        moment = np.cross(corners - [-50.0, 0.0, 0.0], force).sum(axis=0)
+        np.testing.assert_allclose(found.wrench[0, 3:], -moment, atol=1e-10 * scale)
+        moved, eps = rng.normal(size=corners.shape), 1e-5
+        energy = []
+        for sign in (1.0, -1.0):
+            place(sim, corners + sign * eps * moved)
+            energy.append(evaluated(sim)[2].stored)
+        slope = (energy[0] - energy[1]) / (2.0 * eps)
+        # Differences of second order; deeper than r the place is known to 1e-9 of the edge only.
+        assert -slope == pytest.approx((force * moved).sum(), rel=1e-4, abs=1e-5 * scale)
+        place(sim, corners)
+        push, spin = rng.normal(size=(2, 3)) * eps
+        turn = np.array([[0, -spin[2], spin[1]], [spin[2], 0, -spin[0]], [-spin[1], spin[0], 0]])
+        energy = [
+            evaluated(sim, sign * push, np.eye(3) + sign * turn)[2].stored for sign in (1.0, -1.0)
+        ]
+        moment = -np.cross(corners, force).sum(axis=0)
+        work = -force.sum(axis=0) @ push + moment @ spin
+        assert -0.5 * (energy[0] - energy[1]) == pytest.approx(
+            work, rel=1e-3, abs=1e-4 * scale * eps
+        )
+    assert tried > 12
+
+
+def swept(corners_of, steps):
+    """Largest change of the forces on film along a path of quads, over k times the way."""
+    first = corners_of(0.0)
+    sim = one_quad(first)
+    k = stiffness(sim, sim.state.node.contact_area[0]) / 0.25
+    last, worst, most = None, 0.0, 0.0
+    for s in np.linspace(0.0, 1.0, steps):
+        corners = corners_of(s)
+        place(sim, corners)
+        _, both, found = evaluated(sim)
+        total = np.concatenate([both.sum(axis=0), np.cross(corners, both).sum(axis=0)])
+        if last is not None:
+            way = np.abs(corners - last[0]).max()
+            worst = max(worst, np.abs(total - last[1]).max() / (k * way))
+        last, most = (corners, total), max(most, found.stored)
+    return worst, most
+
+
+def quad_with(a, b, inward=(1.0, 0.0, 0.0)):
+    return np.array([a, b, b + inward, a + inward])
+
+
+PATHS = {
+    # The bar's edge from the middle of the film's over its end: the node takes over.
+    "along the film's edge": lambda s: quad_with(
+        np.array([-0.03, -0.5 - 0.7 * s, 0.1]), np.array([-0.03, 0.5 - 0.7 * s, -0.1])
+    ),
+    # Turned until it lies on a face.
+    "onto a face": lambda s: quad_with(
+        np.array([-0.03 - 0.8 * s, -0.8, 0.1]), np.array([-0.03 + 0.2 * s, 0.2, 0.0])
+    ),
+    # Along the bar and off its end.
+    "off a corner": lambda s: quad_with(
+        np.array([-0.03, -0.4, 1.3 + 0.3 * s]), np.array([-0.03, 0.6, 1.3 + 0.3 * s])
+    ),
+    # Over the end face, on which it lies.
+    "past the end": lambda s: quad_with(
+        np.array([-0.5, -0.4, 1.49 + 0.02 * s]), np.array([0.3, 0.6, 1.49 + 0.02 * s])
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_the_force_does_not_jump(name):
+    worst, most = swept(PATHS[name], 400)
+    assert most > 0.0
+    # The steepest slope of f is 27/16; a node, and what its edge takes from it, add up; the moment
+    # has arms of less than 2 mm. A jump would be hundreds of these steps large.
+    assert worst < 12.0
+
+
+def test_a_film_edge_across_a_right_angle_has_the_closed_form():
+    sim = one_quad(quad_with(np.array([0.0, -0.4, 0.0]), np.array([0.0, 0.6, 0.0])))
+    law, area = sim.contact.law, sim.state.node.contact_area[0]
+    for deep in (0.012, 0.02, 0.03, 0.045):
+        place(sim, quad_with(np.array([-deep, -0.4, 0.0]), np.array([-deep, 0.6, 0.0])))
+        force, _, found = evaluated(sim)
+        g = deep - LIP * law.rounding
+        assert found.deepest == pytest.approx(max(g, 0.0), abs=1e-12)
+        wanted = stiffness(sim, area) * smoothed(g, law.smoothing_depth) if g > 0.0 else 0.0
+        np.testing.assert_allclose(force[:, 0], [0.6 * wanted, 0.4 * wanted, 0, 0], rtol=1e-9)
+        np.testing.assert_allclose(force[:, 1:], 0.0, atol=1e-7 * max(wanted, 1.0))
+
+
+def test_a_film_edge_on_a_face_is_left_to_its_nodes():
+    """Along the bar's face, 5 µm deep, over its whole length: the nodes feel all of it."""
+    across = np.array([-1.0, -1.0, 0.0]) / np.sqrt(2.0)
+    inward = -5e-3 * np.array([1.0, -1.0, 0.0]) / np.sqrt(2.0)
+    a, b = inward + 0.1 * across, inward + 0.5 * across
+    sim = one_quad(quad_with(a, b, (0.3, -0.3, 0.5)))
+    _, both, found = evaluated(sim)
+    assert found.stored < 1e-12
+    assert np.abs(both[:2, :2]).min() > 0.0
+
+
+# ---------------------------------------------------------------- runs
+
+
+def test_a_rim_pushed_between_nodes_is_felt():
+    deepest = {}
+    for on in (False, True):
+        sim = pushed(Contact(film_edges=on))
+        while sim.motion.coordinate(sim.state.time) < 0.15:
+            sim.step()
+        n = sim.state.node
+        rim = np.flatnonzero(np.isclose(n.X[:25, 0], n.X[:25, 0].min()))
+        rim = rim[np.argsort(n.X[rim, 1])]
+        a, b = n.x[rim[2]], n.x[rim[3]]
+        edge = sim.pose.to_space(sim.tool.vertices)[:, 0].max()
+        s = (0.3 - a[1]) / (b[1] - a[1])
+        deepest[on] = edge - ((1.0 - s) * a + s * b)[0]
+        book = sim.close_ledger()
+        if on:
+            pressed = sum(t.forces.wrench[0, 0] for t in sim.tool_terms)
+            assert pressed < -5.0
+            # It gives back all that it takes, and the works of both sides are booked.
+            assert book.contact_work == pytest.approx(book.contact_stored, rel=1e-4)
+            assert abs(book.imbalance) < 1e-6 * book.tool_work
+        else:
+            assert book.tool_work == 0.0  # it goes through the rim, and nothing feels it
+    assert deepest[False] > 0.13
+    assert deepest[True] < 0.5 * sim.material.thickness
+
+
+def test_waiting_misses_nothing():
+    waits, looks = pushed(), pushed()
+    waited = 0
+    while waits.motion.coordinate(waits.state.time) < 0.04:
+        waits.step()
+        if term(looks).tables is not None:
+            term(looks).tables.memory.until[:] = 0.0
+        looks.step()
+        memory = term(waits).tables.memory
+        waited += int((memory.until > term(waits)._walked).sum())
+        assert term(waits).forces[1:] == term(looks).forces[1:]
+    assert waited > waits.state.step
+    assert term(waits).forces.n_touching == 1
+    np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
+
+
+def ends_by_place(state, outline):
+    """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
+    found, flank = [], state.flank
+    of_row = flank.row[: flank.count]
+    for row in range(state.n_quad):
+        n = outline.n_edge[row]
+        points = outline.point[row, :n]
+        xi, eta = points.T
+        weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
+        x = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]).T @ state.node.x[state.quads[row]]
+        # Where a crack starts there is no flank point, and nothing is touched.
+        tied = flank.place[: flank.count][of_row == row]
+        there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]
+        for k in range(n):
+            if outline.open[row, k] and not outline.absent[row]:
+                found += [(x[k], x[(k + 1) % n])] * int(there[k] and there[(k + 1) % n])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("path", ["edges", "free"])
+def test_open_edges_are_those_of_rim_and_flanks(path):
+    sim = cut_strip(contact=ON, notched=False) if path == "free" else cutting(contact=ON)
+    while sim.state.n_cable < 6:
+        sim.step()
+    s = sim.state
+    outline = FilmOutline(sim._part_of).of(s)
+    ends = open_edges(s, outline, np.arange(s.n_quad))
+    wanted = ends_by_place(s, outline)
+    np.testing.assert_allclose(s.node.x[ends], wanted, atol=1e-12)
+    if path == "free":
+        assert np.isin(ends, s.flank.node[: s.flank.count]).any()
+    # Where two edges of a flank meet they share the node.
+    flanks = ends[s.node.halved[ends].any(axis=1)]
+    assert np.unique(flanks).size < 0.8 * flanks.size
+
+
+def test_same_bits_over_threads_and_a_restart(tmp_path):
+    def go(sim, until):
+        while sim.state.step < until:
+            sim.step()
+        n = sim.state.node
+        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
+
+    whole = cut_strip(contact=ON)
+    touched = 0
+    while whole.state.step < 400:
+        whole.step()
+        touched += term(whole).forces.n_touching
+    wanted = go(whole, 400)
+    assert touched > 3
+    other = go(cut_strip(contact=ON, threads=2), 400)
+    first = cut_strip(contact=ON)
+    while not term(first).forces.n_touching:  # within a touch
+        first.step()
+    save_checkpoint(first, tmp_path / "half.h5")
+    again = cut_strip(contact=ON)
+    load_checkpoint(again, tmp_path / "half.h5")
+    for x, v, book in (other, go(again, 400)):
+        np.testing.assert_array_equal(x, wanted[0])
+        np.testing.assert_array_equal(v, wanted[1])
+        assert book == wanted[2]
+
+
+def test_off_there_is_no_term():
+    sim = pushed(Contact())
+    assert [t.name for t in sim.tool_terms] == ["contact", "points", "joints"]
+
+
+def test_edges_that_a_split_makes_inside_the_tool_do_not_press():
+    sim = one_quad(quad_with(np.array([-0.05, -0.4, 0.0]), np.array([-0.05, 0.6, 0.0])))
+    evaluated(sim)
+    t = term(sim)
+    t.tables.memory.depth[:] = 0.0  # as if they had just been made
+    sim.state.node.force[:] = 0.0
+    found = t.add_forces(sim.state, t._pose)
+    assert found.stored == 0.0
+    assert not sim.state.node.force.any()
+    # What they part by goes from the offset, and presses when they come back.
+    for x, pressing in ((-0.03, False), (-0.045, True)):
+        place(sim, quad_with(np.array([x, -0.4, 0.0]), np.array([x, 0.6, 0.0])))
+        sim.state.node.velocity_half[:] = 1e9  # it came there by motion
+        sim.state.dt = 1.0
+        found = t.add_forces(sim.state, t._pose)
+        assert (found.stored > 0.0) == pressing

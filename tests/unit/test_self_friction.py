@@ -1,0 +1,311 @@
+"""Friction of the film on itself: law, momentum, works, history and restart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from naive.self_friction import forces_on_sheet, returned, slip_speed
+from shellcut.contact.self_friction import SelfFriction
+from shellcut.mesh.structured import rectangle
+from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
+from two_pieces import CASES, ON, H, approached, evaluated, thrown, touching
+
+MU = 0.3
+
+
+class Drawn:
+    """Two pieces that touch, and their friction; the second is moved step by step."""
+
+    def __init__(self, case, warp=0.0, mu=MU, dt=1e-6):
+        gap, way, tilt = CASES[case]
+        self.state, self.contact, x, self.first = touching(gap, tilt, warp)
+        self.friction = SelfFriction(self.contact, mu)
+        away = np.zeros_like(x)
+        away[self.first :] = way
+        approached(self.state, self.contact, x, away)
+        self.x, self.dt, self.works = (
+            x,
+            dt,
+            dict.fromkeys(("friction_work", "friction_dissipated"), 0.0),
+        )
+        self.friction.add_forces(self.state)  # at rest
+
+    def step(self, moved):
+        """Move all nodes by moved : (n_node, 3); return the friction on them and what it did."""
+        n = self.state.node
+        self.x = self.x + moved
+        self.state.dt = self.dt
+        n.velocity_half[: n.count] = moved / self.dt
+        evaluated(self.state, self.contact, self.x)
+        n.force_rows[:] = 0.0
+        found = self.friction.add_forces(self.state)
+        found.add_works(self.works)
+        return n.force[: n.count].copy(), found
+
+    def shift(self, way):
+        moved = np.zeros_like(self.x)
+        moved[self.first :] = way
+        return self.step(moved)
+
+    def pressure(self):
+        presses = self.contact.tables.presses
+        return np.linalg.norm(presses.force[: presses.n[0], 0], axis=1)
+
+    def springs(self):
+        """k_t of the points that press."""
+        t = self.contact.tables
+        return 0.5 * t.stiffness[t.touches.point[: t.presses.n[0]]]
+
+
+# ---------------------------------------------------------------- the law
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_forces_are_those_of_virtual_work(case):
+    drawn = Drawn(case, warp=0.01)
+    rng = np.random.default_rng(8)
+    drawn.step(1e-5 * rng.normal(size=drawn.x.shape))
+    before = drawn.contact.tables.memory
+    u_before, row_before = before.drag.copy(), before.drag_row.copy()
+    moved = 1e-5 * rng.normal(size=drawn.x.shape)
+    force, found = drawn.step(moved)
+    t, state = drawn.contact.tables, drawn.state
+    wanted = np.zeros_like(force)
+    slipping = 0
+    for i in range(t.presses.n[0]):
+        row, (xi, eta), sheet = t.touches.row[i], t.touches.place[i], t.touches.sheet[i]
+        assert row_before[sheet] == row
+        quad, node = state.quads[row], t.presses.node[i, 0]
+        corners, pressed = drawn.x[quad], t.presses.force[i, 0]
+        one = np.array([-(1 - eta), 1 - eta, 1 + eta, -(1 + eta)]) @ corners
+        two = np.array([-(1 - xi), -(1 + xi), 1 + xi, 1 - xi]) @ corners
+        n = np.cross(one, two) / np.linalg.norm(np.cross(one, two))
+        one /= np.linalg.norm(one)
+        over = (drawn.x[node] - _foot(corners, xi, eta)) @ n
+        slip = slip_speed(moved[node], corners, moved[quad], xi, eta, over)
+        # The frame at the new foot, by which the old one differs to second order only.
+        u = u_before[sheet] @ np.array([one, np.cross(n, one), n])
+        k = 0.5 * t.stiffness[t.touches.point[i]]
+        new = returned(u + slip, pressed, MU, k)
+        slipping += np.linalg.norm(new) < 0.999 * np.linalg.norm(u + slip - (u + slip) @ n * n)
+        wanted[node] += -k * new
+        wanted[quad] += forces_on_sheet(-k * new, corners, xi, eta, over)
+    scale = np.abs(wanted).max()
+    assert scale > 0.0
+    np.testing.assert_allclose(force, wanted, atol=2e-3 * scale)
+    assert found.n_slipping <= t.presses.n[0]
+    # Neither a sum nor a moment.
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-13 * scale)
+    np.testing.assert_allclose(np.cross(drawn.x, force).sum(axis=0), 0.0, atol=1e-11 * scale)
+
+
+def _foot(corners, xi, eta):
+    weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
+    return 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]) @ corners
+
+
+def test_a_piece_drawn_over_another_sticks_and_slips_in_closed_form():
+    drawn = Drawn("face")
+    pressure, k_t = drawn.pressure(), drawn.springs()
+    slips_at = MU * pressure / k_t
+    one_step = 0.05 * slips_at.min()
+    way = 0.0
+    for _ in range(60):
+        force, found = drawn.shift((one_step, 0.0, 0.0))
+        way += one_step
+        drag = force[drawn.first :].sum(axis=0)
+        # The points of either piece, one by one; they press as before, the film is flat.
+        wanted = np.minimum(k_t * way, MU * pressure).sum()
+        # On the other piece's points the force is that of the first: all signs are the same.
+        assert -drag[0] == pytest.approx(wanted, rel=1e-6)
+        np.testing.assert_allclose(drag[1:], 0.0, atol=1e-6 * wanted)
+    assert found.n_slipping == len(pressure)
+    slip = np.maximum(way - slips_at, 0.0)
+    spent = (MU * pressure * slip).sum()
+    # The step in which a point begins to slip is divided by the trapezoid: less than one step.
+    assert drawn.works["friction_dissipated"] == pytest.approx(spent, rel=0.02)
+    assert found.stored == pytest.approx((0.5 * k_t * slips_at**2).sum(), rel=1e-6)
+    works = drawn.works
+    kept = works["friction_dissipated"] + found.stored
+    assert works["friction_work"] == pytest.approx(kept, rel=1e-9)
+
+
+def test_a_cycle_of_stick_and_slip_dissipates_the_closed_form():
+    drawn = Drawn("face")
+    pressure, k_t = drawn.pressure(), drawn.springs()
+    slips_at = MU * pressure / k_t
+    amplitude, n = 4.0 * slips_at.max(), 200
+    path = amplitude * np.concatenate(
+        [np.linspace(0, 1, n), np.linspace(1, -1, 2 * n), np.linspace(-1, 1, 2 * n)]
+    )
+    at_start = 0.0
+    for k, step in enumerate(np.diff(path, prepend=0.0)):
+        drawn.shift((0.0, step, 0.0))
+        if k == n - 1:
+            at_start = drawn.works["friction_dissipated"]
+    cycle = drawn.works["friction_dissipated"] - at_start
+    # A loop of the height 2 mu N and the width 2 (A - mu N / k_t), there and back.
+    wanted = (4.0 * MU * pressure * (amplitude - slips_at)).sum()
+    assert cycle == pytest.approx(wanted, rel=0.01)
+
+
+def test_pieces_that_turn_together_do_not_slip_and_take_the_spring_along():
+    drawn = Drawn("face")
+    k_t = drawn.springs()
+    slips_at = MU * drawn.pressure() / k_t
+    force, found = drawn.shift((0.5 * slips_at.min(), 0.0, 0.0))
+    stored, at_first = found.stored, force
+    # 40 deg about an axis that is neither in the film nor normal to it, in small steps.
+    axis, n = np.array([1.0, -2.0, 2.0]) / 3.0, 40
+    angle = np.radians(40.0) / n
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    whole = np.eye(3)
+    for _ in range(n):
+        force, found = drawn.step(drawn.x @ turn.T - drawn.x)
+        whole = turn @ whole
+    # The frames turn exactly; the foot is found to 1e-13, and the points press by their depth.
+    assert found.stored == pytest.approx(stored, rel=1e-8)
+    np.testing.assert_allclose(force, at_first @ whole.T, atol=1e-8 * np.abs(force).max())
+    assert found.n_slipping == 0
+
+
+# ---------------------------------------------------------------- runs
+
+
+def lying(pull, mu=MU, push=2e7, **options):
+    """A loose piece on a sheet that is held everywhere, pressed on it and pulled along it."""
+    sheet, piece = rectangle(3.0, 2.0, n_x=6, n_y=4), rectangle(0.9, 0.6, n_x=3, n_y=2)
+    onto = sheet.nodes.mean(axis=0) - piece.nodes.mean(axis=0) + [-0.6, 0.1, H]
+    nodes = np.concatenate([sheet.nodes, piece.nodes + onto])
+    mesh = sc.Mesh.from_arrays(nodes, np.concatenate([sheet.quads, piece.quads + sheet.n_node]))
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(thickness=H),
+        supports=[sc.Support.clamped(np.arange(sheet.n_node))],
+        loads=[sc.Gravity((pull, 0.0, -push))],
+        contact=replace(ON, self_friction=mu),
+        **{"damping_alpha": 0.0, "damping_beta": 0.0} | options,
+    )
+    return sim, np.arange(sheet.n_node, mesh.n_node)
+
+
+def motion_of(sim, piece):
+    """Way and velocity of the piece's centre, and its mass."""
+    n = sim.state.node
+    m = n.mass[piece]
+    way = m @ (n.x[piece] - n.X[piece]) / m.sum()
+    return way, m @ n.velocity_half[piece] / m.sum(), m.sum()
+
+
+def test_a_piece_on_the_film_accelerates_by_coulombs_law():
+    push, pull = 2e7, 1e7
+    sim, piece = lying(pull, push=push)
+    while sim.state.time < 1.5e-4:
+        sim.step()
+    way, v, mass = motion_of(sim, piece)
+    # It bounces a little on its springs: what presses is its weight and what has stopped its fall.
+    time = sim.state.time - 0.5 * sim.state.dt
+    assert v[0] == pytest.approx(pull * time - MU * (push * time + v[2]), rel=5e-3)
+    book = sim.close_ledger()
+    spent = mass * (pull * way[0] - 0.5 * v[0] ** 2)
+    assert book.friction_dissipated == pytest.approx(spent, rel=0.01)
+    assert book.friction_work == pytest.approx(
+        book.friction_dissipated + book.friction_stored, rel=1e-6
+    )
+    assert abs(book.imbalance) < 5e-3 * book.load_work
+
+
+def test_a_piece_on_the_film_stays_where_the_pull_is_less():
+    sim, piece = lying(0.2 * 2e7, damping_alpha=3e5)
+    while sim.state.time < 1.5e-4:
+        sim.step()
+    way, v, _ = motion_of(sim, piece)
+    assert sim.self_contact.forces.n_touching == piece.size
+    # Without friction it would have gone 40 µm; it hangs in the springs, which give by 0.2 N / k_t.
+    assert abs(v[0]) < 5.0
+    assert abs(way[0]) < 5e-3
+
+
+def test_same_bits_over_threads_and_a_restart(tmp_path):
+    def go(sim, until):
+        while sim.state.step < until:
+            sim.step()
+        n = sim.state.node
+        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
+
+    wanted = go(lying(1e7)[0], 300)
+    other = go(lying(1e7, threads=2)[0], 300)
+    first = lying(1e7)[0]
+    go(first, 150)
+    assert first.close_ledger().friction_stored > 0.0
+    save_checkpoint(first, tmp_path / "half.h5")
+    again = lying(1e7)[0]
+    load_checkpoint(again, tmp_path / "half.h5")
+    for x, v, book in (other, go(again, 300)):
+        np.testing.assert_array_equal(x, wanted[0])
+        np.testing.assert_array_equal(v, wanted[1])
+        assert book == wanted[2]
+    assert wanted[2].friction_dissipated > 0.0
+
+
+def test_the_halves_of_a_split_node_keep_their_spring():
+    drawn = Drawn("face")
+    slips_at = MU * drawn.pressure() / drawn.springs()
+    _, before = drawn.shift((0.5 * slips_at.min(), 0.0, 0.0))
+    state, n = drawn.state, drawn.state.node
+    node = int(drawn.contact.tables.presses.node[0, 0])
+    half = n.append_copy(node)
+    n.mass[[node, half]] *= 0.5
+    n.contact_mass[[node, half]] *= 0.5
+    n.halved[[node, half]] = True
+    n.origin[half] = n.origin[node]
+    state.revision += 1
+    drawn.contact._known.restore(state.revision - 1, state)
+    drawn.x = np.vstack([drawn.x, drawn.x[node]])
+    force, after = drawn.step(np.zeros_like(drawn.x))
+    assert after.stored == pytest.approx(before.stored, rel=1e-12)
+    assert after.dissipated == pytest.approx(0.0, abs=1e-12 * before.stored)
+    np.testing.assert_allclose(force[node], force[half], rtol=1e-12)
+
+
+def test_what_a_spring_held_is_dissipated_when_they_part():
+    drawn = Drawn("face")
+    slips_at = MU * drawn.pressure() / drawn.springs()
+    _, before = drawn.shift((0.5 * slips_at.min(), 0.0, 0.0))
+    _, after = drawn.shift((0.0, 0.0, H))
+    assert before.stored > 0.0
+    assert after.stored == 0.0
+    # The half of the work that the last force did on the way is across the pull: none.
+    assert drawn.works["friction_dissipated"] == pytest.approx(before.stored, rel=1e-6)
+    assert not drawn.contact.tables.memory.drag.any()
+
+
+def test_friction_takes_energy_of_pieces_that_graze_and_no_momentum():
+    lost = {}
+    for mu in (0.0, MU):
+        contact = replace(ON, self_friction=mu)
+        sim = thrown((-0.6, 0.07, 0.2), (2000.0, 0.0, 3000.0), contact=contact)
+        n = sim.state.node
+        before = n.mass[: n.count] @ n.velocity_half[: n.count]
+        scale = n.mass[: n.count].sum() * 3000.0
+        for _ in range(400):
+            sim.step()
+        after = n.mass[: n.count] @ n.velocity_half[: n.count]
+        np.testing.assert_allclose(after, before, atol=1e-12 * scale)
+        book = sim.close_ledger()
+        lost[mu] = book.friction_dissipated
+        assert abs(book.imbalance) < 1e-3 * book.initial
+    assert lost[0.0] == 0.0
+    assert lost[MU] > 1e-3 * book.initial
+
+
+def test_bad_coefficients_are_refused_in_words():
+    with pytest.raises(ValueError, match=r"self_friction must be a coefficient of 0 .* got -0.1"):
+        sc.Contact(self_contact=True, self_friction=-0.1)
+    with pytest.raises(ValueError, match=r"needs self_contact = true"):
+        sc.Contact(self_friction=0.2)
+    with pytest.raises(ValueError, match=r"friction must be .*; self_friction must be"):
+        sc.Contact(friction=np.nan, self_friction=np.inf, self_contact=True)
