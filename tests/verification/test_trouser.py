@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.material import Elastic, Layer, Linear, Plastic
 from harness import load_cases
+from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import rectangle
 
 LENGTH, WIDTH, NOTCH, THICKNESS = 19.0, 6.0, 6.0, 0.2

@@ -212,10 +212,6 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
         HISTORY,
         oriented=axes,
         turning=_TURNING,
-        f"{name}, frozen",
-        *functions(flow, _never, kinematic),
-        HISTORY,
-        oriented=axes,
         first_leads=True,
     )
     return register(

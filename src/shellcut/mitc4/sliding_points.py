@@ -67,6 +67,8 @@ class SlidingPoints:
         rule = frozen_rule(rule) or rule
         self._laws = rule.laws
         self._height = np.tile(np.arange(rule.place.size), len(GAUSS))
+        leads = np.array([law.first_leads for law in rule.laws.laws])
+        self._leads = np.flatnonzero(leads[rule.laws.kind[self._height]])
         g11, g12, g22 = rule.shear[self._height].T
         self._shear = np.array([[g11, g12], [g12, g22]]).transpose(2, 0, 1)
         self._here = _maps(X, T, material, rule)
@@ -118,8 +120,13 @@ class SlidingPoints:
 
     def _law(self, e: Floats, history: Floats) -> tuple[Floats, Floats]:
         """Return S, shape (n, n_point, 3), and psi, shape (n, n_point)."""
+        history = history.copy()
+        # What has not flowed yet may slide to film that has: its history must be read, too.
+        if history.shape[2]:
+            first = history[:, self._leads, 0]
+            history[:, self._leads, 0] = np.maximum(first, np.finfo(float).tiny)
         S, stored = np.empty((*e.shape[:2], 3)), np.empty(e.shape[:2])
-        _evaluate(self._laws, self._height, e, np.ascontiguousarray(history), S, stored)
+        _evaluate(self._laws, self._height, e, history, S, stored)
         return S, stored
 
 
