@@ -17,8 +17,8 @@ G h is the law's, not what the cables took; that they took it is a check of its 
 moving and damped legs, are below one per cent of D; the film whose legs yield less is torn at half
 the speed, so that they are so there too.
 
-The crack runs along a straight row of edges. Through quads, where a law yields, the stress alone
-does not lead a tear straight on (docs/limits.md).
+The crack runs along a straight row of edges; tests/verification/test_trouser.py leads it through
+quads.
 
 Source: energy balance; ../shared/METHOD2.md 10. Slopes over w by fitted lines, from ``START`` on:
 the crack grows by an edge at a time.
