@@ -4,14 +4,22 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from damaging_film import Damaging
 from naive import cases
 from shellcut.fracture.tip_force import TipForce
-from shellcut.material import Elastic, Hencky, Layer, Linear, Plastic
+from shellcut.material import Elastic, Layer, Linear, Orthotropic, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.mitc4.element import N_STRAIN
-from shellcut.mitc4.section import full_stiffness
+from shellcut.mitc4.section import (
+    axes_in_frame,
+    frame_components,
+    full_stiffness,
+    gauss_geometry,
+)
 from shellcut.mitc4.sliding_energy import SlidingEnergy
+from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.mitc4.tangent import reference_products
+from shellcut.mitc4.thickness_points import build_rule
 
 YOUNG, POISSON, THICKNESS = 1678.0, 0.3, 0.1
 FILM = sc.ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, density=1e-9, thickness=THICKNESS)
@@ -54,36 +62,117 @@ def test_the_change_of_energy_with_a_slide_is_that_of_the_energy():
 )
 def test_an_even_state_has_no_tip(load):
     """Even strain, turned, moving at an even speed or loaded: nothing is released anywhere."""
-    mesh = rectangle(6.0, 6.0, size=0.5)
-    rng = np.random.default_rng(1)
-    X = mesh.nodes.copy()
-    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
-    X[inside, :2] += 0.1 * rng.uniform(-1.0, 1.0, (inside.size, 2))
-    mesh = sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
     loads = [] if load is None else [load]
-    sim = sc.Simulation(mesh, FILM, damping_alpha=0.0, loads=loads)
+    sim = sc.Simulation(uneven_mesh(), FILM, damping_alpha=0.0, loads=loads)
     stretch = np.array([[1.01, 0.003, 0.0], [0.0, 0.995, 0.0], [0.004, 0.0, 1.0]])
-    n = sim.state.node
-    n.x[: n.count] = n.X[: n.count] @ stretch.T + [40.0, -30.0, 20.0]
-    n.t[: n.count] = np.cross(*(BASE @ stretch.T))
-    n.t[: n.count] /= np.linalg.norm(n.t[0])
+    drawn(sim.state, stretch)
+    sim.state.node.x += [40.0, -30.0, 20.0]
     force = TipForce(sim.state, sim.shell, np.array([3.0, 0.2, 0.0]), BASE, 2.0, sim.loads)
     energy = YOUNG * THICKNESS * 0.01**2  # per area, of that order
     # Round-off, over the energy in the domain and what the loads would do over 1 mm.
     assert np.abs(force.of(sim.state, BASE @ stretch.T)).max() < 1e-8 * energy
 
 
-@pytest.mark.parametrize("law", ["Hencky", "von Mises"])
-def test_a_law_that_is_not_linear_is_refused(law):
-    film = Elastic(YOUNG, POISSON, 1e-9)
-    given = Hencky(film) if law == "Hencky" else Plastic(film, Linear(15.0, 60.0))
-    mesh = rectangle(2.0, 2.0, size=1.0)
-    shell, state = cases.set_up(mesh, sc.ShellMaterial([Layer(given, THICKNESS)]))
-    with pytest.raises(ValueError, match=f"known for linear films without axes only, got {law}"):
+def uneven_mesh():
+    """A sheet of quads whose inner nodes are moved at random."""
+    mesh = rectangle(6.0, 6.0, size=0.5)
+    X, rng = mesh.nodes.copy(), np.random.default_rng(1)
+    inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
+    X[inside, :2] += 0.1 * rng.uniform(-1.0, 1.0, (inside.size, 2))
+    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=mesh.node_sets)
+
+
+def layered(material, **options):
+    return sc.ShellMaterial([Layer(material, THICKNESS)], **options)
+
+
+ALONG = Orthotropic(900.0, 2400.0, 0.2, 500.0, 1e-9)
+STIFFER = Orthotropic(900.0, 2400.0, 0.2, 500.0, 1e-9, angle_deg=25.0)
+
+
+@pytest.mark.parametrize("material", [Elastic(YOUNG, POISSON, 1e-9), STIFFER])
+def test_points_of_a_linear_law_change_like_its_stiffness(material):
+    rng = np.random.default_rng(4)
+    film = layered(material, points_per_layer=2, direction=(1.0, 1.0, 0.2))
+    mesh = cylinder(5.0, 4.0, n_around=24, n_along=4)
+    X, T = mesh.nodes[mesh.quads], mesh.directors[mesh.quads]
+    x, t = X + 0.05 * rng.normal(size=X.shape), T + 0.05 * rng.normal(size=T.shape)
+    slides, moves = rng.normal(size=(2, 1, *X.shape))
+    wanted = SlidingEnergy.of(X, T, slides, film).changes(x, t, moves)
+    found = SlidingPoints(X, T, slides, film, build_rule(film)).changes(x, t, moves)
+    # Round-off of the differences.
+    np.testing.assert_allclose(found, wanted, rtol=1e-6, atol=1e-8 * np.abs(wanted).max())
+
+
+def drawn(state, stretch):
+    """Deform the whole film evenly."""
+    n = state.node
+    n.x[: n.count] = n.X[: n.count] @ stretch.T
+    n.t[: n.count] = np.cross(*(BASE @ stretch.T))
+    n.t[: n.count] /= np.linalg.norm(n.t[0])
+
+
+def flowed(state, shell, at):
+    """Give the film the plastic strains (11, 22, twice 12) = at[:, 0] + at[:, 1:] (x, y)."""
+    film = shell.reference
+    slot, width = shell.blocks.slot, shell.blocks.width
+    n_height, n_number = shell.points.rule.place.size, shell.points.rule.n_history
+    material, corners = shell.material, (film.x[film.quads], film.t[film.quads])
+    for q, (n, A1, A2, T0, _, _) in enumerate(gauss_geometry(*corners)):
+        place = np.einsum("a,eac->ec", n, corners[0])
+        _, frame = frame_components(A1, A2, T0)
+        c, s = np.ones(len(place)), np.zeros(len(place))
+        if material.has_axes:
+            c, s = axes_in_frame(A1, A2, T0, material.direction_at(place))
+        first = c[:, None] * frame[:, 0] + s[:, None] * frame[:, 1]
+        strain = at[:, 0] + place[:, :2] @ at[:, 1:].T
+        tensor = np.zeros((len(place), 2, 2))
+        tensor[:, 0, 0], tensor[:, 1, 1] = strain[:, 0], strain[:, 1]
+        tensor[:, 0, 1] = tensor[:, 1, 0] = 0.5 * strain[:, 2]
+        axes = np.stack([first[:, :2], np.cross([0.0, 0.0, 1.0], first)[:, :2]], axis=1)
+        own = axes @ tensor @ axes.transpose(0, 2, 1)
+        for j in range(n_height):
+            for k, numbers in enumerate((own[:, 0, 0], own[:, 1, 1], 2.0 * own[:, 0, 1])):
+                at_number = (q * n_height + j) * n_number + 2 + k
+                state.history[slot // width, at_number, slot % width] = numbers
+
+
+PLASTIC = Plastic(Elastic(YOUNG, POISSON, 1e-9), Linear(15.0, 60.0))
+UNEVEN = np.array([[0.05, 0.01, -0.02], [-0.03, 0.015, 0.01], [0.02, -0.02, 0.03]])
+
+
+@pytest.mark.parametrize(
+    ("material", "flow"),
+    [
+        (STIFFER, None),
+        (PLASTIC, UNEVEN),
+        (Plastic(PLASTIC.elastic, Linear(15.0, 60.0), r_values=(0.6, 1.0, 1.8)), UNEVEN),
+    ],
+)
+def test_uneven_flow_makes_no_tip(material, flow):
+    """Any law, evenly drawn: what the slides find below belongs to the film, not to a crack."""
+    direction = (1.0, 0.4, 0.0)
+    shell, state = cases.set_up(uneven_mesh(), layered(material, direction=direction))
+    stretch = np.array([[1.15, 0.1, 0.0], [-0.05, 0.9, 0.0], [0.3, 0.0, 1.0]])
+    drawn(state, stretch)
+    if flow is not None:
+        flowed(state, shell, flow)
+    for place in ([3.0, 0.2, 0.0], [0.1, 0.2, 0.0]):  # within the film, and at its rim
+        force = TipForce(state, shell, np.array(place), BASE, 2.0)
+        energy = YOUNG * THICKNESS * 0.15**2  # per area, of that order
+        found = force.of(state, BASE @ stretch.T)
+        # Round-off of differences; at the rim the film slides out of itself, which costs energy.
+        inside = slice(None) if place[0] > 2.0 else slice(1, 2)
+        assert np.abs(found[inside]).max() < 1e-7 * energy
+
+
+def test_a_law_whose_history_cannot_be_frozen_is_refused():
+    shell, state = cases.set_up(rectangle(2.0, 2.0, size=1.0), layered(Damaging()))
+    with pytest.raises(ValueError, match="without history, or with a frozen law, got damaging"):
         TipForce(state, shell, np.array([1.0, 0.0, 0.0]), BASE, 2.0)
 
 
-def strip_at_rest(pull, notch=8.0, height=4.0):
+def strip_at_rest(pull, notch=8.0, height=4.0, film=FILM):
     """A long notched strip whose upper and lower sides are moved apart by ``pull`` [mm]."""
     mesh = rectangle(16.0, height, size=0.25)
     X = mesh.nodes - [mesh.nodes[:, 0].min(), 0.0, 0.0]
@@ -91,7 +180,7 @@ def strip_at_rest(pull, notch=8.0, height=4.0):
     supports = [sc.Support.clamped("bottom"), sc.Support.clamped("top")]
     sim = sc.Simulation(
         mesh,
-        FILM,
+        film,
         supports=supports,
         law=sc.CohesiveLaw(strength=1e3),
         fracture=sc.Fracture(path="free"),
@@ -103,14 +192,15 @@ def strip_at_rest(pull, notch=8.0, height=4.0):
     return sim
 
 
-@pytest.mark.parametrize("reach", [1.0, 1.8])
-def test_a_long_strip_releases_the_energy_ahead_of_its_tip(reach):
-    """Far behind the tip nothing is stored, far ahead E' e²/2 per volume over the height."""
+@pytest.mark.parametrize(("reach", "material"), [(1.0, FILM), (1.8, FILM), (1.0, layered(ALONG))])
+def test_a_long_strip_releases_the_energy_ahead_of_its_tip(reach, material):
+    """Far behind the tip nothing is stored, far ahead C_22 e²/2 per volume over the height."""
     stretch = 0.004
-    sim = strip_at_rest([0.0, 4.0 * stretch, 0.0])
+    sim = strip_at_rest([0.0, 4.0 * stretch, 0.0], film=material)
     force = TipForce(sim.state, sim.shell, np.array([8.0, 0.0, 0.0]), BASE, reach)
     strain = stretch + 0.5 * stretch**2
-    released = 0.5 * YOUNG / (1.0 - POISSON**2) * strain**2 * THICKNESS * 4.0
+    stiffness = material.layers[0].material.plane_stress()[1, 1]
+    released = 0.5 * stiffness * strain**2 * THICKNESS * 4.0
     J = force.of(sim.state, BASE)
     # Discretisation (quads of a sixteenth of the height at a singular tip).
     assert J[0] == pytest.approx(released, rel=0.03)

@@ -24,8 +24,8 @@ p is the traction that the mean Cauchy stress of the mid-surface ahead exerts ac
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
 lengths. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
-other would lose the part across the lean. The energy of a film whose law is not linear is not known
-to J; there the stress decides alone.
+other would lose the part across the lean. What a film would give back is not known if its law keeps
+a history and cannot be frozen; there the stress decides alone.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from .anisotropy import Anisotropy
 from .crack_path import CrackPath
 from .quad_polygon import shape_functions
 from .tip import Tip
-from .tip_force import TipForce
+from .tip_force import TipForce, gives_back
 
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""
@@ -157,7 +157,7 @@ class FreeDirection:
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._path.reference_of(state, tip), self._path.size(row)
         force = None
-        if self._shell.material.is_linear:
+        if gives_back(self._shell.material):
             force = TipForce(state, self._shell, place, base, REACH * size, self._loads)
         near, weight = self._near(state, place, forward, T, AVERAGE * size)
         return _Ahead(

@@ -22,9 +22,12 @@ cables, too: in steady tearing J = G h. The flanks slide with the film. Across t
 film to one flank and takes it from the other: J · e has the difference of their energies per area
 times the reach in it, none where both sides are alike.
 
-The energy is that of the linear law, s · H s / 2. A film with another law has another energy, and
-one that yields has none that an advance would give back: for those a force is refused, and
-:mod:`.free_direction` takes the stress ahead alone.
+The energy psi is what the film would give back: what has flowed stays where it is in the film. A
+point that slides comes to film that has flowed differently, which adds the stress times the slope
+of the plastic strain there to J (:mod:`shellcut.mitc4.sliding_points`). With it J is what goes into
+the process zone, however the film around has flowed ([Simha2008]). A law that keeps a history and
+names no ``frozen`` law has no such energy: for it a force is refused, and :mod:`.free_direction`
+takes the stress ahead alone.
 """
 
 from __future__ import annotations
@@ -34,10 +37,19 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.loads.sliding_loads import SlidingLoads
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.mitc4.section import lumped_mass
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.sliding_energy import SlidingEnergy, slid
+from shellcut.mitc4.sliding_history import SlidingHistory
+from shellcut.mitc4.sliding_points import SlidingPoints
 from shellcut.state import State
+
+
+def gives_back(material: ShellMaterial) -> bool:
+    """Whether the energy is known that a film would give back."""
+    laws = [layer.material.law for layer in material.layers]
+    return not any(law.history and law.frozen is None for law in laws)
 
 
 class TipForce:
@@ -48,7 +60,7 @@ class TipForce:
     state : State
         Of the topology.
     shell : MITC4Shell
-        A film whose law is linear.
+        Whose law keeps no history, or can be frozen.
     place : ndarray, shape (3,)
         Of the tip in the reference film [mm].
     base : ndarray, shape (2, 3)
@@ -61,7 +73,7 @@ class TipForce:
     Raises
     ------
     ValueError
-        If the film's law is not linear, or has axes.
+        If the law keeps a history that cannot be frozen.
     """
 
     def __init__(
@@ -73,22 +85,32 @@ class TipForce:
         reach: float,
         loads: LoadSet | None = None,
     ) -> None:
-        if not shell.material.is_linear:
+        if not gives_back(shell.material):
             laws = sorted({layer.material.law.name for layer in shell.material.layers})
             raise ValueError(
-                "the energy released at a tip is known for linear films without axes only, got "
-                f"{', '.join(laws)}: let the stress ahead decide"
+                "the energy released at a tip is known for laws without history, or with a frozen "
+                f"law, got {', '.join(laws)}: let the stress ahead decide"
             )
         film = shell.reference
         X, T = film.x[film.quads], film.t[film.quads]
         q = np.clip(2.0 - 2.0 * np.linalg.norm(X - place, axis=2) / reach, 0.0, 1.0)
         # The far wall of a tube is not in the domain.
         q[T.sum(axis=1) @ np.cross(*base) <= 0.0] = 0.0
-        # Where all corners slide alike nothing changes.
-        self._rows: Ints = np.flatnonzero(np.ptp(q, axis=1) > 0.0)
+        material, rule = shell.material, shell.points.rule
+        # Where all corners slide alike nothing changes but the history below.
+        moves = q.max(axis=1) if rule.n_history else np.ptp(q, axis=1)
+        self._rows: Ints = np.flatnonzero(moves > 0.0)
         self._q = q[self._rows]
         slides = np.einsum("ea,ki->keai", self._q, base)
-        self._energy = SlidingEnergy.of(X[self._rows], T[self._rows], slides, shell.material)
+        here = X[self._rows], T[self._rows], slides, material
+        self._energy: SlidingEnergy | SlidingPoints
+        self._history: SlidingHistory | None = None
+        if all(layer.material.law.linear for layer in material.layers):
+            self._energy = SlidingEnergy.of(*here)
+        else:
+            self._energy = SlidingPoints(*here, rule)
+        if rule.n_history:
+            self._history = SlidingHistory.of(state, shell, self._rows, self._q, base)
         self._share = state.quad.share[self._rows]
         self._loads: SlidingLoads | None = None
         if loads is not None and any(loads.on_film):
@@ -117,7 +139,12 @@ class TipForce:
         nodes = state.quads[self._rows]
         x, t = state.node.x[nodes], state.node.t[nodes]
         moves = np.einsum("ea,ki->keai", self._q, moved)
-        force = np.asarray(-self._energy.changes(x, t, moves) @ self._share)
+        if isinstance(self._energy, SlidingEnergy):
+            changes = self._energy.changes(x, t, moves)
+        else:
+            history = None if self._history is None else self._history.of_state(state)
+            changes = self._energy.changes(x, t, moves, history)
+        force = np.asarray(-changes @ self._share)
         if self._loads is not None:
             force += self._loads.works(state, moved)
         return force

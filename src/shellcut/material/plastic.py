@@ -62,6 +62,8 @@ HISTORY = (
 )
 """Of each thickness point, in the axes of the point; true strains."""
 
+_TURNING = (2,)
+
 # Places in the rows of parameters.
 _LATERAL = 1  # isotropic: ν/(1 - ν); with axes: three numbers
 _MEAN, _SHEAR, _KINEMATIC, _YIELD = 2, 3, 4, 5
@@ -202,7 +204,11 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
     functions, n_mode = (_law_with_axes, 3) if axes else (_isotropic_law, 2)
     flow = make_flow(hardening.function, hardening.slope, rate.function, has_rate, n_mode)
     frozen = PointLaw(
-        f"{name}, frozen", *functions(flow, _never, kinematic), HISTORY, oriented=axes
+        f"{name}, frozen",
+        *functions(flow, _never, kinematic),
+        HISTORY,
+        oriented=axes,
+        turning=_TURNING,
     )
     return register(
         PointLaw(
@@ -211,6 +217,7 @@ def _law(hardening: Any, rate: Any, kinematic: bool, axes: bool) -> PointLaw:
             HISTORY,
             oriented=axes,
             timed=has_rate,
+            turning=_TURNING,
             frozen=register(frozen),
         )
     )

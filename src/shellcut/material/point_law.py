@@ -58,6 +58,9 @@ class PointLaw:
         The law without flow: elastic, with the history as it is, which it returns unchanged. The
         time step then follows its tangent dS/dE, which bounds that of the law in the present state;
         without one it follows ``plane_stress`` of the material, which must do so at any strain.
+        The energy released at the tip of a tear is that of the frozen law, too.
+    turning : tuple of int
+        Where strains (11, 22, twice 12) begin among the history numbers: these turn with the axes.
     """
 
     name: str
@@ -68,6 +71,7 @@ class PointLaw:
     oriented: bool = False
     timed: bool = False
     frozen: PointLaw | None = None
+    turning: tuple[int, ...] = ()
     digest: str = field(init=False, default="")
     """Digest of all fields, and of the sources (:mod:`shellcut.material.source_digest`)."""
 

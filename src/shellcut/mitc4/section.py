@@ -155,7 +155,7 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
     """Return h at the Gauss point ``q`` of any quads, shape (n_quad, 8, 8)."""
     n, A1, A2, T0, T1, T2 = list(gauss_geometry(X, T))[q]
     h = np.zeros((len(X), 8, 8))
-    turn = _turn_into_axes(A1, A2, T0, material.direction_at(np.einsum("a,eac->ec", n, X)))
+    turn = turn_into_axes(A1, A2, T0, material.direction_at(np.einsum("a,eac->ec", n, X)))
     for z, weight, layer in zip(*material.thickness_points(), strict=True):
         G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
         volume = weight * np.einsum("ei,ei->e", _cross(G1, G2), T0)
@@ -172,13 +172,23 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
     return h
 
 
-def _turn_into_axes(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> Floats:
+def strain_turns(c: Floats, s: Floats) -> Floats:
+    """Return the matrices that turn strains (e_11, e_22, 2 e_12) into other axes, (..., 3, 3).
+
+    c, s : (...), cosine and sine of the angle by which these axes are ahead.
+    """
+    turn = np.empty((*c.shape, 3, 3))
+    turn[..., 0, 0], turn[..., 0, 1], turn[..., 0, 2] = c * c, s * s, c * s
+    turn[..., 1, 0], turn[..., 1, 1], turn[..., 1, 2] = s * s, c * c, -c * s
+    turn[..., 2, 0], turn[..., 2, 1], turn[..., 2, 2] = -2.0 * c * s, 2.0 * c * s, c * c - s * s
+    return turn
+
+
+def turn_into_axes(A1: Floats, A2: Floats, T0: Floats, way: Floats) -> Floats:
     """Return the matrices, shape (n, 5, 5), that turn Cartesian strains into the film's axes."""
     c, s = axes_in_frame(A1, A2, T0, way)
     turn = np.zeros((len(A1), 5, 5))
-    turn[:, 0, 0], turn[:, 0, 1], turn[:, 0, 2] = c * c, s * s, c * s
-    turn[:, 1, 0], turn[:, 1, 1], turn[:, 1, 2] = s * s, c * c, -c * s
-    turn[:, 2, 0], turn[:, 2, 1], turn[:, 2, 2] = -2.0 * c * s, 2.0 * c * s, c * c - s * s
+    turn[:, :3, :3] = strain_turns(c, s)
     turn[:, 3, 3], turn[:, 3, 4], turn[:, 4, 3], turn[:, 4, 4] = c, s, -s, c
     return turn
 

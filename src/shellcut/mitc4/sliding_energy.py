@@ -13,7 +13,8 @@ a prime for the change of what belongs to the reference. H' and p' are differenc
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -37,6 +38,10 @@ _AT_CORNERS = 0.5 * np.array(
     ],
     float,
 )
+
+
+Ends: TypeAlias = tuple[Floats, Floats]
+"""Reference positions [mm] and directors of quads that have slid, shape (n, 4, 3)."""
 
 
 class SlidingEnergy(NamedTuple):
@@ -65,17 +70,12 @@ class SlidingEnergy(NamedTuple):
         material : ShellMaterial
             Whose law is linear.
         """
-        dX, dT = slid(X, T, slides)
-        base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
-        step = _STEP * float(np.sqrt(np.einsum("eapi,eaqi->eapq", base, base)[..., 0, 0].mean()))
         H = _stiffness(X, T, material)
         changes, forces = [], []
-        for k in range(len(slides)):
-            ends = [(X + sign * step * dX[k], T + sign * step * dT[k]) for sign in (1.0, -1.0)]
-            high, low = (_stiffness(*end, material) for end in ends)
-            far, near = (reference_products(*end) for end in ends)
-            changes.append((high - low) / (2.0 * step))
-            forces.append(np.einsum("eij,ej->ei", H, far - near) / (2.0 * step))
+        for far, near, step in slide_ends(X, T, slides):
+            changes.append((_stiffness(*far, material) - _stiffness(*near, material)) / step)
+            products = (reference_products(*far) - reference_products(*near)) / step
+            forces.append(np.einsum("eij,ej->ei", H, products))
         return cls(reference_products(X, T), H, np.array(changes), np.array(forces))
 
     def changes(self, x: Floats, t: Floats, moves: Floats) -> Floats:
@@ -98,6 +98,17 @@ class SlidingEnergy(NamedTuple):
             found[k] = np.einsum("ei,ei->e", s, bent - self.force_change[k])
             found[k] += np.einsum("ei,ei->e", forces, moved)
         return found
+
+
+def slide_ends(X: Floats, T: Floats, slides: Floats) -> Iterator[tuple[Ends, Ends, float]]:
+    """Yield, for each slide, (X, T) a little way along it and before it, and that way [mm].
+
+    Parameters as of :meth:`SlidingEnergy.of`.
+    """
+    base = np.einsum("apb,ebi->eapi", _AT_CORNERS, X)
+    step = _STEP * float(np.sqrt(np.einsum("eapi,eaqi->eapq", base, base)[..., 0, 0].mean()))
+    for dX, dT in zip(*slid(X, T, slides), strict=True):
+        yield (X + step * dX, T + step * dT), (X - step * dX, T - step * dT), 2.0 * step
 
 
 def slid(X: Floats, T: Floats, slides: Floats) -> tuple[Floats, Floats]:

@@ -1,0 +1,162 @@
+"""How the energy of quads with thickness points changes as their corners slide along the film.
+
+The twin of :mod:`.sliding_energy` for laws that are not linear. At each point the energy density is
+psi(e, h), of the Cartesian strain e there and of the history h, with which the law is frozen: what
+has flowed stays. A slide of the reference and a move of the film in space change the energy of a
+quad by the sum over its points of
+
+    (v psi)' = v' psi + v (S · e' + psi_h · h'),
+
+v being the volume of the point. e = A s with the sixteen strains s of the quad, so that
+e' = A' s + A s'. The history belongs to the film below: where a point slides by q e, it comes to
+film whose history is another, h' = q e · ∇h (:mod:`.sliding_history`). For a film that yields
+psi_h · h' = -T · (q e · ∇) eps_p, with the stress T.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints
+from shellcut.material.law_dispatch import HistoryStep, PointLaws, point_stress
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.numerics.jit import kernel
+
+from .element import GAUSS
+from .point_tangent import frozen_rule
+from .section import cartesian_map, gauss_geometry, strain_map, turn_into_axes
+from .sliding_energy import slide_ends
+from .tangent import reference_products
+from .thickness_points import PointRule
+
+# Of the largest change of the history in a slide by 1 mm: a difference exact to its square.
+_HISTORY_STEP = 1e-6
+
+
+class _Maps(NamedTuple):
+    """What a reference gives to the points of some quads, Gauss points outermost."""
+
+    strain: Floats
+    """A, from the sixteen strains to (e_11, e_22, 2 e_12, 2 e_13, 2 e_23), (n, n_point, 5, 16)."""
+    volume: Floats
+    """v, shape (n, n_point) [mm³]."""
+    products: Floats
+    """Of the reference, shape (n, 16)."""
+
+
+class SlidingPoints:
+    """The energy of some quads of a law with or without history, and its change with some slides.
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n, 4, 3)
+        Reference positions [mm] and directors.
+    slides : ndarray, shape (n_slide, n, 4, 3)
+        As of :meth:`.SlidingEnergy.of`.
+    material : ShellMaterial
+        Of the film.
+    rule : PointRule
+        Its points through the thickness.
+    """
+
+    def __init__(
+        self, X: Floats, T: Floats, slides: Floats, material: ShellMaterial, rule: PointRule
+    ) -> None:
+        rule = frozen_rule(rule) or rule
+        self._laws = rule.laws
+        self._height = np.tile(np.arange(rule.place.size), len(GAUSS))
+        g11, g12, g22 = rule.shear[self._height].T
+        self._shear = np.array([[g11, g12], [g12, g22]]).transpose(2, 0, 1)
+        self._here = _maps(X, T, material, rule)
+        self._changes = []
+        for far, near, step in slide_ends(X, T, slides):
+            pairs = zip(_maps(*far, material, rule), _maps(*near, material, rule), strict=True)
+            self._changes.append(_Maps(*((a - b) / step for a, b in pairs)))
+
+    def changes(
+        self, x: Floats, t: Floats, moves: Floats, history: tuple[Floats, Floats] | None = None
+    ) -> Floats:
+        """Return the changes of the energies with each slide [N], shape (n_slide, n).
+
+        Parameters
+        ----------
+        x, t, moves : ndarray
+            As of :meth:`.SlidingEnergy.changes`.
+        history : tuple of ndarray, optional
+            Of :meth:`.SlidingHistory.of_state`, for laws that keep one.
+        """
+        here = self._here
+        s = reference_products(x, t) - here.products
+        e = np.einsum("epij,ej->epi", here.strain, s)
+        h, slides = (np.zeros((*e.shape[:2], 0)), None) if history is None else history
+        S, stored = self._law(e, h)
+        shear = np.einsum("pij,epj->epi", self._shear, e[..., 3:])
+        density = stored + 0.5 * np.einsum("epi,epi->ep", shear, e[..., 3:])
+        stress = np.concatenate([S, shear], axis=2)
+        found = np.empty((len(moves), len(x)))
+        for k, (change, move) in enumerate(zip(self._changes, moves, strict=True)):
+            # Products are quadratic, so that this difference is exact over any step.
+            moved = 0.5 * (reference_products(x + move, t) - reference_products(x - move, t))
+            strain = np.einsum("epij,ej->epi", change.strain, s)
+            strain += np.einsum("epij,ej->epi", here.strain, moved - change.products)
+            by_strain = np.einsum("epi,epi->ep", stress, strain)
+            if slides is not None:
+                by_strain += self._by_history(e, h, slides[k])
+            found[k] = (change.volume * density + here.volume * by_strain).sum(axis=1)
+        return found
+
+    def _by_history(self, e: Floats, history: Floats, slope: Floats) -> Floats:
+        """Return psi_h · h', shape (n, n_point)."""
+        largest = np.abs(slope).max(initial=0.0)
+        if largest == 0.0:
+            return np.zeros(e.shape[:2])
+        step = _HISTORY_STEP / largest
+        (_, high), (_, low) = (self._law(e, history + sign * step * slope) for sign in (1.0, -1.0))
+        return np.asarray((high - low) / (2.0 * step))
+
+    def _law(self, e: Floats, history: Floats) -> tuple[Floats, Floats]:
+        """Return S, shape (n, n_point, 3), and psi, shape (n, n_point)."""
+        S, stored = np.empty((*e.shape[:2], 3)), np.empty(e.shape[:2])
+        _evaluate(self._laws, self._height, e, np.ascontiguousarray(history), S, stored)
+        return S, stored
+
+
+def _maps(X: Floats, T: Floats, material: ShellMaterial, rule: PointRule) -> _Maps:
+    """Return what a reference gives to the points."""
+    maps, volumes = [], []
+    for point, (n, A1, A2, T0, T1, T2) in zip(GAUSS, gauss_geometry(X, T), strict=True):
+        B = strain_map(*point)
+        turn = None
+        if material.has_axes:
+            turn = turn_into_axes(A1, A2, T0, material.direction_at(np.einsum("a,eac->ec", n, X)))
+        for z, weight in zip(rule.place, rule.weight, strict=True):
+            G1, G2 = A1 + z * T1, A2 + z * T2  # [Frangi2010] (6)
+            Q, _ = cartesian_map(G1, G2, T0)
+            lifted = np.concatenate([B[:3] + z * B[3:6], B[6:]])
+            maps.append((Q if turn is None else turn @ Q) @ lifted)
+            volumes.append(weight * np.einsum("ei,ei->e", np.cross(G1, G2), T0))
+    return _Maps(np.stack(maps, axis=1), np.stack(volumes, axis=1), reference_products(X, T))
+
+
+@kernel
+def _evaluate(
+    laws: PointLaws, height: Ints, strain: Floats, history: Floats, S: Floats, stored: Floats
+) -> None:
+    """Write the stress S : (n, n_point, 3) and the stored energy density : (n, n_point).
+
+    height : (n_point,), place of the point among the heights.  strain : (n, n_point, 5).
+    history : (n, n_point, n_history).
+    """
+    n_history = history.shape[2]
+    before, after = np.zeros((1, n_history, 8)), np.zeros((1, n_history, 8))
+    for i in range(strain.shape[0]):
+        for p in range(strain.shape[1]):
+            for k in range(n_history):
+                before[0, k, 0] = history[i, p, k]
+            e = (strain[i, p, 0], strain[i, p, 1], strain[i, p, 2])
+            at = HistoryStep(before, after, 0, 0, 0.0)
+            stress, energy, _ = point_stress(laws, height[p], e, at, 0, 0)
+            S[i, p, 0], S[i, p, 1], S[i, p, 2] = stress
+            stored[i, p] = energy
