@@ -6,6 +6,8 @@ SETTINGS = {
     "membrane.size": 0.5,
     "notch": 1,
     "travel": 2.0,
+    # Said, or each study would make sure that the kernels of the other path are there, too.
+    "fracture.path": "edges",
     "output.frames": 2,
     "output.rows": 300,
 }

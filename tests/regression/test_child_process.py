@@ -1,7 +1,5 @@
 """Runs in a child of a worker: nothing is lost when either of the two dies."""
 
-import subprocess
-import sys
 import threading
 import time
 
@@ -71,13 +69,13 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
             made.append(self)
 
     monkeypatch.setattr(child_process, "_Child", Noted)
-    task, folder = task_in(tmp_path / "child")
+    task, _ = task_in(tmp_path / "child")
 
-    def kill_at_its_run():
-        until(lambda: is_held(folder))
+    def kill():
+        until(lambda: made)
         made[0]._process.kill()
 
-    killer = threading.Thread(target=kill_at_its_run)
+    killer = threading.Thread(target=kill)
     killer.start()
     with pytest.raises(ChildDied, match="killed, or out of memory"):
         run_in_child(task)
@@ -100,13 +98,12 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
 def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):
     # A run of many seconds: within one of them a run sees that it must stop.
     task, folder = task_in(tmp_path, **{"membrane.size": 0.2})
-    code = (
-        "from shellcut.study.child_process import run_in_child; "
-        f"from shellcut.study.one_run import Task; run_in_child({task!r})"
-    )
-    with subprocess.Popen([sys.executable, "-c", code]) as worker:
-        until(lambda: is_held(folder))
-        worker.kill()
+    child = child_process._Child()
+    child._give(task)
+    until(lambda: is_held(folder))
+    child._process.stdin.close()  # as the system does when the worker is killed
     until(lambda: not is_held(folder))
     assert (folder / CHECKPOINT).exists()
     assert not (folder / OUTCOME).exists()
+    child.end()
+    assert child._process.returncode == 0

@@ -23,10 +23,19 @@ from benchmarks.harness import Gate, Neighbours
 from benchmarks.results import Results, load
 
 
+def linear_disc(side):
+    return pressurised_disc(build_mesh(side), "linear")
+
+
 @pytest.fixture(scope="module")
-def results() -> Results:
+def accesses():
+    """How often a step goes over each array: a disc for each of them."""
+    return traffic.accesses(linear_disc)
+
+
+@pytest.fixture(scope="module")
+def results(accesses) -> Results:
     """All parts at tiny sizes; the child processes and the other programs left out."""
-    accesses = traffic.accesses(lambda side: pressurised_disc(build_mesh(side), "linear"))
     limits = machine.measure(array_bytes=2**16, rounds=1000)
     costs = [
         steps.measure_one("1e3", m, 1, repeats=2, accesses=accesses, evaluation=None)
@@ -93,11 +102,8 @@ def test_steps_have_costs_and_floors(results):
         assert cost.n_quad == 1008
 
 
-def test_traffic_finds_what_a_step_reads_and_writes():
-    def build(side):
-        return pressurised_disc(build_mesh(side), "linear")
-
-    sim, counts = build(8), traffic.accesses(build)
+def test_traffic_finds_what_a_step_reads_and_writes(accesses):
+    sim, counts = linear_disc(8), accesses
     assert set(counts.values()) == {1, 2}
     # Positions are written; the reference they started from only stands in the state.
     assert any(n == 2 for path, n in counts.items() if path.startswith("state"))

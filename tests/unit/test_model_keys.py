@@ -228,6 +228,8 @@ def model_text(model, title, kind, values):
         texts["motion"] = {"kind": "screw", "angle_deg": 20.0, "duration": 1e-3}
     elif model == "opening":
         texts["membrane"] = {"mesh": "quick"}
+    elif model == "oscillating":
+        texts["membrane"] = {"size": 2.0}
     there = {"guillotine": "top", "trouser": "up", "oscillating": "top"}.get(model)
     if title == "loads" and there and values.get("nodes") == "rim":
         values = {**values, "nodes": there}

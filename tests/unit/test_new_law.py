@@ -24,7 +24,7 @@ from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.models import Case
 from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
-from shellcut.recording.frame_capture import capture
+from shellcut.recording.frame_capture import Exposure, capture
 from shellcut.results.run_results import read
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -312,6 +312,27 @@ def test_a_cut_writes_dissipation_and_damage_and_goes_on_from_its_checkpoint(tmp
         np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
     with pytest.raises(ValueError, match="quad_history 'damage' must have shape"):
         replace(frame, quad_history={"damage": np.zeros(1)})
+
+
+def test_a_frame_that_is_finished_during_the_run_takes_nothing_away_from_it():
+    # In another thread it would: forces at the positions of the frame, stresses of later quads.
+    sim = cutting(material=ShellMaterial([Layer(Damaging(onset=5e-4), 0.074)]))
+    while sim.state.n_cable < 1:
+        sim.step()
+    exposure = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
+    at_once, n_split = exposure.frame(), len(sim.state.split_log)
+    while len(sim.state.split_log) == n_split:
+        sim.step()
+    quads = sim.shell._present.of(sim.state)
+    corner = sim.shell.blocks.corner.copy()
+    later = exposure.frame()
+    assert sim.shell._present._present is quads
+    np.testing.assert_array_equal(sim.shell.blocks.corner, corner)
+    assert (at_once.quads != sim.state.quads).any()
+    for name in ("quads", "quad_stress", "quad_stress_top", "quad_principal", "quad_thickness"):
+        np.testing.assert_array_equal(getattr(later, name), getattr(at_once, name))
+    for name, numbers in at_once.quad_history.items():
+        np.testing.assert_array_equal(later.quad_history[name], numbers)
 
 
 # ---------------------------------------------------------------- time step

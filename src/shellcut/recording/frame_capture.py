@@ -45,7 +45,8 @@ class Exposure:
     _state: State
     _drawn: DrawnFilm | None
     _stresses: tuple[FaceStresses, dict[str, Floats]] | None
-    """Of a film whose blocks a cut may change meanwhile."""
+    """Of a film that is not linear. They take the shell's blocks, which follow the state they are
+    asked for: in another thread they would take them away from the forces."""
     _figures: Mapping[str, Any]
 
     @classmethod
@@ -62,7 +63,7 @@ class Exposure:
         cuts = None if sim.cracks is None else sim.cracks.cuts
         drawn = None if cuts is None or cuts.along_sides_only else DrawnFilm.of(s, cuts.topology)
         stresses = None
-        if drawn is not None and not sim.material.is_linear:
+        if not sim.material.is_linear:
             stresses = sim.shell.face_stresses(s), sim.shell.history_means(s)
         return cls(sim.shell, sim.tool, sim.pose.copied(), state, drawn, stresses, figures)
 
