@@ -324,7 +324,7 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     while sim.state.n_cable < 6:
         sim.step()
     s = sim.state
-    outline = FilmOutline(sim._part_of).of(s)
+    outline = FilmOutline(sim.cracks.cuts.topology.polygon).of(s)
     ends = open_edges(s, outline, np.arange(s.n_quad))
     wanted = ends_by_place(s, outline)
     np.testing.assert_allclose(s.node.x[ends], wanted, atol=1e-12)

@@ -331,6 +331,8 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {**given, **BESIDE.get(key, {})}
     if key == "joint_friction":
         given = {"joint": "slip", "joint_friction": 0.3}
+    if key == "self_friction":
+        given = {"self_contact": True}
     other = other_value(kind, key)
     if title.startswith("material") and key == "angle_deg":
         other = 30.0
