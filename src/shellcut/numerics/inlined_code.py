@@ -91,7 +91,7 @@ class _Lowering(NativeLowering):
 
 def _holds_arrays(kind: Any) -> bool:
     if isinstance(kind, types.BaseTuple):
-        return any(_holds_arrays(field) for field in kind)
+        return any(_holds_arrays(field) for field in kind.types)
     return isinstance(kind, types.Array)
 
 
