@@ -91,7 +91,8 @@ class _Lowering(NativeLowering):
 
 def _holds_arrays(kind: Any) -> bool:
     if isinstance(kind, types.BaseTuple):
-        return any(_holds_arrays(field) for field in kind.types)
+        fields: Any = kind
+        return any(_holds_arrays(field) for field in fields)
     return isinstance(kind, types.Array)
 
 
