@@ -71,19 +71,28 @@ _NOT_ASKED_FOR = {
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Lowering(NativeLowering):
-    """Counts no references to arrays that the function only uses: its caller holds them."""
+    """Counts no references in a function that only uses arrays: its caller holds them.
+
+    One that makes an array, or returns one, counts as any.
+    """
 
     _name = "lowering_of_inlined"
 
     def run_pass(self, state: Any) -> bool:
-        if not _holds_arrays(state.return_type):
+        called = (
+            signature.return_type
+            for expression, signature in state.calltypes.items()
+            if getattr(expression, "op", "") == "call"
+        )
+        if not any(_holds_arrays(kind) for kind in (state.return_type, *called)):
             state.targetctx = state.targetctx.subtarget(enable_nrt=False)
         return bool(super().run_pass(state))
 
 
 def _holds_arrays(kind: Any) -> bool:
     if isinstance(kind, types.BaseTuple):
-        return any(_holds_arrays(field) for field in kind)
+        fields: Any = kind
+        return any(_holds_arrays(field) for field in fields)
     return isinstance(kind, types.Array)
 
 
