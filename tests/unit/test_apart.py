@@ -5,6 +5,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 from shellcut.arrays import Floats
 from shellcut.numerics.borrowed import borrowed, lent
@@ -82,12 +83,28 @@ def test_an_inlined_function_that_returns_an_array_counts_its_references():
     assert sys.getrefcount(table) == before
 
 
-def test_an_inlined_function_that_makes_an_array_frees_it():
-    resource = pytest.importorskip("resource")  # not on Windows
-    megabyte = 131_072
-    _from_made(megabyte)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for _ in range(200):
-        assert _from_made(megabyte) == 1.0
-    # Kilobytes; unfreed it would be 200 MB.
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000
+@always_inline
+def _if_asked(table, asked):
+    if asked:
+        return table
+    return None
+
+
+@kernel
+def _twice_read(n: int, asked: bool) -> float:
+    table = np.ones(n)
+    row = _if_asked(table, asked)
+    if row is None:
+        return 0.0
+    return row[0] + table[n - 1]
+
+
+def test_an_inlined_function_that_makes_or_may_return_an_array_frees_it():
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats()
+    for n in range(100, 200):
+        assert _from_made(n) == 1.0
+        assert _twice_read(n, True) == 2.0
+        assert _twice_read(n, False) == 0.0
+    after = rtsys.get_allocation_stats()
+    assert after.alloc - before.alloc == after.free - before.free >= 300

@@ -22,12 +22,13 @@ near. A pair is looked at again when film and tool may have come so near that th
 step when they have walked a quarter of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
-blade goes through the film there: it does not press. If g grows by more than film and tool have
-moved (a split makes new edges), that part is an offset, which does not press and goes as they part.
+blade goes through the film there: it does not press. If g grows by more than twice what film and
+tool have moved (a split makes new edges), that part is an offset, which does not press and goes as
+they part.
 
 *Stiffness.* k is ``STIFFNESS`` of a node's. A force on the ends goes with (1 - s)|n - n_a| and s|n
-- n_b|, whose squares are no more than 2 where the faces turn by 90 deg or less, so 2 k is counted
-at both.
+- n_b|, whose squares are no more than that of the difference between the normals of the tool's two
+faces, 2 where they turn by 90 deg: so many k are counted at both.
 """
 
 from __future__ import annotations
@@ -138,6 +139,7 @@ class EdgeContact:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
         self.forces = PressForces(**saved["forces"])
+        self.tables = self._of_contact = None
         if "pairs" not in saved:
             return
         self._walked, self._looked_at = saved["walked"], saved["looked_at"]

@@ -101,13 +101,14 @@ def add_edge_forces(
         memory.until[i] = walked + free
         g, k = found.depth, edge_stiffness(i, pairs, nodes, law)
         change = g - memory.depth[i]
-        if change > law.noticed + way:  # more than film and tool have moved
+        # The chord moves against the edge by as much again: up to twice the way of film and tool.
+        if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
         held = memory.stored[i]
         memory.offset[i] = min(memory.offset[i], g)
         loaded = g - memory.offset[i]
         energy = k * smoothed_integral(loaded, law.smoothing_depth)
-        if -change > law.noticed + way:  # its side is another one now
+        if -change > law.noticed + 2.0 * way:  # its side is another one now
             absorbed += held - energy
         memory.depth[i], memory.stored[i] = g, energy
         memory.force[i] = 0.0
@@ -162,13 +163,16 @@ def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Fl
     for i in range(pairs.node.shape[0]):
         a = to_body(load(nodes.x, pairs.node[i, 0]), pose)
         u = sub(to_body(load(nodes.x, pairs.node[i, 1]), pose), a)
-        near = False
+        ia, ib = pairs.node[i, 0], pairs.node[i, 1]
+        size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
+        turn_squared = 0.0
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
             _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
-            near = near or away - edges.reach[e] < reach
-        if near:
-            stiffness = 2.0 * STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
+            if away - edges.reach[e] < max(reach, CAPTURE * size):
+                turn_squared = max(turn_squared, edges.turn_squared[e])
+        if turn_squared > 0.0:
+            stiffness = turn_squared * STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
             for c in range(2):
                 node[count], k[count] = pairs.node[i, c], stiffness
                 count += 1

@@ -39,9 +39,10 @@ def open_edges(state: State, outline: Outline, rows: Ints) -> Ints:
     count = _ends_of_open_edges(
         rows, outline, state.quad.nodes, first, f.node[by_row], f.place[by_row], found
     )
-    if not f.count:
-        return found[:count]
-    return np.asarray(_one_of_each_place(state)[found[:count]])
+    found = found[:count]
+    if f.count:
+        found = _one_of_each_place(state)[found]
+    return np.asarray(found[found[:, 0] != found[:, 1]])
 
 
 def _one_of_each_place(state: State) -> Ints:

@@ -99,6 +99,7 @@ class TipForce:
         material, rule = shell.material, shell.points.rule
         # Where all corners slide alike nothing changes but the history below.
         moves = q.max(axis=1) if rule.n_history else np.ptp(q, axis=1)
+        moves[state.quad.dropped[: len(moves)]] = 0.0
         self._rows: Ints = np.flatnonzero(moves > 0.0)
         self._q = q[self._rows]
         slides = np.einsum("ea,ki->keai", self._q, base)

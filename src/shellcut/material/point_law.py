@@ -93,6 +93,11 @@ class PointLaw:
                 f"the frozen law of {self.name!r} must have its history, {self.history}, got "
                 f"{self.frozen.history}"
             )
+        if not _are_strains(self.turning, len(self.history)):
+            problems.append(
+                "turning must name where strains of three numbers begin among the history numbers, "
+                f"which must not overlap, {self.name!r} has {self.turning} of {len(self.history)}"
+            )
         if self.first_leads and len(self.history) < 2:
             problems.append(
                 f"a history must have numbers for the first to lead, {self.name!r} has "
@@ -110,6 +115,14 @@ class PointLaw:
         sources = source_digest(self.stress, self.thickness_stretch)
         digest = hashlib.sha256(sources + words).hexdigest()[:16]
         object.__setattr__(self, "digest", digest)
+
+
+def _are_strains(turning: tuple[int, ...], n_history: int) -> bool:
+    """Return whether there are three numbers of a history from each of some places on."""
+    if any(not isinstance(first, int) for first in turning):
+        return False
+    taken = [place for first in turning for place in range(first, first + 3)]
+    return len(set(taken)) == len(taken) and all(0 <= place < n_history for place in taken)
 
 
 LAWS: dict[str, PointLaw] = {}

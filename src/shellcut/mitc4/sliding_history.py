@@ -71,7 +71,7 @@ class SlidingHistory(NamedTuple):
         near = np.flatnonzero(np.isin(quads, quads[rows]).any(axis=1))
         X, T = film.x[film.quads[near]], film.t[film.quads[near]]
         places = np.einsum("qa,eai,ki->eqk", _AT_GAUSS, X, base)
-        held = shell.area[near] * state.quad.share[near]
+        held = shell.area[near] * state.quad.share[near] * ~state.quad.dropped[near]
         slopes = []
         for row in rows:
             on = np.isin(quads[near], quads[row]).any(axis=1)
@@ -125,6 +125,8 @@ def _slope(places: Floats, weight: Floats) -> Floats:
     places : (n, 4, 2), of the values.  weight : (n,), of the quads, 0 for those that take no part.
     """
     w = np.repeat(weight[:, None], places.shape[1], axis=1)
+    if not w.any():
+        return np.zeros((2, *w.shape))
     off = places - np.einsum("eq,eqk->k", w, places) / w.sum()
     spread = np.einsum("eq,eqi,eqj->ij", w, off, off)
     return np.asarray(np.einsum("ij,eqj,eq->ieq", np.linalg.pinv(spread, rcond=_FLAT), off, w))

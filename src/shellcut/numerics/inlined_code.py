@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
@@ -73,7 +72,7 @@ _NOT_ASKED_FOR = {
 class _Lowering(NativeLowering):
     """Counts no references in a function that only uses arrays: its caller holds them.
 
-    One that makes an array, or returns one, counts as any.
+    One that makes an array, or returns anything that may hold one, counts as any.
     """
 
     _name = "lowering_of_inlined"
@@ -84,16 +83,11 @@ class _Lowering(NativeLowering):
             for expression, signature in state.calltypes.items()
             if getattr(expression, "op", "") == "call"
         )
-        if not any(_holds_arrays(kind) for kind in (state.return_type, *called)):
+        models = state.targetctx.data_model_manager
+        kinds = (state.return_type, *called)
+        if not any(models[kind].contains_nrt_meminfo() for kind in kinds):
             state.targetctx = state.targetctx.subtarget(enable_nrt=False)
         return bool(super().run_pass(state))
-
-
-def _holds_arrays(kind: Any) -> bool:
-    if isinstance(kind, types.BaseTuple):
-        fields: Any = kind
-        return any(_holds_arrays(field) for field in fields)
-    return isinstance(kind, types.Array)
 
 
 class InlinedCompiler(Compiler):

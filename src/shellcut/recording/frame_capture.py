@@ -58,7 +58,6 @@ class Exposure:
             node=_copied(s.node, _OF_NODES),
             cable=_copied(s.cable, _OF_CABLES),
             quad=_copied(s.quad, ("nodes", "dropped")),
-            history=s.history.copy(),
         )
         cuts = None if sim.cracks is None else sim.cracks.cuts
         drawn = None if cuts is None or cuts.along_sides_only else DrawnFilm.of(s, cuts.topology)

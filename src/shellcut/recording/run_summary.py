@@ -119,11 +119,10 @@ def _of_self_contact(sim: Simulation) -> dict[str, float]:
     """Return the figures of the film's contact with itself, none without it."""
     if sim.self_contact is None:
         return {}
-    rubbed = sim.ledger.friction_dissipated
     return {
         "self_contact_Nmm": sim.ledger.self_contact_work,
         "self_contact_lost_Nmm": sim.ledger.self_contact_lost,
-        **({"friction_dissipated_Nmm": rubbed} if rubbed else {}),
+        "friction_dissipated_Nmm": sim.ledger.friction_dissipated,
         "self_contact_deepest_mm": sim.self_contact.deepest,
         "n_self_contact_looked": sim.self_contact.n_looked,
     }

@@ -21,7 +21,7 @@ import sys
 import threading
 from multiprocessing import spawn
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, BinaryIO
 
 from .one_run import ABANDONED, Outcome, Task, run_one
 
@@ -35,10 +35,14 @@ _NOT_FOR_CHILD = "MALLOC_TRIM_THRESHOLD_"
 _KEPT_FOR = 60.0
 """Wall time for which a child without a task is kept [s]."""
 
-# Modules are found where this process finds them.
+# What anything prints must not come between the outcomes, so these go out by a stream of their own.
+# What may have been printed before ends with a line of this text. Modules are found where this
+# process finds them.
+_FROM_HERE = b"shellcut: outcomes from here on"
 _BEGIN = (
-    "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer); "
-    f"from {__name__} import serve; serve()"
+    "import os, pickle, sys; outcomes = os.fdopen(os.dup(1), 'wb'); os.dup2(2, 1); "
+    f"outcomes.write({_FROM_HERE + bytes([10])!r}); outcomes.flush(); "
+    f"sys.path[:] = pickle.load(sys.stdin.buffer); from {__name__} import serve; serve(outcomes)"
 )
 
 
@@ -52,6 +56,7 @@ class _Child:
     def __init__(self) -> None:
         environment = {name: v for name, v in os.environ.items() if name != _NOT_FOR_CHILD}
         environment |= dict.fromkeys(ONE_THREAD, "1")
+        self.end_if_idle: threading.Timer | None = None
         self._process: Any = subprocess.Popen(
             [os.fsdecode(spawn.get_executable()), "-c", _BEGIN],
             stdin=subprocess.PIPE,
@@ -60,7 +65,10 @@ class _Child:
         )
         with contextlib.suppress(OSError):  # it has died: so says the first run
             self._give(sys.path)
-        self.end_if_idle: threading.Timer | None = None
+        stream: Any = self._process.stdout
+        for line in stream:
+            if line.rstrip().endswith(_FROM_HERE):
+                break
 
     @property
     def lives(self) -> bool:
@@ -73,15 +81,20 @@ class _Child:
         except (OSError, EOFError, pickle.UnpicklingError):  # the last one of half an outcome
             self.end()
             raise ChildDied("its process died: killed, or out of memory") from None
+        except BaseException:
+            self.end()
+            raise
         return outcome
 
     def end(self) -> None:
         """Let it end, which it does after its run."""
+        if self.end_if_idle is not None:
+            self.end_if_idle.cancel()
         with contextlib.suppress(OSError), self._process:
             pass
 
     def _give(self, what: object) -> None:
-        pickle.dump(what, self._process.stdin)
+        self._process.stdin.write(pickle.dumps(what))  # all of it, or nothing
         self._process.stdin.flush()
 
 
@@ -120,11 +133,12 @@ def _take() -> _Child:
 
 def _keep(child: _Child) -> None:
     """Keep a child for the next run, but not for ever: it holds memory."""
-    child.end_if_idle = threading.Timer(_KEPT_FOR, _end, [child])
-    child.end_if_idle.daemon = True
+    timer = threading.Timer(_KEPT_FOR, _end, [child])
+    timer.daemon = True
     with _change:
+        child.end_if_idle = timer
+        timer.start()
         _idle.append(child)
-    child.end_if_idle.start()
 
 
 def _end(child: _Child) -> None:
@@ -135,12 +149,9 @@ def _end(child: _Child) -> None:
     child.end()
 
 
-def serve() -> None:
+def serve(outcomes: BinaryIO) -> None:
     """Do the runs that come through the standard input, until that is closed: be such a child."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the study stops all runs by its file
-    # What anything prints must not come between the outcomes.
-    outcomes = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
     tasks: SimpleQueue[Task | None] = SimpleQueue()
     threading.Thread(target=_receive, args=[tasks], daemon=True).start()
     with contextlib.suppress(BrokenPipeError), outcomes:
@@ -151,8 +162,11 @@ def serve() -> None:
 
 def _receive(tasks: SimpleQueue[Task | None]) -> None:
     """Pass tasks on; when there are no more, a run that is under way must stop."""
-    with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
+    try:
         while True:
             tasks.put(pickle.load(sys.stdin.buffer))
-    ABANDONED.set()
-    tasks.put(None)
+    except (EOFError, OSError):  # there are none
+        pass
+    finally:  # nor if one cannot be read
+        ABANDONED.set()
+        tasks.put(None)

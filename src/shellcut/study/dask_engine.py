@@ -88,7 +88,11 @@ class DaskEngine:
         try:
             given = {
                 self._client.submit(
-                    run_in_child, task, key=f"shellcut-{task.key}", retries=_MOST_DEATHS, pure=False
+                    run_in_child,
+                    task,
+                    key=f"shellcut-{task.key}",
+                    retries=_MOST_DEATHS - 1,
+                    pure=False,
                 ): task
                 for task in tasks
             }
@@ -99,7 +103,7 @@ class DaskEngine:
             try:
                 outcome = future.result()
             except (KilledWorker, ChildDied):
-                yield task, Outcome("failed", "its workers died: killed, or out of memory")
+                yield task, Outcome("failed", "its processes died: killed, or out of memory")
                 continue
             except (CancelledError, OSError, TimeoutError):
                 if self._client.status == "running" and not future.cancelled():
