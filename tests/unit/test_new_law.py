@@ -393,6 +393,13 @@ def test_laws_are_known_by_name_and_refused_with_a_sentence():
     ):
         with pytest.raises(ValueError, match=wrong):
             PointLaw(name, other, other, history, linear=linear)
+    four = tuple("abcd")
+    assert PointLaw("mine", other, other, four, turning=(1,)).turning == (1,)
+    for turning in ((2,), (-1,), (0, 1), ("a",)):
+        with pytest.raises(ValueError, match="turning must name where strains of three numbers"):
+            PointLaw("mine", other, other, four, turning=turning)
+    with pytest.raises(ValueError, match="a history must have numbers for the first to lead"):
+        PointLaw("mine", other, other, ("a",), first_leads=True)
     with pytest.raises(ValueError, match="material must be a Material, such as Elastic, got 3"):
         Layer(3, 0.1)
 
