@@ -1,5 +1,6 @@
 """Runs in a child of a worker: nothing is lost when either of the two dies."""
 
+import pickle
 import threading
 import time
 
@@ -69,6 +70,8 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
             made.append(self)
 
     monkeypatch.setattr(child_process, "_Child", Noted)
+    # What an environment prints at the start of Python does not come between the outcomes.
+    monkeypatch.setattr(child_process, "_BEGIN", f"print('I am here'); {child_process._BEGIN}")
     task, _ = task_in(tmp_path / "child")
 
     def kill():
@@ -106,4 +109,29 @@ def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):
     assert (folder / CHECKPOINT).exists()
     assert not (folder / OUTCOME).exists()
     child.end()
+    assert child._process.returncode == 0
+
+
+class _OnlyHere:
+    """A task that a child cannot read: its class is not found there."""
+
+    def __reduce__(self):
+        return _made_only_here, ()
+
+
+def _made_only_here():
+    raise AssertionError("made in the child")
+
+
+def test_a_task_that_cannot_be_read_ends_the_child_not_the_waiting():
+    child = child_process._Child()
+    with pytest.raises(ChildDied, match="its process died"):
+        child.run(_OnlyHere())
+    assert child._process.returncode is not None
+
+
+def test_a_task_that_cannot_be_sent_leaves_no_child():
+    child = child_process._Child()
+    with pytest.raises((AttributeError, TypeError, pickle.PicklingError)):
+        child.run(lambda: None)
     assert child._process.returncode == 0
