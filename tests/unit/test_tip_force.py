@@ -166,6 +166,20 @@ def test_uneven_flow_makes_no_tip(material, flow):
         assert np.abs(found[inside]).max() < 1e-7 * energy
 
 
+def test_film_that_has_not_flowed_slides_to_film_that_has():
+    """The law reads no plastic strain where the equivalent one is zero; a slide must."""
+    shell, state = cases.set_up(uneven_mesh(), layered(PLASTIC))
+    drawn(state, np.diag([1.1, 0.95, 1.0]))
+    rim = TipForce(state, shell, np.array([0.1, 0.2, 0.0]), BASE, 2.0)
+    never = rim.of(state, BASE)
+    flowed(state, shell, UNEVEN)
+    at_zero = rim.of(state, BASE)
+    n_number = shell.points.rule.n_history
+    state.history[:, ::n_number] = 0.1
+    np.testing.assert_array_equal(at_zero, rim.of(state, BASE))
+    assert np.abs(at_zero - never).max() > 0.1 * np.abs(never).max()
+
+
 def test_a_piece_that_has_gone_gives_nothing_back():
     shell, state = cases.set_up(uneven_mesh(), layered(PLASTIC))
     drawn(state, np.diag([1.15, 0.9, 1.0]))
