@@ -366,7 +366,7 @@ def test_divisions_instead_of_a_size(built):
 # What else a constructor takes comes from other sections, or is no value.
 ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
-ELSEWHERE |= {"anisotropy"}  # of cracks without a tool, which a model file always has
+ELSEWHERE |= {"anisotropy", "branching"}  # of cracks without a tool, which a model file has
 NOT_IN_FILES = {"velocity": "an array, a row a node"}
 
 

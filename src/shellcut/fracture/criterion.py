@@ -54,7 +54,7 @@ CablePlaces: TypeAlias = Literal["ends", "gauss"]
 DropLoose: TypeAlias = Literal["never", "clear"]
 
 _ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "equilibrium_start"
-_ONLY_THROUGH_QUADS = "anisotropy", "cable_places", "largest_speed"
+_ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,9 @@ class Fracture:
     largest_speed : float, optional
         Of cracks through the quads that no blade drives [mm/s]; by default one quad in
         ``check_every`` steps, which is mostly less than the Rayleigh speed of the film.
+    branching : bool
+        Whether a crack through quads that no blade drives may become two (:mod:`.branching`): once
+        it runs at half of the film's Rayleigh speed. Needs ``check_every`` so small that it can.
     drop_loose : {"never", "clear"}
         Whether pieces that nothing holds are taken out of the run once they are clear of the rest
         and of the tool (:mod:`shellcut.simulation.loose_pieces`).
@@ -117,6 +120,7 @@ class Fracture:
     anisotropy: Anisotropy | None = None
     cable_places: CablePlaces = "ends"
     largest_speed: float | None = None
+    branching: bool = False
     drop_loose: DropLoose = "never"
 
     def __post_init__(self) -> None:

@@ -25,6 +25,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .blade_drive import BladeDrive
+from .branching import Branching, ways
 from .crack_path import JOIN, ONCOMING, CrackPath, common_side
 from .criterion import Fracture
 from .cuts import Cut, Cuts
@@ -34,7 +35,7 @@ from .pierce import Pierce
 from .quad_fans import arriving, crack_tips, fans_of
 from .quad_polygon import FLANK, WHOLE, Point, shape_functions
 from .segment import Segment
-from .tip import Tip, restored_tips, saved_tips
+from .tip import Pace, Tip, restored_tips, saved_tips
 from .tip_across import tip_across
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut
@@ -82,6 +83,9 @@ class FreeCracks:
         ]
         self._shell = shell
         self._largest_speed = fracture.largest_speed or np.inf
+        self._branching: Branching | None = None
+        if fracture.branching:
+            self._branching = Branching(shell.material, law, fracture)
         topology, film = self._cuts.topology, fracture.anisotropy
         gauss = fracture.cable_places == "gauss"
         self._path = CrackPath(topology, shell)
@@ -112,20 +116,49 @@ class FreeCracks:
         A crack then runs no faster than an edge length in ``check_every`` steps, and not beyond the
         largest speed given.
         """
+        if self._branching is not None:
+            self._branching.require_checks(state.dt, float(np.sqrt(np.median(self._shell.area))))
         for tip in list(self.tips):
             if not self._is_there(tip) or state.time < tip.since:
                 continue  # another crack has just joined it, or it has just been here
             if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
-            ways = self._direction.ways(state, tip)
+            others = () if self._branching is None else self.tips
+            ways = self._direction.ways(state, tip, others)
             found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None or state.node.support_rate[state.quads[segment.row]].any():
                 continue  # moving supports hold their film together
             measure = self._trial.measure_of_tear(state, tip, segment)
-            if measure >= 1.0:
+            if measure >= 1.0 and not self._branch(state, tip, segment):
                 self._advance(state, tip, segment, "criterion", measure)
+
+    def _branch(self, state: State, tip: Tip, segment: Segment) -> bool:
+        """Run a crack on along two segments, if it may branch; return whether it did.
+
+        segment : along which it runs if it does not branch.
+        """
+        size = self._path.size(segment.row)
+        if self._branching is None or not self._branching.may_branch(tip, state.time, size):
+            return False
+        place = self._path.place_in(state, segment.row, segment.entry)
+        way = self._path.way_of(state, segment)
+        both = []
+        for one in ways(way, place.t):
+            found = self._path.segment_from(state, tip, one, others=self.tips)
+            if found is None or (measure := self._trial.measure_of_tear(state, tip, found)) < 1.0:
+                return False
+            both.append((found, measure))
+        (left, measure), (right, other_measure) = both
+        # What lies to the right of the first cut keeps its row, where the second one goes.
+        self._advance(state, tip, left, "criterion", measure, branch=True)
+        again = self._path.segment(state, right.row, right.entry, ways(way, place.t)[1])
+        if again is not None:
+            cut = self._cut(state, again, "criterion", other_measure)
+            self._end_at(state, again, cut, 1, tip.heading)
+            self._cuts.wake(state)
+        return True
 
     def notch(self, state: State, points: Floats) -> None:
         """Cut the film along a line through points, see :meth:`.Simulation.notch`.
@@ -219,18 +252,40 @@ class FreeCracks:
                 tip.behind = (*tip.behind, cut.rows[1])
         return cut
 
-    def _advance(self, state: State, tip: Tip, segment: Segment, kind: str, measure: float) -> None:
+    def _advance(
+        self,
+        state: State,
+        tip: Tip,
+        segment: Segment,
+        kind: str,
+        measure: float,
+        *,
+        branch: bool = False,
+    ) -> None:
         """Run a crack on along a segment."""
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
-        self._end_at(state, segment, cut, 1, tip.heading)
+        pace: Pace = ()
+        if not branch and self._branching is not None:
+            size = self._path.size(segment.row)
+            pace = self._branching.pace_after(tip, state.time, cut.length, size)
+        self._end_at(state, segment, cut, 1, tip.heading, pace)
         self._cuts.wake(state)
 
-    def _end_at(self, state: State, segment: Segment, cut: Cut, end: int, came: Floats) -> None:
+    def _end_at(
+        self,
+        state: State,
+        segment: Segment,
+        cut: Cut,
+        end: int,
+        came: Floats,
+        pace: Pace = (),
+    ) -> None:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
             tip.since = state.time + cut.length / self._largest_speed
+            tip.pace = pace
             self.tips.append(tip)
 
     def _tip_after(

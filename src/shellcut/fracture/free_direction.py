@@ -30,7 +30,7 @@ a history and cannot be frozen; there the stress decides alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +43,7 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
 from .anisotropy import Anisotropy
+from .branching import APART
 from .crack_path import CrackPath
 from .quad_polygon import shape_functions
 from .tip import Tip
@@ -118,7 +119,7 @@ class FreeDirection:
         self._known = KnownTopology()
         self._ahead: dict[Tip, _Ahead] = {}
 
-    def ways(self, state: State, tip: Tip) -> Iterator[Floats]:
+    def ways(self, state: State, tip: Tip, others: Sequence[Tip] = ()) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
         Parameters
@@ -127,17 +128,22 @@ class FreeDirection:
             Present positions.
         tip : Tip
             With film ahead.
+        others : sequence of Tip
+            So near to one of these, the tip keeps its heading (:data:`.branching.APART`).
         """
         if not self._known.is_of(state):
             self._ahead.clear()
             self._known.take(state)
         if tip not in self._ahead:
-            self._ahead[tip] = self._look(state, tip)
+            self._ahead[tip] = self._look(state, tip, others)
         ahead = self._ahead[tip]
         nodes = state.quads[ahead.row]
         t = ahead.weights @ state.node.t[nodes]
         t /= np.linalg.norm(t)
         moved = ahead.base @ state.node.x[nodes]
+        if not ahead.quads.size and ahead.force is None:
+            yield _unit(moved[0])
+            return
         ways = _WAYS @ moved
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
         if ahead.force is not None:
@@ -149,17 +155,22 @@ class FreeDirection:
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
-    def _look(self, state: State, tip: Tip) -> _Ahead:
-        """Gather what lies around a tip."""
+    def _look(self, state: State, tip: Tip, others: Sequence[Tip]) -> _Ahead:
+        """Gather what lies around a tip; only the heading counts where others are too near."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
         forward = _unit(tip.heading - (tip.heading @ T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._path.reference_of(state, tip), self._path.size(row)
+        gaps = [self._path.reference_of(state, one) - place for one in others if one is not tip]
+        nearest = min((float(np.linalg.norm(gap)) for gap in gaps), default=np.inf)
+        alone = nearest >= APART * size
         force = None
-        if gives_back(self._shell.material):
+        if alone and gives_back(self._shell.material):
             force = TipForce(state, self._shell, place, base, REACH * size, self._loads)
         near, weight = self._near(state, place, forward, T, AVERAGE * size)
+        if not alone:
+            near, weight = near[:0], weight[:0]
         return _Ahead(
             row=row,
             weights=np.array(shape_functions(entry)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from .quad_polygon import Point
 
 # Outside the parametric square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
+
+
+Pace: TypeAlias = tuple[tuple[float, float], ...]
 
 
 @dataclass(eq=False)
@@ -36,6 +39,8 @@ class Tip:
     """Rows that touch that place from behind, the side from which the crack came."""
     since: float = 0.0
     """Time from which it may go on if no blade drives it [s]: a crack has a largest speed."""
+    pace: Pace = ()
+    """When its latest segments were cut [s], and their lengths [mm]; of cracks that may branch."""
 
     @property
     def at_node(self) -> bool:
@@ -55,12 +60,14 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "since": np.array([tip.since for tip in tips], float),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
+        "n_pace": np.array([len(tip.pace) for tip in tips], np.int64),
+        "pace": np.array([one for tip in tips for one in tip.pace], float).reshape(-1, 2),
     }
 
 
 def restored_tips(saved: dict[str, Any]) -> list[Tip]:
     """Return the tips of :func:`saved_tips`."""
-    stop = np.cumsum(saved["n_behind"]).tolist()
+    stop, ran = (np.cumsum(saved[name]).tolist() for name in ("n_behind", "n_pace"))
     rows = {name: column.tolist() for name, column in saved.items()}
     return [
         Tip(
@@ -72,6 +79,7 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             since=rows["since"][i],
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
+            pace=tuple(map(tuple, rows["pace"][ran[i] - rows["n_pace"][i] : ran[i]])),
         )
         for i in range(len(stop))
     ]

@@ -21,6 +21,7 @@ from .quad_polygon import (
     side_of,
     span,
 )
+from .segment import Segment
 from .tip import Place, Tip
 
 AWAY = 1e-6
@@ -124,6 +125,12 @@ class TipPlaces:
             self.reference_director(row, place),
             np.zeros(3),
         )
+
+    def way_of(self, state: State, segment: Segment) -> Floats:
+        """Return the unit direction of a segment in space, shape (3,)."""
+        gap = np.array(shape_functions(segment.exit)) - np.array(shape_functions(segment.entry))
+        way = gap @ state.node.x[state.quads[segment.row]]
+        return np.asarray(way / np.linalg.norm(way))
 
     def reference_director(self, row: int, place: Point) -> Floats:
         """Return the unit director at a place of a row in the reference film, shape (3,)."""

@@ -75,6 +75,11 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
             "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
             "them"
         )
+    if tool is not None and tool.n_edge and fracture.branching:
+        yield (
+            "Fracture.branching is of cracks that no blade drives, got a tool with "
+            f"{tool.n_edge} cutting edges: leave out one of them"
+        )
 
 
 def points_of_notch(points: Sequence[npt.ArrayLike]) -> Floats:

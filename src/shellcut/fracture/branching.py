@@ -1,0 +1,177 @@
+"""When a tear becomes two, and where the two go.
+
+A crack that no blade drives runs the faster the more energy comes to its tip; what it does not take
+up moves the film. Two slow cracks in place of a fast one take up more, so a crack may branch once
+the film could feed two that start from rest. With Griffith's energy for each of the three, and
+branches that start in pure opening, this is ([Katzav2007])
+
+    v_b = 0.518 c_R,    each branch at 0.13 pi = 23° to the crack,
+
+c_R being the speed of Rayleigh waves along a rim of the film. A crack branches when
+
+1. it has run at v_b or faster, as a mean over the length of its process zone, E G / sigma_F², or
+   over ``WINDOW`` edges if these are longer: a tip that jumps ahead within its own process zone has
+   not released anything yet. It must have run that far since it branched last;
+2. there is stress to open the film in both directions: both trial cuts (:mod:`.trial_cut`) are due.
+
+Then it is cut along both at once. The branches keep their directions until they are ``APART`` edges
+from each other: nearer, the force on a tip (:mod:`.tip_force`) is that on both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from shellcut.arrays import Floats
+from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.material.shell_material import ShellMaterial
+
+from .criterion import Fracture
+from .tip import Pace, Tip
+
+SHARE = 0.518
+"""Of the speed of Rayleigh waves, from which a crack may branch."""
+
+ANGLE = 0.13 * np.pi
+"""Of each branch to the crack [rad]."""
+
+WINDOW = 5.0
+"""Least way over which the speed of a crack is taken, in local edge lengths."""
+
+APART = 4.0
+"""Branches that are nearer to each other keep their directions, in local edge lengths."""
+
+
+class Branching:
+    """Decides which tears branch.
+
+    Parameters
+    ----------
+    material : ShellMaterial
+        Of the film.
+    law : CohesiveLaw
+        Of the cables.
+    fracture : Fracture
+        How often is looked, and the largest speed.
+
+    Raises
+    ------
+    ValueError
+        If the largest speed is below that at which a crack branches.
+    """
+
+    def __init__(self, material: ShellMaterial, law: CohesiveLaw, fracture: Fracture) -> None:
+        modulus = material.stretching_stiffness / material.thickness
+        self._zone = modulus * law.fracture_energy / law.strength**2
+        self._check_every = fracture.check_every
+        self.speed = SHARE * rayleigh_speed(material)
+        """From which a crack may branch [mm/s]."""
+        if fracture.largest_speed is not None and fracture.largest_speed < self.speed:
+            raise ValueError(
+                f"a crack in this film branches from {self.speed:.4g} mm/s on, and largest_speed = "
+                f"{fracture.largest_speed:.4g} mm/s lets none run so fast: leave out one of them"
+            )
+
+    def require_checks(self, step: float, size: float) -> None:
+        """Refuse checks so rare that no crack runs as fast as one that branches.
+
+        Parameters
+        ----------
+        step : float
+            Of time [s].
+        size : float
+            Of the edges [mm].
+
+        Raises
+        ------
+        ValueError
+            If a quad in ``check_every`` steps is slower.
+        """
+        if self._check_every * step * self.speed > size:
+            enough = max(int(size / (step * self.speed)), 1)
+            raise ValueError(
+                f"a crack in this film branches from {self.speed:.4g} mm/s on, and runs no faster "
+                f"than one quad of {size:.3g} mm in check_every = {self._check_every} steps of "
+                f"{step:.3g} s: set check_every to {enough} or less"
+            )
+
+    def pace_after(self, tip: Tip, time: float, length: float, size: float) -> Pace:
+        """Return a tip's pace after one more segment, no longer than it takes.
+
+        Parameters
+        ----------
+        tip : Tip
+            Before it.
+        time : float
+            Of the cut [s].
+        length, size : float
+            Of the segment, and of an edge there [mm].
+        """
+        pace = (*tip.pace, (time, length))
+        while _way(pace[1:]) >= self._window(size):
+            pace = pace[1:]
+        return pace
+
+    def may_branch(self, tip: Tip, time: float, size: float) -> bool:
+        """Whether a crack that is about to go on has run far and fast enough.
+
+        Each segment took the time until the next one was cut.
+
+        Parameters
+        ----------
+        tip : Tip
+            Of the crack.
+        time : float
+            Now [s].
+        size : float
+            Of an edge there [mm].
+        """
+        way = _way(tip.pace)
+        return way >= self._window(size) and way >= self.speed * (time - tip.pace[0][0])
+
+    def _window(self, size: float) -> float:
+        """Return the way over which speed is taken [mm]."""
+        return max(WINDOW * size, self._zone)
+
+
+def ways(way: Floats, t: Floats) -> tuple[Floats, Floats]:
+    """Return the directions of the branches to the left and to the right of a way, shape (3,) each.
+
+    Parameters
+    ----------
+    way, t : ndarray, shape (3,)
+        Unit direction in the sheet and unit director, in space.
+    """
+    along, aside = np.cos(ANGLE) * way, np.sin(ANGLE) * np.cross(t, way)
+    return along + aside, along - aside
+
+
+def rayleigh_speed(material: ShellMaterial) -> float:
+    """Return the speed of Rayleigh waves along the rim of a film under plane stress [mm/s].
+
+    The root of (2 - c²/s²)² = 4 sqrt(1 - c²/s²) sqrt(1 - c²/p²) below s, with the speeds p and s
+    of the film's waves along and across their way. Of a film with axes the smallest moduli count.
+
+    Parameters
+    ----------
+    material : ShellMaterial
+        Of the film.
+    """
+    _, weights, materials = material.thickness_points()
+    plane = np.sum([w * m.plane_stress() for w, m in zip(weights, materials, strict=True)], axis=0)
+    stretch, shear = min(plane[0, 0], plane[1, 1]), plane[2, 2]
+
+    def beyond(squared: float) -> float:
+        """Return the left side less the right one at c²/s²."""
+        right = 4.0 * np.sqrt((1.0 - squared) * (1.0 - squared * shear / stretch))
+        return float((2.0 - squared) ** 2 - right)
+
+    # Zero at 0 too, negative from there to the root, and 1 at c = s.
+    squared = scipy.optimize.brentq(beyond, 0.1, 1.0)
+    return float(np.sqrt(squared * shear / material.area_density))
+
+
+def _way(pace: Pace) -> float:
+    """Return the length of some segments together [mm]."""
+    return sum(length for _, length in pace)

@@ -1,0 +1,99 @@
+"""A fast crack becomes two; the plate of the literature in small, twice as fast."""
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from branching_plate import DENSITY, POISSON, YOUNG, branchings, cuts, plate
+from gone_on import check_goes_on
+from shellcut.fracture.branching import ANGLE, SHARE, Branching, rayleigh_speed
+from shellcut.fracture.drawn_film import DrawnFilm
+
+END = 45e-6
+GLASS = {"young": YOUNG, "density": DENSITY, "thickness": 1.0}
+
+
+def small(**options):
+    """Return a plate of half the length under twice the pull."""
+    return plate(50.0, 20.0, 1.0, pull=2.0, **options)
+
+
+@pytest.fixture(scope="module")
+def torn():
+    """Return a plate torn through, and a run that was broken off while branches ran."""
+    sim = small(branching=True)
+    while sim.state.time < END:
+        sim.step()
+    return sim
+
+
+def test_rayleigh_waves_of_a_film():
+    # A film with nu is a body with nu / (1 + nu); for 1/4 the share is sqrt(2 - 2/sqrt 3).
+    film = sc.ShellMaterial.homogeneous(poisson=1.0 / 3.0, **GLASS)
+    shear = np.sqrt(YOUNG / (2.0 * (1.0 + 1.0 / 3.0)) / DENSITY)
+    exact = np.sqrt(2.0 - 2.0 / np.sqrt(3.0)) * shear
+    assert rayleigh_speed(film) == pytest.approx(exact, rel=1e-10)  # of the root
+
+
+def test_a_fast_crack_becomes_two_and_a_slow_one_does_not(torn):
+    where, when = branchings(torn)
+    x, y = where[0]
+    assert 29.5 < x < 38.0  # five edges after the notch at the least
+    assert abs(y) < 1.0
+    places, times = cuts(torn)
+    straight = times < when[0]
+    assert np.abs(places[straight, 1] - 0.13).max() < 0.5
+    window = straight & (places[:, 0] > x - 6.0)
+    speed = (x - places[window][0, 0]) / (when[0] - times[window][0])
+    # Discretisation: the window ends within an edge of five edges.
+    assert speed > SHARE * rayleigh_speed(torn.material) * 0.95
+    alone = small()
+    while alone.state.time < when[0] + 2e-6:
+        alone.step()
+    assert len(branchings(alone)[0]) == 0
+
+
+def test_both_branches_run_on_either_side(torn):
+    where, when = branchings(torn)
+    places, times = cuts(torn)
+    near = (times > when[0]) & (places[:, 0] < where[0, 0] + 4.0) & (places[:, 0] > where[0, 0])
+    ahead = places[near] - where[0]
+    for side in (1.0, -1.0):
+        one = ahead[side * ahead[:, 1] > 0.0]
+        # Discretisation: places on sides of the mesh, and they keep no more than four edges to it.
+        angle = np.arctan2(side * one[-1, 1], one[-1, 0])
+        assert angle == pytest.approx(ANGLE, abs=0.2)
+    assert places[places[:, 1] > 1.5, 0].max() > 45.0
+    assert places[places[:, 1] < -1.5, 0].max() > 45.0
+
+
+def test_no_film_is_lost_where_cracks_branch(torn):
+    film = DrawnFilm.of(torn.state, torn.cracks.cuts.topology)
+    X = film.at_points(torn.state.node.X)[film.polygons]
+    turned = np.roll(X, -1, axis=1)
+    area = 0.5 * np.abs((X[..., 0] * turned[..., 1] - X[..., 1] * turned[..., 0]).sum(axis=1))
+    assert area.sum() == pytest.approx(1000.0, rel=1e-10)  # round-off
+    assert torn.state.node.mass[: torn.state.n_node].sum() == pytest.approx(
+        1000.0 * DENSITY, rel=1e-10
+    )
+    book = torn.close_ledger()
+    # Of the work of the loads; time step of a film that is hit by a jump of load.
+    assert abs(book.relative(book.imbalance)) < 2e-3
+
+
+def test_a_run_goes_on_with_the_same_bits_between_branchings(tmp_path):
+    def ran(sim):
+        return any(tip.pace for tip in sim.cracks.free.tips) and sim.state.time > 2e-5
+
+    check_goes_on(lambda: small(branching=True), ran, tmp_path / "c.h5", n_step=120)
+
+
+def test_what_does_not_go_with_branching_is_refused():
+    with pytest.raises(ValueError, match=r"branching is of cracks through the quads only"):
+        sc.Fracture(path="edges", branching=True)
+    with pytest.raises(ValueError, match=r"lets none run so fast: leave out one of them"):
+        small(branching=True, largest_speed=1e5)
+    glass = sc.ShellMaterial.homogeneous(poisson=POISSON, **GLASS)
+    rare = Branching(glass, sc.CohesiveLaw(), sc.Fracture(path="free", check_every=10))
+    with pytest.raises(ValueError, match=r"set check_every to 9 or less"):
+        rare.require_checks(1e-7, 1.0)
