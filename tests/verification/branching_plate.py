@@ -19,8 +19,10 @@ ENERGY = 0.003
 """G [N/mm]."""
 
 
-def plate(length=100.0, width=40.0, size=0.5, *, pull=1.0, strength=5.0, moved=0.0, **options):
-    """Return the plate before it is pulled, its crack 0.13 edges off the mesh's middle line.
+def plate(
+    length=100.0, width=40.0, size=40.0 / 81, *, pull=1.0, strength=5.0, moved=0.0, **options
+):
+    """Return the plate before it is pulled, its crack along the middle.
 
     strength : [MPa]; the process zone is E G / strength², 3.8 mm.  moved : random shifts of nodes,
     in edges.  options : of :class:`shellcut.Fracture`.
@@ -55,7 +57,7 @@ def plate(length=100.0, width=40.0, size=0.5, *, pull=1.0, strength=5.0, moved=0
         fracture=sc.Fracture(path="free", check_every=2, cable_places="gauss", **options),
         damping_beta=1e-9,
     )
-    sim.notch((-1.0, 0.13 * size, 0.0), (0.5 * length, 0.13 * size, 0.0))
+    sim.notch((-1.0, 0.0, 0.0), (0.5 * length, 0.0, 0.0))
     return sim
 
 
@@ -77,7 +79,7 @@ def branchings(sim):
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--size", type=float, default=0.5, help="of the quads [mm]")
+    parser.add_argument("--size", type=float, default=40.0 / 81, help="of the quads [mm]")
     parser.add_argument("--moved", type=float, default=0.0, help="shifts of nodes, in edges")
     parser.add_argument("--strength", type=float, default=5.0, help="sigma_F [MPa]")
     parser.add_argument("--pull", type=float, default=1.0, help="on the long sides [MPa]")

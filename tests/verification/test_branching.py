@@ -15,7 +15,7 @@ GLASS = {"young": YOUNG, "density": DENSITY, "thickness": 1.0}
 
 def small(**options):
     """Return a plate of half the length under twice the pull."""
-    return plate(50.0, 20.0, 1.0, pull=2.0, **options)
+    return plate(50.0, 20.0, 20.0 / 21, pull=2.0, **options)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_a_fast_crack_becomes_two_and_a_slow_one_does_not(torn):
     assert abs(y) < 1.0
     places, times = cuts(torn)
     straight = times < when[0]
-    assert np.abs(places[straight, 1] - 0.13).max() < 0.5
+    assert np.abs(places[straight, 1]).max() < 0.5
     window = straight & (places[:, 0] > x - 6.0)
     speed = (x - places[window][0, 0]) / (when[0] - times[window][0])
     # Discretisation: the window ends within an edge of five edges.

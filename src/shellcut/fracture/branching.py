@@ -7,15 +7,18 @@ branches that start in pure opening, this is ([Katzav2007])
 
     v_b = 0.518 c_R,    each branch at 0.13 pi = 23° to the crack,
 
-c_R being the speed of Rayleigh waves along a rim of the film. A crack branches when
+c_R being the speed of Rayleigh waves along a rim of the film.
 
-1. it has run at v_b or faster, as a mean over the length of its process zone, E G / sigma_F², or
-   over ``WINDOW`` edges if these are longer: a tip that jumps ahead within its own process zone has
-   not released anything yet. It must have run that far since it branched last;
-2. there is stress to open the film in both directions: both trial cuts (:mod:`.trial_cut`) are due.
+The length that counts is that of the process zone, E G / sigma_F², or ``EDGES`` edges if these are
+longer. A crack branches when
 
-Then it is cut along both at once. The branches keep their directions until they are ``APART`` edges
-from each other: nearer, the force on a tip (:mod:`.tip_force`) is that on both.
+1. it has run at v_b or faster, as a mean over this length, since it began or branched: a tip that
+   jumps ahead within its own process zone has not released anything yet;
+2. no other tip is within twice this length: the theory is of one crack, with a field of its own;
+3. there is stress to open the film in both directions: both trial cuts (:mod:`.trial_cut`) are due.
+
+Then it is cut along both at once. Each branch keeps its direction until no other tip is within this
+length: the force on a tip (:mod:`.tip_force`) is that on both before.
 """
 
 from __future__ import annotations
@@ -36,11 +39,8 @@ SHARE = 0.518
 ANGLE = 0.13 * np.pi
 """Of each branch to the crack [rad]."""
 
-WINDOW = 5.0
-"""Least way over which the speed of a crack is taken, in local edge lengths."""
-
-APART = 4.0
-"""Branches that are nearer to each other keep their directions, in local edge lengths."""
+EDGES = 5.0
+"""The length that counts is that of so many edges at least."""
 
 
 class Branching:
@@ -109,12 +109,12 @@ class Branching:
             Of the segment, and of an edge there [mm].
         """
         pace = (*tip.pace, (time, length))
-        while _way(pace[1:]) >= self._window(size):
+        while _way(pace[1:]) >= self._length(size):
             pace = pace[1:]
         return pace
 
-    def may_branch(self, tip: Tip, time: float, size: float) -> bool:
-        """Whether a crack that is about to go on has run far and fast enough.
+    def may_branch(self, tip: Tip, time: float, size: float, nearest: float) -> bool:
+        """Whether a crack that is about to go on has run far and fast enough, and alone.
 
         Each segment took the time until the next one was cut.
 
@@ -124,15 +124,27 @@ class Branching:
             Of the crack.
         time : float
             Now [s].
-        size : float
-            Of an edge there [mm].
+        size, nearest : float
+            Of an edge there, and distance of the nearest other tip [mm].
         """
-        way = _way(tip.pace)
-        return way >= self._window(size) and way >= self.speed * (time - tip.pace[0][0])
+        way, least = _way(tip.pace), self._length(size)
+        if way < least or nearest < 2.0 * least:
+            return False
+        return way >= self.speed * (time - tip.pace[0][0])
 
-    def _window(self, size: float) -> float:
-        """Return the way over which speed is taken [mm]."""
-        return max(WINDOW * size, self._zone)
+    def is_alone(self, size: float, nearest: float) -> bool:
+        """Whether a tip has a field of its own.
+
+        Parameters
+        ----------
+        size, nearest : float
+            Of an edge there, and distance of the nearest other tip [mm].
+        """
+        return nearest >= self._length(size)
+
+    def _length(self, size: float) -> float:
+        """Return the length that counts [mm]."""
+        return max(EDGES * size, self._zone)
 
 
 def ways(way: Floats, t: Floats) -> tuple[Floats, Floats]:

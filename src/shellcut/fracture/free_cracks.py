@@ -83,6 +83,7 @@ class FreeCracks:
         ]
         self._shell = shell
         self._largest_speed = fracture.largest_speed or np.inf
+        self._edge = float(np.sqrt(np.median(shell.area)))
         self._branching: Branching | None = None
         if fracture.branching:
             self._branching = Branching(shell.material, law, fracture)
@@ -117,15 +118,15 @@ class FreeCracks:
         largest speed given.
         """
         if self._branching is not None:
-            self._branching.require_checks(state.dt, float(np.sqrt(np.median(self._shell.area))))
+            self._branching.require_checks(state.dt, self._edge)
         for tip in list(self.tips):
             if not self._is_there(tip) or state.time < tip.since:
                 continue  # another crack has just joined it, or it has just been here
             if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
-            others = () if self._branching is None else self.tips
-            ways = self._direction.ways(state, tip, others)
+            alone = self._branching is None or self._branching.is_alone(*self._apart(state, tip))
+            ways = self._direction.ways(state, tip, alone=alone)
             found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
             if segment is None or state.node.support_rate[state.quads[segment.row]].any():
@@ -134,13 +135,19 @@ class FreeCracks:
             if measure >= 1.0 and not self._branch(state, tip, segment):
                 self._advance(state, tip, segment, "criterion", measure)
 
+    def _apart(self, state: State, tip: Tip) -> tuple[float, float]:
+        """Return the edge length at a tip, and how near the nearest other tip is [mm]."""
+        row, _ = self._path.rows_ahead(tip)[0]
+        return self._path.size(row), self._path.nearest(state, tip, self.tips)
+
     def _branch(self, state: State, tip: Tip, segment: Segment) -> bool:
         """Run a crack on along two segments, if it may branch; return whether it did.
 
         segment : along which it runs if it does not branch.
         """
-        size = self._path.size(segment.row)
-        if self._branching is None or not self._branching.may_branch(tip, state.time, size):
+        if self._branching is None:
+            return False
+        if not self._branching.may_branch(tip, state.time, *self._apart(state, tip)):
             return False
         place = self._path.place_in(state, segment.row, segment.entry)
         way = self._path.way_of(state, segment)

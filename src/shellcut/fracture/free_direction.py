@@ -30,7 +30,7 @@ a history and cannot be frozen; there the stress decides alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +43,6 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import KnownTopology, State
 
 from .anisotropy import Anisotropy
-from .branching import APART
 from .crack_path import CrackPath
 from .quad_polygon import shape_functions
 from .tip import Tip
@@ -119,7 +118,7 @@ class FreeDirection:
         self._known = KnownTopology()
         self._ahead: dict[Tip, _Ahead] = {}
 
-    def ways(self, state: State, tip: Tip, others: Sequence[Tip] = ()) -> Iterator[Floats]:
+    def ways(self, state: State, tip: Tip, *, alone: bool = True) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
         Parameters
@@ -128,20 +127,21 @@ class FreeDirection:
             Present positions.
         tip : Tip
             With film ahead.
-        others : sequence of Tip
-            So near to one of these, the tip keeps its heading (:data:`.branching.APART`).
+        alone : bool
+            Whether what surrounds the tip is its own; near to another branch it is not, and the tip
+            keeps its heading.
         """
         if not self._known.is_of(state):
             self._ahead.clear()
             self._known.take(state)
         if tip not in self._ahead:
-            self._ahead[tip] = self._look(state, tip, others)
+            self._ahead[tip] = self._look(state, tip)
         ahead = self._ahead[tip]
         nodes = state.quads[ahead.row]
         t = ahead.weights @ state.node.t[nodes]
         t /= np.linalg.norm(t)
         moved = ahead.base @ state.node.x[nodes]
-        if not ahead.quads.size and ahead.force is None:
+        if not alone:
             yield _unit(moved[0])
             return
         ways = _WAYS @ moved
@@ -155,22 +155,17 @@ class FreeDirection:
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
-    def _look(self, state: State, tip: Tip, others: Sequence[Tip]) -> _Ahead:
-        """Gather what lies around a tip; only the heading counts where others are too near."""
+    def _look(self, state: State, tip: Tip) -> _Ahead:
+        """Gather what lies around a tip."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
         forward = _unit(tip.heading - (tip.heading @ T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._path.reference_of(state, tip), self._path.size(row)
-        gaps = [self._path.reference_of(state, one) - place for one in others if one is not tip]
-        nearest = min((float(np.linalg.norm(gap)) for gap in gaps), default=np.inf)
-        alone = nearest >= APART * size
         force = None
-        if alone and gives_back(self._shell.material):
+        if gives_back(self._shell.material):
             force = TipForce(state, self._shell, place, base, REACH * size, self._loads)
         near, weight = self._near(state, place, forward, T, AVERAGE * size)
-        if not alone:
-            near, weight = near[:0], weight[:0]
         return _Ahead(
             row=row,
             weights=np.array(shape_functions(entry)),

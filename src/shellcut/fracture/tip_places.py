@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shellcut.arrays import Floats
@@ -162,3 +164,9 @@ class TipPlaces:
             return np.asarray(np.array(shape_functions(tip.flank)) @ X)
         a, b = state.node.X[list(tip.ends)]
         return np.asarray(a + tip.s * (b - a))
+
+    def nearest(self, state: State, tip: Tip, others: Sequence[Tip]) -> float:
+        """Return how near the nearest other tip is in the reference film [mm], inf if none is."""
+        here = self.reference_of(state, tip)
+        gaps = [self.reference_of(state, one) - here for one in others if one is not tip]
+        return min((float(np.linalg.norm(gap)) for gap in gaps), default=np.inf)
