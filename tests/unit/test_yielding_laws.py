@@ -19,7 +19,14 @@ from shellcut.material import (
     Voce,
 )
 from shellcut.material.hardening import Hardening
-from shellcut.material.logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from shellcut.material.logarithmic_strain import (
+    is_small,
+    logarithmic_strain,
+    piola_of_mean,
+    second_piola_kirchhoff,
+    small_isotropic,
+    sum_and_difference,
+)
 from shellcut.material.plastic import hill_matrix
 from shellcut.material.rate_factor import RateFactor
 from shellcut.numerics.lane_exponentials import any_above, exponential, logarithm
@@ -60,6 +67,20 @@ def _of_eight(table, found):
     return any_above(strain[0], 1.0), any_above(strain[0], 10.0)
 
 
+@nb.njit
+def _both_ways(E, bulk, shear):
+    """Return S, t², |T_d|² and energy by the short and the long way, and whether E is small."""
+    e = (E[0], E[1], E[2])
+    S, of_mean, of_shear, stored = small_isotropic(e, bulk, shear)
+    (both, unlike, slip), way = sum_and_difference(e)
+    t, Tu, Tv = bulk * both, shear * unlike, shear * slip
+    L = piola_of_mean(t, Tu, Tv, way)
+    energy = 0.5 * (t * both + Tu * unlike + Tv * slip)
+    short = np.array([S[0], S[1], S[2], of_mean, of_shear, stored])
+    long = np.array([L[0], L[1], L[2], t * t, Tu * Tu + Tv * Tv, energy])
+    return short, long, is_small(e)
+
+
 def _strains(size, rng):
     """Green-Lagrange strains of deformations about the identity."""
     while True:
@@ -96,6 +117,23 @@ def test_series_of_every_range_of_strains_are_exact_to_the_last_places(size, sha
     e, _ = _of_one(E)
     # A few roundings of doubles, of the largest component.
     np.testing.assert_allclose(e, wanted, rtol=0, atol=6e-16 * abs(wanted).max())
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-4, 2e-3, 4.4e-3])
+@pytest.mark.parametrize("shape", [(1.0, -0.3, 0.0), (1.0, 0.3, 0.2), (0.0, 0.0, 1.3), (1.0, 1, 0)])
+def test_the_short_way_of_an_elastic_film_is_the_long_one(size, shape):
+    short, long, small = _both_ways(size * np.array(shape), 1200.0, 650.0)
+    assert small
+    largest = np.sqrt(long[3:5].max())
+    # A few roundings of doubles, of the largest component.
+    np.testing.assert_allclose(short[:3], long[:3], rtol=0, atol=1.5e-15 * largest)
+    np.testing.assert_allclose(short[3:5], long[3:5], rtol=0, atol=3e-15 * largest**2)
+    assert short[5] == pytest.approx(long[5], rel=2e-15)
+
+
+def test_the_short_way_is_left_where_strains_are_not_small():
+    assert not _both_ways(np.array([0.01, 0.0, 0.0]), 1.0, 1.0)[2]
+    assert not _both_ways(np.array([0.0, 0.0, 0.01]), 1.0, 1.0)[2]
 
 
 def test_lanes_are_the_numbers_one_by_one():

@@ -8,17 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Floats, Number, Vector
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import exponential
 
 from .elastic import Elastic
 from .elastic_part import WithElasticPart, elastic_problems
-from .logarithmic_strain import logarithmic_strain, second_piola_kirchhoff
+from .logarithmic_strain import (
+    is_small,
+    logarithmic_strain,
+    second_piola_kirchhoff,
+    small_isotropic,
+)
 from .material import refuse
 from .orthotropic import Orthotropic
 from .point_law import History, PointLaw, register
 
 
-def _stress(
+@always_inline
+def _any_stress(
     p: Floats, strain: Vector, history: History, dt: float
 ) -> tuple[Vector, Number, Number, History]:
     """Return S and ½ ε·C·ε; p : (9,), the upper triangle of C and the slope of ε_33."""
@@ -30,6 +37,16 @@ def _stress(
     return S, 0.5 * (t1 * e1 + t2 * e2 + t12 * e12), 0.0, history
 
 
+def _isotropic_stress(
+    p: Floats, strain: Vector, history: History, dt: float
+) -> tuple[Vector, Number, Number, History]:
+    """Return the same without axes."""
+    if is_small(strain):
+        S, _, _, stored = small_isotropic(strain, 0.5 * (p[0] + p[1]), p[5])
+        return S, stored, 0.0, history
+    return _any_stress(p, strain, history, dt)
+
+
 def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
     """Return exp ε_33."""
     e, _ = logarithmic_strain(strain)
@@ -39,8 +56,9 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
 @functools.cache
 def _law(oriented: bool) -> PointLaw:
     name = "orthotropic Hencky" if oriented else "Hencky"
-    frozen = register(PointLaw(f"{name}, frozen", _stress, _thickness_stretch, oriented=oriented))
-    return register(PointLaw(name, _stress, _thickness_stretch, oriented=oriented, frozen=frozen))
+    stress = _any_stress if oriented else _isotropic_stress
+    frozen = register(PointLaw(f"{name}, frozen", stress, _thickness_stretch, oriented=oriented))
+    return register(PointLaw(name, stress, _thickness_stretch, oriented=oriented, frozen=frozen))
 
 
 def elastic_row(elastic: Elastic | Orthotropic) -> Floats:

@@ -33,6 +33,13 @@ With y = 2 m and q = 4 r²/τ², which is below 1e-4,
 the logarithms by eight and four terms, A' by three. All sums are taken in pairs: a chain of seven
 dependent products would cost more time than the products.
 
+**An isotropic elastic film** has t = K (ε_11 + ε_22) and T_d = 2 G b d. With A = A(q), so b = A/τ,
+and 1/(1 - q) = τ²/D the way back is then no longer than
+
+    S = [τ (t - G A q) I + 2 (G A - t) d]/D,      |T_d|² = (G A)² q,
+
+which serves where strains are small and nothing has flowed: most of a film at most times.
+
 A quad that is folded flat has D = 0 in one point or less where the strain is extrapolated through
 the thickness. There τ and D are held at ``_LEAST``: numbers stay finite, and
 :mod:`shellcut.simulation.instability` gives up the run before.
@@ -76,8 +83,10 @@ class WayBack(NamedTuple):
 
 
 @always_inline
-def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Number, Number]:
-    """Return ½ ln D, b, (τ²/D - A')/τ³ and 1/D of small strains: no division, short chains."""
+def _small_parts(
+    y: Number, y2: Number, r4: Number
+) -> tuple[Number, Number, Number, Number, Number, Number]:
+    """Return ½ ln D, 1/τ, 1/τ², q, A' and τ²/D of small strains: no division, short chains."""
     y4 = y2 * y2
     start = 1.0 - y
     start = start + start * y2
@@ -91,9 +100,43 @@ def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Nu
     of_mean = (y * (1.0 / 3.0) - 0.5) + y2 * (y * (1.0 / 5.0) - 0.25)
     of_mean = of_mean + y4 * ((y * (1.0 / 7.0) - 1.0 / 6.0) - y2 * (1.0 / 8.0))
     of_shear = (q * 0.25 + 0.5) + q2 * (q * (1.0 / 8.0) + 1.0 / 6.0)
-    both = y + (y2 * of_mean - q * of_shear)
+    return y + (y2 * of_mean - q * of_shear), inverse_mean, squared, q, spread, ratio
+
+
+@always_inline
+def _small_strain(y: Number, y2: Number, r4: Number) -> tuple[Number, Number, Number, Number]:
+    """Return ½ ln D, b, (τ²/D - A')/τ³ and 1/D of small strains."""
+    both, inverse_mean, squared, q, spread, ratio = _small_parts(y, y2, r4)
     slope = inverse_mean + inverse_mean * (q * spread)
     return both, slope, (squared * inverse_mean) * (ratio - spread), squared * ratio
+
+
+@always_inline
+def is_small(strain: Vector) -> bool:
+    """Whether :func:`small_isotropic` is good for a strain (E_11, E_22, 2 E_12) in all lanes."""
+    y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
+    return not any_above(larger(y * y, u * u + v * v), _SMALL)
+
+
+@always_inline
+def small_isotropic(
+    strain: Vector, bulk: Number, shear: Number
+) -> tuple[Vector, Number, Number, Number]:
+    """Return S, t², |T_d|² and the energy density of an isotropic elastic film at a small strain.
+
+    strain : (E_11, E_22, 2 E_12).  bulk, shear : K and G [MPa], t = K (ε_11 + ε_22).
+    """
+    y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
+    y2, r4 = y * y, u * u + v * v
+    both, _, squared, q, spread, ratio = _small_parts(y, y2, r4)
+    A = 1.0 + q * spread
+    t, GA = bulk * both, shear * A
+    inverse_det, GAq = squared * ratio, GA * q
+    mid = (inverse_det * (1.0 + y)) * (t - GAq)
+    of_shape = inverse_det * (GA - t)
+    wide = of_shape * u
+    stored = 0.5 * (t * both + GAq * A)
+    return (mid + wide, mid - wide, of_shape * v), t * t, GAq * GA, stored
 
 
 @always_inline

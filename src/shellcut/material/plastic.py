@@ -44,9 +44,11 @@ from .elastic import Elastic
 from .elastic_part import WithElasticPart, elastic_problems
 from .hardening import Hardening, hardening_problems
 from .logarithmic_strain import (
+    is_small,
     logarithmic_strain,
     piola_of_mean,
     second_piola_kirchhoff,
+    small_isotropic,
     sum_and_difference,
 )
 from .material import refuse
@@ -90,8 +92,14 @@ def _isotropic_law(flow: Any, may_flow: Any, kinematic: bool) -> tuple[Any, Any]
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
     ) -> tuple[Vector, Number, Number, History, bool]:
-        (both, unlike, slip), way = sum_and_difference(strain)
         eq, R, p1, p2, p12 = history
+        if is_small(strain) and not any_above(eq, 0.0):
+            S, of_mean, of_shear, stored = small_isotropic(strain, p[_MEAN], p[_SHEAR])
+            # Nothing has hardened.
+            beyond = excess(of_mean + 3.0 * of_shear, p[_YIELD], may_flow(dt))
+            if not seldom(any_above(beyond, 0.0)):
+                return S, stored, zero_like(R), history, False
+        (both, unlike, slip), way = sum_and_difference(strain)
         if any_above(eq, 0.0):
             both, unlike, slip = both - (p1 + p2), unlike - (p1 - p2), slip - p12
         z = (p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip)

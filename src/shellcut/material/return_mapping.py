@@ -40,9 +40,9 @@ its round-off is found as it is: just above the yield stress at rest, a rate fac
 of 1e-30 and less, of which G cannot tell. Any further turn stays within a bracket: G > 1 at Δp = 0,
 and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
 when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
-turns gets nan, and the run is stopped by name. Lanes that
-do not yield keep their bits, whatever their neighbours in the block do. Isotropic moduli with
-von Mises have two modes, the mean and the deviator.
+turns gets nan, and the run is stopped by name. The flow changes
+no bit of lanes that do not yield. Isotropic moduli with von Mises have two modes, the mean and the
+deviator.
 
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.
@@ -94,7 +94,7 @@ def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     may have left the stress above the surface by some round-off, which is not taken for flow.
     """
     beyond = (1.0 - 64.0 * precision_of(squared)) * squared - start * start
-    return beyond if may_flow else -start * start
+    return beyond if may_flow else zero_like(squared) - start * start
 
 
 @always_inline
