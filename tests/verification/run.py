@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import traceback
 from dataclasses import asdict
 from pathlib import Path
 
@@ -35,17 +36,23 @@ def main() -> int:
     options = parser.parse_args()
     head = f"{'case':<5} {'quantity':<58} {'reference':>12} {'ours':>12} {'error':>12} {'band':>10}"
     print(head, "verdict", flush=True)
-    results = []
+    results, failed = [], []
     for module in load_cases(options.case, fast_only=options.fast):
-        result = run_case(module)
+        try:
+            result = run_case(module)
+        except Exception:  # the others are still to be told
+            traceback.print_exc()
+            print(f"{module.ID:<5} did not end: FAIL", flush=True)
+            failed.append(module.ID)
+            continue
         results.append(result)
         for k in range(len(result.checks)):
             print(row(result, k), flush=True)
-    failed = [result.id for result in results if not result.passed]
+    failed += [result.id for result in results if not result.passed]
     gates = sum(check.gate for result in results for check in result.checks)
     seconds = sum(result.seconds for result in results)
     print(
-        f"{len(results)} cases, {gates} gates, "
+        f"{len(results)} cases ended, {gates} gates, "
         + (f"FAILED: {', '.join(failed)}" if failed else "all pass")
         + f", {seconds:.0f} s"
     )
