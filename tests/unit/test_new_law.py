@@ -42,8 +42,8 @@ from shellcut.simulation.simulation import Simulation
 TOY = Damaging()
 FILM = ShellMaterial([Layer(TOY, 0.074)])
 TURNED = Rotation.from_rotvec([1.1, -1.5, 1.3]).as_matrix()  # of cases.deform
-# The same in all directions, by the law with axes: test_yielding_film.py has films of these two laws,
-# too, whose kernels are compiled once for both files.
+# The same in all directions, by the law with axes: test_yielding_film.py has films of these two
+# laws, too, whose kernels are compiled once for both files.
 EVEN = Orthotropic(800.0, 800.0, 0.4, 800.0 / 2.8, 1e-9)
 LAMINATE = ShellMaterial([Layer(EVEN, 0.05), Layer(TOY, 0.03)])
 FILMS = {"film": FILM, "laminate": LAMINATE}
