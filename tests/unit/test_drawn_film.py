@@ -150,7 +150,9 @@ def folder(tmp_path_factory):
     """Folder of a whole run, and its simulation."""
     to = tmp_path_factory.mktemp("run")
     sim = cut_strip()
-    Case("strip", sim, 2.2e-4).run(to, n_snapshot=2, n_frame=4, pvd=True, progress=False)
+    Case("strip", sim, 2.2e-4).run(
+        to, n_snapshot=2, n_frame=4, curves=False, pvd=True, progress=False
+    )
     return to, sim
 
 
