@@ -117,6 +117,20 @@ def pytest_configure(config):
         compile_once()
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    from shellcut.numerics.jit import on_compilation
+
+    def refuse():
+        raise RuntimeError(
+            "a module of tests must compile no kernel when it is imported, or the first test waits "
+            "for it in every process: make what takes it in a fixture or a function"
+        )
+
+    with on_compilation(refuse):
+        return (yield)
+
+
 def pytest_collection_modifyitems(items):
     place = {name: k for k, name in enumerate(_FIRST)}
     items.sort(key=lambda item: place.get(item.path.name, len(_FIRST)))

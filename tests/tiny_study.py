@@ -10,5 +10,12 @@ SETTINGS = {
     "fracture.path": "edges",
     "output.frames": 2,
     "output.rows": 300,
+    # As long as the run itself, and a process of its own loads Matplotlib for it.
+    "output.curves": False,
 }
 ANGLES = {"wedge_half_angle_deg": "10,14,18,22"}
+
+
+def in_words(values):
+    """Return values as the command takes them."""
+    return [f"--set={key}={str(value).lower()}" for key, value in values.items()]

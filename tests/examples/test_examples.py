@@ -75,7 +75,7 @@ def test_own_tooth(run_example, tmp_path):
 
 
 def test_cut_quality(run_example, tmp_path):
-    told = run_example("cut_quality.py", tmp_path, "--duration", "3e-3")
+    told = run_example("cut_quality.py", tmp_path, "--duration", "2.4e-3")
     # 72 chords of 5° on the circle of 9.4 mm, all cut.
     assert f"crack {72 * 2 * 9.4 * sin(radians(2.5)):.1f} mm, 0 bridges left" in told
     assert (tmp_path / "quality.png").stat().st_size > 10_000

@@ -11,7 +11,7 @@ from shellcut.results.history import read_history
 
 def run(case: Case, folder: Path) -> tuple[dict[str, float], dict[str, np.ndarray]]:
     """Run without pictures and return summary and history."""
-    case.run(folder, n_frame=4, n_snapshot=0, progress=False)
+    case.run(folder, n_frame=4, n_snapshot=0, curves=False, progress=False)
     summary = json.loads((folder / "summary.json").read_text())
     return summary, read_history(folder / "history.csv")[0]
 

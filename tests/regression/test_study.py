@@ -17,7 +17,7 @@ import pytest
 import shellcut as sc
 from shellcut.study.one_run import OUTCOME, STOP
 from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
-from tiny_study import ANGLES, SETTINGS
+from tiny_study import ANGLES, SETTINGS, in_words
 
 
 def study(out, executor=1, lines=None, **more):
@@ -101,7 +101,7 @@ def test_an_executor_of_the_caller_gives_the_same_table(done, part):
     "how", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)]
 )
 def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
-    settings = [f"--set={key}={value}" for key, value in (SETTINGS | ANGLES).items()]
+    settings = in_words(SETTINGS | ANGLES)
     command = [sys.executable, "-m", "shellcut", "sweep", "guillotine", *settings]
     command += ["--jobs=2", f"-o={tmp_path}"]
     # In the background of a shell the process would ignore Ctrl-C.

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import shellcut.recording.recorder
 from benchmarks import (
     calculix_disc,
     cut,
@@ -44,6 +45,7 @@ def results(accesses) -> Results:
     small = memory.footprint("1e3", 1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cut, "compile_all", lambda mesh: None)  # nothing here is a time that counts
+        patch.setattr(shellcut.recording.recorder, "_matplotlib_is_there", lambda: False)
         cuts = [cut.measure("quick", 1.0, 0.5)]
     return Results(
         when="now",

@@ -3,20 +3,19 @@
 import numpy as np
 import pytest
 
+from far_pose import FAR
 from naive import cable as naive
 from shellcut.cables.cohesive_law import CohesiveLaw, area_below
 from shellcut.cables.directional_cable import CableSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.state import BROKEN, JOINTED, STRAIGHT
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 LAW = CohesiveLaw()
 AREA = 0.03
 HERE = Pose.at_origin()
-POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 BLADE = straight_blade()  # edge x = y = 0, 3 > z > -3; blade at x < 0; plus is y > 0
 
 
@@ -111,11 +110,11 @@ def joint_potential(cables, state, k, x, joint):
 
 
 def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool():
-    cables, state = jointed_cables(POSE)
+    cables, state = jointed_cables(FAR)
     c = state.cable
     largest = c.opening_max[:3].copy()
-    joints = c.joint_body[:3] @ POSE[0].T + POSE[1]
-    forces, result = evaluate(cables, state, POSE)
+    joints = c.joint_body[:3] @ FAR[0].T + FAR[1]
+    forces, result = evaluate(cables, state, FAR)
     np.testing.assert_allclose(c.joint[:3], joints, atol=1e-14)
     for k in range(3):
         minus, plus = state.node.x[2 * k : 2 * k + 2]
@@ -129,8 +128,8 @@ def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool():
 
 
 def test_jointed_force_is_the_gradient_for_the_nodes_and_the_tool():
-    cables, state = jointed_cables(POSE)
-    forces, result = evaluate(cables, state, POSE)
+    cables, state = jointed_cables(FAR)
+    forces, result = evaluate(cables, state, FAR)
     c, x, delta = state.cable, state.node.x[:6].copy(), 1e-6
     assert (c.opening[:3] == c.opening_max[:3]).any()  # these are on the envelope
     on_tool = np.zeros(3)
@@ -198,7 +197,7 @@ def test_literal_mode_pulls_along_w_from_the_second_step():
     assert np.abs(result.couple).max() == 0.0
 
 
-@pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
+@pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
 def test_moments_sum_to_the_named_couple(pose):
     cables, state = jointed_cables(pose)
     x, c = state.node.x, state.cable
@@ -256,7 +255,7 @@ def test_short_branch_keeps_its_last_direction():
         ((-0.01, 0.2, 0), (-0.01, -0.2, 0), True),  # either way round
     ],
 )
-@pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
+@pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
 def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
     ends = [pose[0] @ p + pose[1] for p in (minus, plus)]
     state = state_with(ends, m=pose[0] @ [0.0, 1.0, 0.0])

@@ -71,7 +71,9 @@ def test_the_module_is_the_command():
 # --- run, resume, preview ------------------------------------------------------------------------
 
 SHORT = ["--set", "size=1", "--set", "membrane.length=6", "--set", "membrane.width=4"]
-SHORT += ["--set", "travel=1.5", "--set", "output.rows=40", "--frames", "4", "--no-pictures"]
+SHORT += ["--set", "travel=1.5", "--set", "output.rows=40", "--frames", "4"]
+WITH_PICTURES = [*SHORT, "--set", "output.snapshots=1"]
+SHORT += ["--no-pictures", "--set", "output.curves=false"]
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +203,7 @@ def test_a_folder_with_a_run_is_not_overwritten_silently(out, capsys):
 
 
 def test_overwrite_takes_what_a_run_wrote_and_nothing_else(tmp_path, capsys, monkeypatch):
-    first = [*SHORT[:-1], "--pvd", "--set", "name=former", "--set", "output.snapshots=1"]
+    first = [*WITH_PICTURES, "--pvd", "--set", "name=former"]
     assert main(["run", "guillotine", "-o", str(tmp_path), *first]) == 0
     written = {path.name for path in tmp_path.iterdir()}
     assert {

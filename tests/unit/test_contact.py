@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from far_pose import FAR
 from naive import cases
 from naive import contact as naive
 from shellcut.contact.penalty_contact import PenaltyContact
@@ -10,12 +11,10 @@ from shellcut.contact.settings import Contact, smoothed, smoothed_integral
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 HERE = Pose.at_origin()
-POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 BLADE = straight_blade()
 FILM = ShellMaterial.homogeneous(thickness=0.074)
 EDGE = 0.4  # length of a quad's edge [mm]
@@ -58,7 +57,7 @@ def points_in_and_around(tool, n, seed):
 
 RING = tooth_ring(n_teeth=2, n_arc=4, length=1.0, height=1.5)
 TOOLS = pytest.mark.parametrize("tool", [BLADE, RING], ids=["blade", "ring"])
-POSES = pytest.mark.parametrize("pose", [HERE, POSE], ids=["here", "far"])
+POSES = pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
 
 
 @POSES
@@ -377,13 +376,13 @@ def test_work_is_the_trapezoid_also_when_a_node_leaves():
 
 @TOOLS
 def test_forces_and_moments_on_tool_and_nodes_cancel(tool):
-    points = points_in_and_around(tool, 40, seed=5) @ POSE[0].T + POSE[1]
+    points = points_in_and_around(tool, 40, seed=5) @ FAR[0].T + FAR[1]
     state = nodes_at(points)
-    forces, result = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state, POSE)
+    forces, result = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state, FAR)
     assert result.n_inside > 10
     on_tool = result.wrench.sum(axis=0)
     moment = np.cross(state.node.x[: state.n_node], forces).sum(axis=0)
-    moment += on_tool[3:] + np.cross(POSE[1], on_tool[:3])
+    moment += on_tool[3:] + np.cross(FAR[1], on_tool[:3])
     scale = np.abs(forces).sum()
     # Round-off of sums over hundreds of nodes some 10 mm away.
     assert np.abs(forces.sum(axis=0) + on_tool[:3]).max() < 1e-14 * scale

@@ -1,5 +1,6 @@
 """Coordinates along, beside and behind a cutting edge."""
 
+import numba as nb
 import numpy as np
 import pytest
 
@@ -107,3 +108,5 @@ def test_no_tool_has_no_edges():
     edges = CuttingEdges.of(None)
     assert edges.segments.shape == (0, 4, 3)
     assert edges.body.shape == (0,)
+    # A film with cables and without a tool takes the kernels of one with a tool.
+    assert nb.typeof(edges) == nb.typeof(CuttingEdges.of(straight_blade()))

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 
 import meshio
+import numba as nb
 import numpy as np
 import pytest
 
@@ -11,6 +12,7 @@ import shellcut as sc
 from free_strip import NOTCH, cut_strip, slanted_strip
 from shellcut.frame import is_corner, sides_of
 from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
+from shellcut.mitc4.surface import Surface
 from shellcut.models.case import Case
 from shellcut.recording.crack_ends import CrackEnds
 from shellcut.recording.cut_front import CutFront
@@ -61,6 +63,11 @@ def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
     real = s.node.real[: s.n_node].copy()
     real[flank] = False
     np.testing.assert_array_equal(frame.points[: real.sum()], s.node.x[: s.n_node][real])
+
+
+def test_kernels_get_the_types_of_a_film_without_cuts(cut):
+    # Else some are compiled again at the first cut, seconds within a run.
+    assert nb.typeof(cut.shell._reference) == nb.typeof(Surface.of(cut.mesh))
 
 
 def test_outlines_meet_point_by_point(cut):
@@ -143,7 +150,9 @@ def folder(tmp_path_factory):
     """Folder of a whole run, and its simulation."""
     to = tmp_path_factory.mktemp("run")
     sim = cut_strip()
-    Case("strip", sim, 2.2e-4).run(to, n_snapshot=2, n_frame=4, pvd=True, progress=False)
+    Case("strip", sim, 2.2e-4).run(
+        to, n_snapshot=2, n_frame=4, curves=False, pvd=True, progress=False
+    )
     return to, sim
 
 

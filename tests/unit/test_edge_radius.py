@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from far_pose import FAR
 from gone_on import check_goes_on
 from naive import edge as naive
 from notched_strip import cutting
@@ -12,7 +13,6 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.state import JOINTED
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_edge import with_edge_radius
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -20,7 +20,6 @@ from shellcut.tool.tool import ToolError
 
 LAW = CohesiveLaw()
 AREA = 0.03
-FAR = Pose.of(*ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(4e-3))
 FRAME = (np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 1.0, 0]), np.array([-1.0, 0, 0]))
 
 

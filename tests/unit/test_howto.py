@@ -133,7 +133,7 @@ def test_read_results(tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
     monkeypatch.chdir(tmp_path)
     case = opening_test("quick", angle_deg=6.0, duration=4e-4)
-    case.run("out", n_row=50, n_frame=4, n_snapshot=0, progress=False)
+    case.run("out", n_row=50, n_frame=4, n_snapshot=0, curves=False, progress=False)
     names = {}
     (code,) = blocks("read-results.md", "python")
     exec(compile(code, "read-results.md", "exec"), names)
@@ -155,7 +155,7 @@ def test_pictures(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SHELLCUT_RENDERER", "matplotlib")  # PyVista has its own tests
     case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
-    case.run("out", n_row=50, n_frame=2, n_snapshot=0, progress=False)
+    case.run("out", n_row=50, n_frame=2, n_snapshot=0, curves=False, progress=False)
     Path("cap.csv").write_text("path [mm],force [N]\n0.0,0.0\n0.5,0.2\n1.0,0.3\n")
     (code,) = blocks("pictures.md", "python")
     exec(compile(code, "pictures.md", "exec"), {})

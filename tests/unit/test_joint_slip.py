@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
+from far_pose import FAR
 from gone_on import check_goes_on
 from naive import cable as naive
 from notched_strip import cutting
@@ -18,14 +19,13 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.recording.recorder import Recorder
 from shellcut.state import BROKEN, JOINTED
-from shellcut.tool.motion import ScrewMotion, StraightMotion
+from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
 AREA = 0.03
 FREE = CohesiveLaw(joint="free")
 BLADE = straight_blade(height=40.0)  # edge x = y = 0, blade at x < 0, plus is y > 0
-FAR = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 
 
 def slip(mu):

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
+from far_pose import FAR
 from naive import cases
 from shellcut.contact.missed_penetration import ToolWires, missed_penetration
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
-
-POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 
 
 def crossing_depth(a, b, triangle):
@@ -51,17 +49,17 @@ def test_depths_match_brute_force(tool):
     mesh = cases.warped(7, 5)
     centre = tool.vertices[tool.triangles[: tool.n_triangle // tool.n_body]].mean(axis=(0, 1))
     x = 0.5 * (mesh.nodes - mesh.nodes.mean(axis=0)) + centre + [0.013, 0.021, 0.007]
-    x = x @ POSE[0].T + POSE[1]
-    wanted = brute_force(x, mesh.quads, tool, POSE)
+    x = x @ FAR[0].T + FAR[1]
+    wanted = brute_force(x, mesh.quads, tool, FAR)
     noticed = np.zeros(mesh.n_node, np.bool_)
-    quads, depth = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, POSE)
+    quads, depth = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, FAR)
     assert quads.size > 2
     np.testing.assert_array_equal(quads, np.flatnonzero(wanted))
     np.testing.assert_allclose(depth, wanted[quads], atol=1e-12)
     noticed[mesh.quads[quads[0], 2]] = True
     left = quads[~noticed[mesh.quads[quads]].any(axis=1)]
     assert left.size < quads.size
-    others, _ = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, POSE)
+    others, _ = ToolWires(tool).crossed_quads(x, mesh.quads, noticed, FAR)
     np.testing.assert_array_equal(others, left)
 
 

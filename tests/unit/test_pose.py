@@ -2,28 +2,28 @@
 
 import numpy as np
 
+from far_pose import FAR
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose, to_body, to_space, turn, turn_back
 from shellcut.tool.table_motion import TableMotion
 
-POSE = ScrewMotion(300.0, pitch=7.0, axis=(1, 2, 3), axis_point=(0.3, -1, 0.2)).pose(0.004)
 P = (1.0, -2.0, 0.5)
 
 
 def test_body_and_space_are_inverse():
-    rotation, translation = POSE
-    space = to_space(P, POSE)
+    rotation, translation = FAR
+    space = to_space(P, FAR)
     np.testing.assert_allclose(space, rotation @ P + translation, atol=1e-14)
-    np.testing.assert_allclose(to_body(space, POSE), P, atol=1e-14)
-    np.testing.assert_allclose(turn(P, POSE), rotation @ P, atol=1e-15)
-    np.testing.assert_allclose(turn_back(turn(P, POSE), POSE), P, atol=1e-15)
+    np.testing.assert_allclose(to_body(space, FAR), P, atol=1e-14)
+    np.testing.assert_allclose(turn(P, FAR), rotation @ P, atol=1e-15)
+    np.testing.assert_allclose(turn_back(turn(P, FAR), FAR), P, atol=1e-15)
 
 
 def test_many_points_go_as_one_does():
     points = np.random.default_rng(1).normal(size=(5, 3))
-    space = POSE.to_space(points)
-    np.testing.assert_allclose(space, [to_space(tuple(p), POSE) for p in points], atol=1e-14)
-    np.testing.assert_allclose(POSE.to_body(space), points, atol=1e-14)
+    space = FAR.to_space(points)
+    np.testing.assert_allclose(space, [to_space(tuple(p), FAR) for p in points], atol=1e-14)
+    np.testing.assert_allclose(FAR.to_body(space), points, atol=1e-14)
     np.testing.assert_array_equal(Pose.at_origin().to_body(points), points)
 
 
@@ -43,6 +43,6 @@ def test_what_a_motion_of_ones_own_gives_is_laid_out_for_kernels():
 
 
 def test_a_copy_has_arrays_of_its_own():
-    copy = POSE.copied()
+    copy = FAR.copied()
     copy.translation[0] += 1.0
-    assert POSE.translation[0] != copy.translation[0]
+    assert FAR.translation[0] != copy.translation[0]

@@ -187,7 +187,9 @@ def turned(tmp_path_factory):
     motion = TableMotion(times, way, np.stack([0.0 * a, 0.0 * a, a], axis=1))
     folder = tmp_path_factory.mktemp("turned")
     sim = cutting(motion=motion)
-    Case("turned", sim, 8e-5).run(folder, n_row=400, n_frame=2, n_snapshot=0, progress=False)
+    Case("turned", sim, 8e-5).run(
+        folder, n_row=400, n_frame=2, n_snapshot=0, curves=False, progress=False
+    )
     return sim, read(folder)
 
 

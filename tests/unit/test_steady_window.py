@@ -143,7 +143,9 @@ def test_a_history_of_no_rows_has_none():
 def test_a_small_run_says_what_it_cut(tmp_path):
     """The front as the history has it, against the cables and the mesh at the end."""
     sim = cutting()
-    Case("cut", sim, 8e-5).run(tmp_path, n_row=200, n_frame=2, n_snapshot=0, progress=False)
+    Case("cut", sim, 8e-5).run(
+        tmp_path, n_row=200, n_frame=2, n_snapshot=0, curves=False, progress=False
+    )
     h = read(tmp_path).history
     cable, n = sim.state.cable, sim.state.n_cable
     met = cable.overshoot[:n] > 0.0

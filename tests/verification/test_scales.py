@@ -73,7 +73,7 @@ def curve(sim, f, until):
     return np.array(rows)
 
 
-def opening(f, until=0.9e-3):
+def opening(f, until=0.7e-3):
     """The opening test on the quick mesh at twice the speed, its tool made in the other units."""
     ring = tooth_ring(
         radius=9.4 * f.length,
@@ -92,7 +92,7 @@ def opening(f, until=0.9e-3):
     return curve(case.simulation, f, until)
 
 
-def guillotine(f, until=1.1e-3):
+def guillotine(f, until=0.9e-3):
     """A strip that a straight blade cuts along its middle."""
     strip = rectangle(8.0 * f.length, 4.8 * f.length, size=0.8 * f.length)
     within = (1.6 + 1e-9) * f.length

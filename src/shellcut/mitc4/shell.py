@@ -293,7 +293,9 @@ class MITC4Shell:
         self.mass = np.concatenate([self.mass, self.mass[copies]])
         self.area = np.concatenate([self.area, self.area[copies]])
         nodes, directors, quads = self._reference
-        self._reference = Surface(nodes, directors, np.concatenate([quads, quads[copies]]))
+        quads = np.concatenate([quads, quads[copies]])
+        quads.flags.writeable = False  # as the mesh's: no kernel is compiled for another type
+        self._reference = Surface(nodes, directors, quads)
         self.frequencies.reference = self._reference
         if self._centre_stress is not None:
             self._centre_stress.reference = self._reference

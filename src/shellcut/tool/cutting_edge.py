@@ -73,7 +73,10 @@ class CuttingEdges(NamedTuple):
         """Collect the segments of a tool; without a tool there are none."""
         solid = ClosestTriangleGrid.of(tool).arrays
         if tool is None:
-            return cls(np.zeros((0, 4, 3)), np.zeros(0, np.int64), solid, 0.0)
+            # Read-only, as those of a tool: for another type the cables' kernel is compiled again.
+            none = np.zeros(0, np.int64)
+            none.flags.writeable = False
+            return cls(np.zeros((0, 4, 3)), none, solid, 0.0)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
         rows = [start, end - start, tool.edge_normal, tool.edge_back]
         return cls(np.stack(rows, axis=1), tool.edge_body, solid, tool.edge_radius)
