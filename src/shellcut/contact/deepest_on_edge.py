@@ -54,6 +54,17 @@ class Deepest(NamedTuple):
     on_a: Vec3
     """Slope of g with a, minus its sign: the force on a is k f(g) times this."""
     on_b: Vec3
+    out: Vec3
+    """Way out there, in the body frame; a unit vector, shorter where the slope jumps."""
+    more: float
+    """Part of the force there that does not come from the ends: k f(g) times this is what the edge
+    adds to the pressures of all."""
+
+
+@inline
+def pressing_nowhere(s: float) -> Deepest:
+    """Return that of an edge that is nowhere deeper than its chord."""
+    return Deepest(0.0, s, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 
 
 @inline
@@ -93,7 +104,7 @@ def deepest_on(
     """
     tables = borrowed(tables)
     length = norm(u)
-    none = Deepest(0.0, at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    none = pressing_nowhere(at)
     here = place_at(add_scaled(a, at, u), side, tables)
     if not here.inside:
         return none
@@ -145,6 +156,7 @@ def deepest_on(
     if g <= 0.0 or not best.inside:
         return none
     on_a, on_b = (1.0 - s, s)
-    of_a = combine(on_a, out, -on_a if end_a.inside else 0.0, end_a.out)
-    of_b = combine(on_b, out, -on_b if end_b.inside else 0.0, end_b.out)
-    return Deepest(g, s, of_a, of_b)
+    from_a, from_b = on_a if end_a.inside else 0.0, on_b if end_b.inside else 0.0
+    of_a = combine(on_a, out, -from_a, end_a.out)
+    of_b = combine(on_b, out, -from_b, end_b.out)
+    return Deepest(g, s, of_a, of_b, out, norm(out) - from_a - from_b)

@@ -26,6 +26,8 @@ blade goes through the film there: it does not press. If g grows by more than tw
 tool have moved (a split makes new edges), that part is an offset, which does not press and goes as
 they part.
 
+*Splits.* An edge whose end has split goes on as the edge of the twin: what is kept of it stays.
+
 *Stiffness.* k is ``STIFFNESS`` of a node's. A force on the ends goes with (1 - s)|n - n_a| and s|n
 - n_b|, whose squares are no more than that of the difference between the normals of the tool's two
 faces, 2 where they turn by 90 deg: so many k are counted at both.
@@ -33,7 +35,7 @@ faces, 2 where they turn by 90 deg: so many k are counted at both.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,13 +43,13 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
-from shellcut.state import State
+from shellcut.state import KnownTopology, SplitRecord, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 
 from .contact_tables import ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
-from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTables, ToolEdges
 from .film_edges import open_edges
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
@@ -80,6 +82,7 @@ class EdgeContact:
         self._around = ConvexNeighbours.of(tool)
         self._outline = FilmOutline(part_of)
         self._of_contact: ContactTables | None = None
+        self._known = KnownTopology()
         self._pose: Pose | None = None
         self._soon = _SOON * contact.near.half_margin
         self._walked, self._looked_at = 0.0, 0.0
@@ -88,7 +91,10 @@ class EdgeContact:
         self._hold = Holder()
         self.tables: EdgeTables | None = None
         """For kernels, good until the list is made anew."""
-        self._held: Any = None
+        self.kept: Ints = np.zeros(0, np.int64)
+        """Row that each edge of the list had in the one before, -1 for none."""
+        self.held: Any = None
+        """These, laid out."""
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
         self._springs = BoundOnce(edge_springs)
         self._none = np.zeros((tool.n_body, 6))
@@ -102,7 +108,7 @@ class EdgeContact:
         if self._of_contact is not self._contact.tables:
             work, lost = self._renew(state, pose)
         wrench = self._none.copy()
-        found = self._call.code(pose, before, state.dt, self._walked, self._held, wrench)
+        found = self._call.code(pose, before, state.dt, self._walked, self.held, wrench)
         self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
         self._walked = found[5]
         if self._walked > self._looked_at + self._soon:
@@ -115,7 +121,7 @@ class EdgeContact:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 2 * len(self.tables.pairs.node)
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._springs(self._pose, self._soon, self._held, node, stiffness)
+        count = self._springs(self._pose, self._soon, self.held, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -166,9 +172,12 @@ class EdgeContact:
             edge=edge[:count].copy(),
             moving=np.unique(ends[near]),
         )
-        memory, gone = EdgeMemory.blank(len(near)), (0.0, 0.0)
-        if self.tables is not None:
-            gone = _take_over(self.tables, pairs, memory, state)
+        memory, old = EdgeMemory.blank(len(near)), self.tables
+        self.kept = np.full(len(near), -1)
+        gone = (0.0, 0.0)
+        if old is not None:
+            self.kept = _same_edges(old.pairs.node, pairs.node, self._known.new_splits(state))
+            gone = _take_over(old, memory, self.kept, state)
         self._walked = self._looked_at = 0.0
         self._lay_out(state, pairs, memory)
         return gone
@@ -193,21 +202,47 @@ class EdgeContact:
             law=contact.law,
             pairs=pairs,
             memory=memory,
+            presses=EdgePresses.none(len(pairs.node)),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
         )
-        self._held = self._hold(self.tables)
+        self.held = self._hold(self.tables)
         self._of_contact = contact.tables
+        self._known.take(state)
+
+
+def _same_edges(was: Ints, now: Ints, splits: Sequence[SplitRecord]) -> Ints:
+    """Return of each edge in ``now`` its row in ``was``, -1 if it was none, (n,).
+
+    was, now : nodes at the ends, (n, 2).  splits : those in between; an edge of a twin that was
+    none before goes on for that of the node it comes from, if that is none any more.
+    """
+    kept = np.full(len(now), -1)
+    count = 1 + max(was.max(initial=0), now.max(initial=0))
+    keys, wanted = was[:, 0] * count + was[:, 1], now[:, 0] * count + now[:, 1]
+    _, at, to = np.intersect1d(keys, wanted, return_indices=True)
+    kept[to] = at
+    from_node: dict[int, int] = {}
+    for s in splits:
+        if s.twin >= 0:
+            from_node[s.twin] = from_node.get(s.node, s.node)
+    new = np.flatnonzero((kept < 0) & np.isin(now, list(from_node)).any(axis=1))
+    taken = set(at.tolist())
+    for i in new.tolist():
+        a, b = (from_node.get(n, n) for n in now[i].tolist())
+        for row in np.flatnonzero(keys == a * count + b).tolist():
+            if row not in taken:
+                kept[i] = row
+                taken.add(row)
+    return kept
 
 
 def _take_over(
-    old: EdgeTables, pairs: EdgePairs, memory: EdgeMemory, state: State
+    old: EdgeTables, memory: EdgeMemory, kept: Ints, state: State
 ) -> tuple[float, float]:
     """Give edges what was kept of them; return half the last work, and energy, of those gone."""
-    was, count = old.pairs.node, state.node.count
-    keys, wanted = was[:, 0] * count + was[:, 1], pairs.node[:, 0] * count + pairs.node[:, 1]
-    _, at, to = np.intersect1d(keys, wanted, return_indices=True)
+    was, to = old.pairs.node, np.flatnonzero(kept >= 0)
     for name in ("depth", "offset", "stored", "force"):
-        getattr(memory, name)[to] = getattr(old.memory, name)[at]
-    gone = np.setdiff1d(np.arange(len(was)), at)
+        getattr(memory, name)[to] = getattr(old.memory, name)[kept[to]]
+    gone = np.setdiff1d(np.arange(len(was)), kept)
     power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()
     return 0.5 * state.dt * float(power), float(old.memory.stored[gone].sum())

@@ -7,11 +7,18 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import cross, dot, load, norm, scale, sub
+from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at
+from .deepest_on_edge import (
+    Deepest,
+    Place,
+    closest_along,
+    deepest_on,
+    place_at,
+    pressing_nowhere,
+)
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness, smoothed, smoothed_integral
@@ -54,7 +61,7 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[Deepest, int, float]:
     u = sub(b, a)
     size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
     one_side, side = _side_of(i, pairs, nodes)
-    best = Deepest(0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    best = pressing_nowhere(0.0)
     end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
     body, free, known = 0, np.inf, False
     for j in range(pairs.first[i], pairs.first[i + 1]):
@@ -83,11 +90,12 @@ def add_edge_forces(
     """Add the forces of the listed edges to those of their ends and to wrench : (n_body, 6).
 
     walked : way that film and tool may have come nearer since the list was made [mm].  Writes the
-    memory.  Returns the work on the nodes over the last step, the stored energy, that of springs
-    that have let go, the number of edges that press, the largest depth and the way walked.
+    memory, and what friction needs.  Returns the work on the nodes over the last step, the stored
+    energy, that of springs that have let go, the number of edges that press, the largest depth and the way walked.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
+    presses = tables.presses
     of_tool = tool_way(pose, before, tables.radius)
     way = of_tool + dt * largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
     walked += way
@@ -112,6 +120,7 @@ def add_edge_forces(
             absorbed += held - energy
         memory.depth[i], memory.stored[i] = g, energy
         memory.force[i] = 0.0
+        presses.pressure[i] = 0.0
         if loaded <= 0.0:
             continue
         n_touching += 1
@@ -121,6 +130,9 @@ def add_edge_forces(
         _put_on(i, 0, scale(magnitude, turn(found.on_a, pose)), body, pose, tables, wrench)
         _put_on(i, 1, scale(magnitude, turn(found.on_b, pose)), body, pose, tables, wrench)
         work += _half_work(i, dt, tables)
+        presses.body[i], presses.place[i] = body, found.s
+        presses.pressure[i] = max(magnitude * found.more, 0.0)
+        store(presses.out, i, found.out)
     return work, stored, absorbed, n_touching, deepest, walked
 
 

@@ -98,6 +98,24 @@ class EdgeMemory(NamedTuple):
         return cls(until, depth, offset, stored, np.zeros((n, 2, 3)))
 
 
+class EdgePresses(NamedTuple):
+    """What friction needs of each edge of the film at the last evaluation; not kept."""
+
+    body: Annotated[Ints, "(n_film,)"]
+    """Tooth on which it presses."""
+    place: Annotated[Floats, "(n_film,)"]
+    """Where it presses, from 0 at one end to 1 at the other."""
+    out: Annotated[Floats, "(n_film, 3)"]
+    """Way out of the tool there, in the body frame, a unit vector at most."""
+    pressure: Annotated[Floats, "(n_film,)"]
+    """What the edge adds to the pressures of all, 0 if it does not press [N]."""
+
+    @classmethod
+    def none(cls, n: int) -> EdgePresses:
+        """Return that of n edges that do not press."""
+        return cls(np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
+
+
 class EdgeNodes(NamedTuple):
     """Fields of the nodes that the kernels need, as in :class:`shellcut.state.NodeTable`."""
 
@@ -121,4 +139,5 @@ class EdgeTables(NamedTuple):
     law: PenaltyLaw
     pairs: EdgePairs
     memory: EdgeMemory
+    presses: EdgePresses
     nodes: EdgeNodes
