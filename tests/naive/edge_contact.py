@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from naive.contact import rounded_depth
+from naive.contact import rounded_depth, smoothed
 
 
 def depth_at(p, tool, radius):
@@ -26,3 +26,37 @@ def deepest_on_edge(a, b, tool, radius, n=41):
         best = max(best, (found[k], tried[k]))
         low, high = max(tried[k] - (high - low) / n, 0.0), min(tried[k] + (high - low) / n, 1.0)
     return max(best[0], 0.0), best[1]
+
+
+def press_of_edge(a, b, tool, radius, g_m, n=41):
+    """Energy over k where it is most above that of the ends, the place s, and the energy's slopes.
+
+    The slopes f(D) at s, at a and at b, the latter two with the shares that they are taken with.
+    """
+    deep_a, deep_b = (max(depth_at(p, tool, radius)[0], 0.0) for p in (a, b))
+    of_a, of_b = smoothed_integral(deep_a, g_m), smoothed_integral(deep_b, g_m)
+
+    def more(s):
+        depth = max(depth_at((1.0 - s) * a + s * b, tool, radius)[0], 0.0)
+        return smoothed_integral(depth, g_m) - (1.0 - s) * of_a - s * of_b
+
+    low, high, best = 0.0, 1.0, (0.0, 0.0)
+    for _ in range(7):
+        tried = np.linspace(low, high, 4 * n if high - low == 1.0 else n)
+        found = [more(s) for s in tried]
+        k = int(np.argmax(found))
+        best = max(best, (found[k], tried[k]))
+        step = tried[1] - tried[0]
+        low, high = max(tried[k] - step, 0.0), min(tried[k] + step, 1.0)
+    s = best[1]
+    deep = max(depth_at((1.0 - s) * a + s * b, tool, radius)[0], 0.0)
+    slopes = smoothed(deep, g_m), (1.0 - s) * smoothed(deep_a, g_m), s * smoothed(deep_b, g_m)
+    return *best, slopes
+
+
+def smoothed_integral(g, g_m):
+    """The integral of f from 0, by Gauss points: a polynomial of third degree."""
+    if g > g_m:
+        return smoothed_integral(g_m, g_m) + 0.5 * (g * g - g_m * g_m)
+    x, w = np.polynomial.legendre.leggauss(4)
+    return 0.5 * g * sum(w * [smoothed(0.5 * g * (1.0 + v), g_m) for v in x])

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from naive.contact import smoothed
-from naive.edge_contact import deepest_on_edge, depth_at
+from naive.edge_contact import depth_at, press_of_edge
 
 
 def pressed(a, b, tool, radius, k, g_m):
@@ -11,14 +10,11 @@ def pressed(a, b, tool, radius, k, g_m):
 
     The last is what it brings in beside what it takes from ends in the tool.
     """
-    g, s = deepest_on_edge(a, b, tool, radius)
-    if g <= 0.0:
+    stored, s, (there, from_a, from_b) = press_of_edge(a, b, tool, radius, g_m)
+    if stored <= 0.0:
         return s, np.zeros(3), 0.0
-    taken = (1.0 - s) * (depth_at(a, tool, radius)[0] > 0.0) + s * (
-        depth_at(b, tool, radius)[0] > 0.0
-    )
     _, out = depth_at((1.0 - s) * a + s * b, tool, radius)
-    return s, out, k * smoothed(g, g_m) * (1.0 - taken)
+    return s, out, k * max(there - from_a - from_b, 0.0)
 
 
 def returned(u, d, out, pressure, mu, k_t):

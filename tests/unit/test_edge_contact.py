@@ -6,7 +6,7 @@ import pytest
 from film_and_bar import ON, bar, pushed
 from free_strip import cut_strip
 from naive.contact import smoothed
-from naive.edge_contact import deepest_on_edge
+from naive.edge_contact import deepest_on_edge, press_of_edge
 from notched_strip import cutting
 from shellcut.contact.film_edges import open_edges
 from shellcut.contact.film_outline import FilmOutline
@@ -104,14 +104,10 @@ def test_depth_and_place_are_those_of_a_search():
         # The search ends at 1e-6 of the edge, so at 1e-9 of the depth, which is flat there.
         np.testing.assert_allclose(found.deepest, max(deepest), atol=1e-7)
         pressed += max(deepest) > 0.0
-        wanted = sum(_stored(g, g_m) for g in deepest) * stiffness(sim, area)
-        np.testing.assert_allclose(found.stored, wanted, atol=1e-7 * stiffness(sim, area) * 0.1)
+        each = [press_of_edge(corners[i], corners[(i + 1) % 4], tool, r, g_m) for i in range(4)]
+        wanted = sum(energy for energy, *_ in each) * stiffness(sim, area)
+        np.testing.assert_allclose(found.stored, wanted, atol=1e-9 * stiffness(sim, area))
     assert pressed > 25
-
-
-def _stored(g, g_m):
-    s = np.linspace(0.0, g, 2001)
-    return np.trapezoid([smoothed(v, g_m) for v in s], s) if g > 0.0 else 0.0
 
 
 def test_forces_are_minus_the_gradient_on_film_and_tool():

@@ -9,9 +9,16 @@ feel their own depth. What they do not feel is
 nothing on a flat face, however deep; all of D where only the middle is in the tool. Around a convex
 edge of the tool D is concave along p (it is r minus the distance from a convex set), so the largest
 value is where the slope -n · (b - a), n being the way out, equals D_b - D_a. It is found from a
-place in the tool near that edge by bisection and secants. Deeper than r the slope may jump there;
-then n is the mean of the ways out on both sides whose slope is right: the gradient of g in either
-case, with s held.
+place in the tool near that edge by bisection and secants.
+
+What the edge presses with follows in the same way from the energy Phi = ∫f of a place over that of
+its ends,
+
+    max over s of  Phi(D(p(s))) - (1 - s) Phi(D_a) - s Phi(D_b),
+
+whose slope along s is - f(D) n · (b - a) - (Phi(D_b) - Phi(D_a)). It is found uphill from the
+deepest place. Deeper than r the slope may jump there; then n is the mean of the ways out on both
+sides whose slope is right: the gradient in either case, with s held.
 """
 
 from __future__ import annotations
@@ -26,11 +33,15 @@ from shellcut.tool.rounded_depth import rounded_depth
 from shellcut.tool.signed_distance import signed_distance
 
 from .edge_tables import EdgeTables
+from .settings import smoothed, smoothed_integral
 
 _MOST_STEPS = 60
 
 # Of the edge's length: slopes below it, and brackets shorter than it, are the end of the search.
 _FLAT, _CLOSE = 1e-10, 1e-9
+
+# Of the rounding radius: the first step uphill; the next are twice as long each.
+_FIRST_STEP = 0.1
 
 
 class Place(NamedTuple):
@@ -51,20 +62,25 @@ class Deepest(NamedTuple):
     """g [mm], 0 if it is no deeper anywhere."""
     s: float
     """Where, from 0 at a to 1 at b."""
-    on_a: Vec3
-    """Slope of g with a, minus its sign: the force on a is k f(g) times this."""
-    on_b: Vec3
+    here: Place
+    """Of that place."""
+
+
+class Press(NamedTuple):
+    """What an edge of the film presses with, over its stiffness k."""
+
+    stored: float
+    """Energy [mm²], 0 if it does not press."""
+    s: float
+    """Where, from 0 at a to 1 at b."""
     out: Vec3
     """Way out there, in the body frame; a unit vector, shorter where the slope jumps."""
-    more: float
-    """Part of the force there that does not come from the ends: k f(g) times this is what the edge
-    adds to the pressures of all."""
-
-
-@inline
-def pressing_nowhere(s: float) -> Deepest:
-    """Return that of an edge that is nowhere deeper than its chord."""
-    return Deepest(0.0, s, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
+    pressure: float
+    """f(D) there [mm]."""
+    from_a: float
+    """What it takes from the pressure of a, (1 - s) f(D_a) [mm]."""
+    from_b: float
+    """What it takes from that of b, s f(D_b) [mm]."""
 
 
 @inline
@@ -103,17 +119,15 @@ def deepest_on(
     at : that place, between 0 and 1.  end_a, end_b : the ends.
     """
     tables = borrowed(tables)
-    length = norm(u)
-    none = pressing_nowhere(at)
     here = place_at(add_scaled(a, at, u), side, tables)
+    none = Deepest(0.0, at, Place(False, 0.0, a))
     if not here.inside:
         return none
-    deep_a, deep_b = end_a.depth, end_b.depth
-    rise = deep_b - deep_a
-    slope = -dot(here.out, u) - rise
+    length, rise = norm(u), end_b.depth - end_a.depth
     # The largest value lies between lo and hi; what is known of both of them: depth, slope, way.
     lo, hi, s = 0.0, 1.0, at
     at_lo, at_hi = end_a, end_b
+    slope = -dot(here.out, u) - rise
     slope_lo = -dot(end_a.out, u) - rise if end_a.inside else 0.0
     slope_hi = -dot(end_b.out, u) - rise if end_b.inside else 0.0
     kept = 0
@@ -143,20 +157,97 @@ def deepest_on(
             s = lo + (hi - lo) * slope_lo / (slope_lo - slope_hi)
         here = place_at(add_scaled(a, s, u), side, tables)
         slope = -dot(here.out, u) - rise
-    best, other = at_lo, at_hi
-    s = lo
+    best, other, s = at_lo, at_hi, lo
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
-        best, other, s = at_hi, at_lo, hi
-    out = best.out
-    if other.inside and hi > lo:
-        one, two = -dot(best.out, u) - rise, -dot(other.out, u) - rise
-        if one * two < 0.0:
-            out = combine(two / (two - one), best.out, -one / (two - one), other.out)
-    g = best.depth - (1.0 - s) * deep_a - s * deep_b
+        best, s = at_hi, hi
+    g = best.depth - (1.0 - s) * end_a.depth - s * end_b.depth
     if g <= 0.0 or not best.inside:
         return none
-    on_a, on_b = (1.0 - s, s)
-    from_a, from_b = on_a if end_a.inside else 0.0, on_b if end_b.inside else 0.0
-    of_a = combine(on_a, out, -from_a, end_a.out)
-    of_b = combine(on_b, out, -from_b, end_b.out)
-    return Deepest(g, s, of_a, of_b, out, norm(out) - from_a - from_b)
+    return Deepest(g, s, best)
+
+
+@inline
+def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tuple[bool, float]:
+    """Return whether a place presses, and the slope of its energy over the ends' [mm²]."""
+    loaded = here.depth - offset
+    if not here.inside or loaded <= 0.0:
+        return False, 0.0
+    return True, -smoothed(loaded, g_m) * dot(here.out, u) - rise
+
+
+@inline
+def press_on(
+    a: Vec3,
+    u: Vec3,
+    found: Deepest,
+    offset: float,
+    end_a: Place,
+    end_b: Place,
+    side: int,
+    tables: EdgeTables,
+) -> Press:
+    """Return what an edge a + s u presses with where its energy over that of its ends is largest.
+
+    found : its deepest place, where the search begins.  offset : what does not press there [mm].
+    """
+    tables = borrowed(tables)
+    g_m = tables.law.smoothing_depth
+    of_a = smoothed_integral(end_a.depth, g_m)
+    of_b = smoothed_integral(end_b.depth, g_m)
+    rise, flat = of_b - of_a, _FLAT * norm(u) * g_m
+    s = s_up = found.s
+    here = up = found.here
+    presses, slope = _slope(here, u, offset, rise, g_m)
+    slope_up = slope
+    none = Press(0.0, s, here.out, 0.0, 0.0, 0.0)
+    if not presses:
+        return none
+    # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
+    step = _FIRST_STEP * tables.law.rounding / norm(u)
+    step = step if slope > 0.0 else -step
+    while presses and slope * step > 0.0 and abs(slope) > flat:
+        s_up, up, slope_up = s, here, slope
+        s += step
+        step *= 2.0
+        if s <= 0.0 or s >= 1.0:
+            return none
+        here = place_at(add_scaled(a, s, u), side, tables)
+        presses, slope = _slope(here, u, offset, rise, g_m)
+    s_down, down, slope_down = s, here, slope
+    beyond = not presses
+    if presses and abs(slope) <= flat:
+        s_up, up, slope_up = s, here, slope
+    kept = 0
+    for _ in range(_MOST_STEPS):
+        if abs(s_up - s_down) <= _CLOSE:
+            break
+        s = 0.5 * (s_up + s_down)
+        if not beyond:
+            s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
+        here = place_at(add_scaled(a, s, u), side, tables)
+        presses, slope = _slope(here, u, offset, rise, g_m)
+        if presses and abs(slope) <= flat:
+            s_up = s_down = s
+            up = down = here
+            break
+        if presses and slope * step > 0.0:
+            s_up, up, slope_up = s, here, slope
+            if kept > 0:
+                slope_down *= 0.5  # Illinois: an end that stays counts half
+            kept = 1
+        else:
+            s_down, down, slope_down, beyond = s, here, slope, not presses
+            if kept < 0:
+                slope_up *= 0.5
+            kept = -1
+    out, loaded = up.out, up.depth - offset
+    _, one = _slope(up, u, offset, rise, g_m)
+    presses, two = _slope(down, u, offset, rise, g_m)
+    if presses and one * two < 0.0:  # deeper than r the way out may jump
+        out = combine(two / (two - one), up.out, -one / (two - one), down.out)
+    stored = smoothed_integral(loaded, g_m) - of_a - s_up * rise
+    if stored <= 0.0:
+        return none
+    from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
+    from_b = s_up * smoothed(end_b.depth, g_m)
+    return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)

@@ -7,21 +7,14 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import (
-    Deepest,
-    Place,
-    closest_along,
-    deepest_on,
-    place_at,
-    pressing_nowhere,
-)
+from .deepest_on_edge import Place, Press, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
-from .settings import STEEPEST, PenaltyLaw, node_stiffness, smoothed, smoothed_integral
+from .settings import STEEPEST, PenaltyLaw, node_stiffness
 
 STIFFNESS = 0.25
 """Stiffness of an edge of the film over the mean of the nodes at its ends."""
@@ -50,20 +43,37 @@ def _side_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> tuple[bool, int]:
 
 
 @inline
-def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[Deepest, int, float]:
-    """Return where the i-th edge of the film is deepest, the tooth, and how far it may go [mm].
+def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
+    """Return the local edge length of the film at an edge of it [mm]."""
+    area = nodes.contact_area
+    return local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))
 
-    Until it has gone so far together with the tool it touches no edge of that.
+
+@inline
+def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
+    """Return both ends of the i-th edge of the film in the body frame."""
+    node, x = tables.pairs.node, tables.nodes.x
+    return to_body(load(x, node[i, 0]), pose), to_body(load(x, node[i, 1]), pose)
+
+
+@inline
+def _may_touch(e: int, one_side: bool, side: int, edges: ToolEdges) -> bool:
+    """Return whether film of a side may touch an edge of the tool."""
+    return one_side and min(side * edges.flank[e, 0], side * edges.flank[e, 1]) >= 0
+
+
+@inline
+def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[float, float]:
+    """Return how much deeper than its chord the i-th edge of the film is, and how far it may go.
+
+    Until it has gone so far together with the tool it touches no edge of that, both [mm].
     """
-    pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
-    ia, ib = pairs.node[i, 0], pairs.node[i, 1]
-    a, b = to_body(load(nodes.x, ia), pose), to_body(load(nodes.x, ib), pose)
-    u = sub(b, a)
-    size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
-    one_side, side = _side_of(i, pairs, nodes)
-    best = pressing_nowhere(0.0)
+    pairs, edges = tables.pairs, tables.edges
+    a, b = _ends(i, pose, tables)
+    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
+    one_side, side = _side_of(i, pairs, tables.nodes)
     end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
-    body, free, known = 0, np.inf, False
+    g, free, known = 0.0, np.inf, False
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
         s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
@@ -71,16 +81,40 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[Deepest, int, float]:
         if off >= CAPTURE * size:
             free = min(free, off - CAPTURE * size)
             continue
-        if not one_side or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
+        if not _may_touch(e, one_side, side, edges):
             free = 0.0
             continue
         if not known:
             end_a, end_b, known = place_at(a, side, tables), place_at(b, side, tables), True
+        deeper = deepest_on(a, u, s, end_a, end_b, side, tables).depth
+        g = max(g, deeper)
+        free = min(free, max(off, 0.0) if deeper == 0.0 else 0.0)
+    return g, free
+
+
+@inline
+def _press(
+    i: int, offset: float, pose: Pose, tables: EdgeTables
+) -> tuple[Press, Place, Place, int]:
+    """Return what the i-th edge of the film presses with, its ends, and the tooth."""
+    pairs, edges = tables.pairs, tables.edges
+    a, b = _ends(i, pose, tables)
+    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
+    one_side, side = _side_of(i, pairs, tables.nodes)
+    end_a, end_b = place_at(a, side, tables), place_at(b, side, tables)
+    best, body = Press(0.0, 0.0, a, 0.0, 0.0, 0.0), 0
+    for j in range(pairs.first[i], pairs.first[i + 1]):
+        e = pairs.edge[j]
+        s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
+        near = away - edges.reach[e] < CAPTURE * size
+        if not (near and _may_touch(e, one_side, side, edges)):
+            continue
         found = deepest_on(a, u, s, end_a, end_b, side, tables)
-        if found.depth > best.depth:
-            best, body = found, edges.body[e]
-        free = min(free, max(off, 0.0) if found.depth == 0.0 else 0.0)
-    return best, body, free
+        if found.depth > 0.0:
+            press = press_on(a, u, found, offset, end_a, end_b, side, tables)
+            if press.stored > best.stored:
+                best, body = press, edges.body[e]
+    return best, end_a, end_b, body
 
 
 @kernel
@@ -95,45 +129,56 @@ def add_edge_forces(
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
-    presses = tables.presses
+    presses, deepest = tables.presses, 0.0
     of_tool = tool_way(pose, before, tables.radius)
     way = of_tool + dt * largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
     walked += way
-    work = stored = absorbed = deepest = 0.0
+    work = stored = absorbed = 0.0
     n_touching = 0
     for i in range(pairs.node.shape[0]):
         if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, tables)
-        found, body, free = _look(i, pose, tables)
+        g, free = _look(i, pose, tables)
         memory.until[i] = walked + free
-        g, k = found.depth, edge_stiffness(i, pairs, nodes, law)
-        change = g - memory.depth[i]
+        change, held = g - memory.depth[i], memory.stored[i]
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
-        held = memory.stored[i]
         memory.offset[i] = min(memory.offset[i], g)
-        loaded = g - memory.offset[i]
-        energy = k * smoothed_integral(loaded, law.smoothing_depth)
-        if -change > law.noticed + 2.0 * way:  # its side is another one now
-            absorbed += held - energy
-        memory.depth[i], memory.stored[i] = g, energy
+        memory.depth[i], memory.stored[i] = g, 0.0
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
-        if loaded <= 0.0:
-            continue
-        n_touching += 1
-        deepest = max(deepest, loaded)
-        stored += energy
-        magnitude = k * smoothed(loaded, law.smoothing_depth)
-        _put_on(i, 0, scale(magnitude, turn(found.on_a, pose)), body, pose, tables, wrench)
-        _put_on(i, 1, scale(magnitude, turn(found.on_b, pose)), body, pose, tables, wrench)
-        work += _half_work(i, dt, tables)
-        presses.body[i], presses.place[i] = body, found.s
-        presses.pressure[i] = max(magnitude * found.more, 0.0)
-        store(presses.out, i, found.out)
+        if g > memory.offset[i]:
+            _put_on_ends(i, pose, tables, wrench)
+        if memory.stored[i] > 0.0:
+            n_touching += 1
+            deepest = max(deepest, g - memory.offset[i])
+            stored += memory.stored[i]
+            work += _half_work(i, dt, tables)
+        if -change > law.noticed + 2.0 * way:  # its side is another one now
+            absorbed += held - memory.stored[i]
     return work, stored, absorbed, n_touching, deepest, walked
+
+
+@inline
+def _put_on_ends(i: int, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
+    """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
+    memory, presses = tables.memory, tables.presses
+    found, end_a, end_b, body = _press(i, memory.offset[i], pose, tables)
+    if found.stored == 0.0:
+        return
+    k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
+    memory.stored[i] = k * found.stored
+    s, by = found.s, found.pressure
+    on_a = combine((1.0 - s) * by, found.out, -found.from_a, end_a.out)
+    on_b = combine(s * by, found.out, -found.from_b, end_b.out)
+    _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, tables, wrench)
+    _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, tables, wrench)
+    presses.body[i], presses.place[i] = body, s
+    more = by * norm(found.out) - found.from_a - found.from_b
+    presses.pressure[i] = k * max(more, 0.0)
+    store(presses.out, i, found.out)
 
 
 @inline
@@ -173,10 +218,8 @@ def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Fl
     pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
     count = 0
     for i in range(pairs.node.shape[0]):
-        a = to_body(load(nodes.x, pairs.node[i, 0]), pose)
-        u = sub(to_body(load(nodes.x, pairs.node[i, 1]), pose), a)
-        ia, ib = pairs.node[i, 0], pairs.node[i, 1]
-        size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
+        a, b = _ends(i, pose, tables)
+        u, size = sub(b, a), _size_of(i, pairs, nodes)
         turn_squared = 0.0
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
