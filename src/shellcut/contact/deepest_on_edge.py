@@ -43,6 +43,9 @@ _FLAT, _CLOSE = 1e-10, 1e-9
 # Of the rounding radius: the first step uphill; the next are twice as long each.
 _FIRST_STEP = 0.1
 
+# Of the edge's length: closer to an end the end feels it all.
+_AT_END = 1e-6
+
 
 class Place(NamedTuple):
     """A place in the tool."""
@@ -92,7 +95,7 @@ def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
         return Place(False, 0.0, p)
     radius = tables.law.rounding
     depth, out = rounded_depth(p, q, triangle, side, radius, tables.grid, tables.around)
-    return Place(depth > 0.0, depth, out)
+    return Place(depth > 0.0, max(depth, 0.0), out)
 
 
 @always_inline
@@ -207,10 +210,11 @@ def press_on(
     step = step if slope > 0.0 else -step
     while presses and slope * step > 0.0 and abs(slope) > flat:
         s_up, up, slope_up = s, here, slope
-        s += step
-        step *= 2.0
-        if s <= 0.0 or s >= 1.0:
+        left = 1.0 - s if step > 0.0 else s
+        if left <= _AT_END:
             return none
+        s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
+        step *= 2.0
         here = place_at(add_scaled(a, s, u), side, tables)
         presses, slope = _slope(here, u, offset, rise, g_m)
     s_down, down, slope_down = s, here, slope

@@ -17,7 +17,7 @@ from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
 
 STIFFNESS = 0.25
-"""Stiffness of an edge of the film over the mean of the nodes at its ends."""
+"""Stiffness of an edge of the film over that of the softer node at its ends."""
 
 CAPTURE = 0.3
 """Distance from the round of the tool's edge beyond which the film does not touch it, over the
@@ -27,11 +27,10 @@ local edge length."""
 @inline
 def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) -> float:
     """Return k of an edge of the film [N/mm]."""
-    k = 0.0
-    for c in range(2):
-        n = pairs.node[i, c]
-        k += nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
-    return 0.5 * STIFFNESS * k
+    a, b = pairs.node[i, 0], pairs.node[i, 1]
+    of_a = nodes.contact_share[a] * node_stiffness(nodes.contact_area[a], law)
+    of_b = nodes.contact_share[b] * node_stiffness(nodes.contact_area[b], law)
+    return STIFFNESS * min(of_a, of_b)
 
 
 @inline
@@ -220,17 +219,15 @@ def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Fl
     for i in range(pairs.node.shape[0]):
         a, b = _ends(i, pose, tables)
         u, size = sub(b, a), _size_of(i, pairs, nodes)
-        turn_squared = 0.0
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
             _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
             if away - edges.reach[e] < max(reach, CAPTURE * size):
-                turn_squared = max(turn_squared, edges.turn_squared[e])
-        if turn_squared > 0.0:
-            stiffness = turn_squared * STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
-            for c in range(2):
-                node[count], k[count] = pairs.node[i, c], stiffness
-                count += 1
+                stiffness = STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
+                for c in range(2):
+                    node[count], k[count] = pairs.node[i, c], stiffness
+                    count += 1
+                break
     return count
 
 

@@ -33,9 +33,6 @@ class ToolEdges(NamedTuple):
     """The tool's flank labels on both sides."""
     body: Annotated[Ints, "(n_edge,)"]
     """Tooth."""
-    turn_squared: Annotated[Floats, "(n_edge,)"]
-    """|n - n_a|² at most, between the normals on the edge and at an end: of those of its two faces,
-    and 2 at least, as corners have further faces."""
 
     @classmethod
     def of(cls, tool: Tool, rounding: float) -> ToolEdges:
@@ -44,7 +41,6 @@ class ToolEdges(NamedTuple):
         rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
         one, two = surface.forward[rows], surface.backward[rows]
         start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
-        turn = surface.normals[one] - surface.normals[two]
         middle = surface.normals[one] + surface.normals[two]
         # |n_1 + n_2|² = 2 (1 + n_1 n_2): the line that is r deep under both faces.
         middle /= np.maximum(0.5 * (middle**2).sum(axis=1, keepdims=True), 1e-12)
@@ -60,7 +56,6 @@ class ToolEdges(NamedTuple):
             reach=rounding * (1.0 + deep - taken),
             flank=np.ascontiguousarray(np.column_stack([tool.flank[one], tool.flank[two]])),
             body=tool.triangle_body[one],
-            turn_squared=np.maximum(2.0, (turn**2).sum(axis=1)),
         )
 
 
