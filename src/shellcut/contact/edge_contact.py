@@ -2,19 +2,25 @@
 
 A rim, a notch or a flank that crosses an edge of the tool between its nodes is felt neither at a
 node nor by a point of the tool, which is beside the film there. So each edge of the film at which
-it ends (:mod:`.film_edges`) presses with
+it ends (:mod:`.film_edges`) has the potential
 
-    k f(g),    g = max over s of  D(p(s)) - (1 - s) D_a - s D_b,
+    k max over s of  Phi(D(p(s))) - (1 - s) Phi(D_a) - s Phi(D_b),      Phi = ∫f,
 
-the most that it is deeper in the tool than its ends are felt to be (:mod:`.deepest_on_edge`), with
-f of the nodes' contact. On the ends act k f(g) (1 - s)(n - n_a) and k f(g) s (n - n_b), n being the
-way out at the deepest place and n_a, n_b those at ends that are in the tool, 0 for others: minus
-the gradient of the potential k ∫f, as s is where g is largest. On the tool act minus both, at the
-ends: D depends on where the film is relative to it, so the moments are those of the gradient, too.
+the most energy that it has over what its ends are felt to have (:mod:`.deepest_on_edge`), with f of
+the nodes' contact. As s is where that is largest, the forces are, with the ways out n at s and n_a,
+n_b at ends that are in the tool,
 
-*Nothing jumps.* D is continuous around convex edges and corners of the tool, so g is. It goes to
-zero as the tool's edge slides along the film's to one of its ends, where the node takes over, and
-as the film's edge turns until it lies on a face.
+    on a:  k (1 - s) (f(D) n - f(D_a) n_a),      on b:  k s (f(D) n - f(D_b) n_b),
+
+and minus both on the tool, at the ends: D depends on where the film is relative to it, so the
+moments are those of the gradient, too. It presses at s, and takes a part of what presses at the
+ends; as k is ``STIFFNESS`` of the softer one's, this is less than what does press there, and no end
+is pulled into the tool.
+
+*Nothing jumps.* D is continuous around convex edges and corners of the tool, and Phi begins with
+slope zero. The potential goes to zero as the tool's edge slides along the film's to one of its
+ends, where the node takes over, and as the film's edge turns until it lies on a face, on which D is
+linear and Phi convex.
 
 *Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that turn
 by more than 10 deg and do not cut; both are listed whenever the contact of the nodes lists those
@@ -22,15 +28,14 @@ near. A pair is looked at again when film and tool may have come so near that th
 step when they have walked a quarter of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
-blade goes through the film there: it does not press. If g grows by more than twice what film and
-tool have moved (a split makes new edges), that part is an offset, which does not press and goes as
-they part.
+blade goes through the film there: it does not press. If it gets deeper than its chord by more than
+twice what film and tool have moved (a split makes new edges), that part is an offset of D, which
+does not press and goes as they part.
 
 *Splits.* An edge whose end has split goes on as the edge of the twin: what is kept of it stays.
 
-*Stiffness.* k is ``STIFFNESS`` of a node's. A force on the ends goes with (1 - s)|n - n_a| and s|n
-- n_b|, whose squares are no more than that of the difference between the normals of the tool's two
-faces, 2 where they turn by 90 deg: so many k are counted at both.
+*Stiffness.* (1 - s)² + s² <= 1, and what the ends lose makes them softer: k times the steepest
+slope of f is counted at both.
 """
 
 from __future__ import annotations
