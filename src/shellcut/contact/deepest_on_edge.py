@@ -9,7 +9,7 @@ feel their own depth. What they do not feel is
 nothing on a flat face, however deep; all of D where only the middle is in the tool. Around a convex
 edge of the tool D is concave along p (it is r minus the distance from a convex set), so the largest
 value is where the slope -n · (b - a), n being the way out, equals D_b - D_a. It is found from a
-place in the tool near that edge by bisection and secants.
+place in the tool near that edge by tangents and secants.
 
 What the edge presses with follows in the same way from the energy Phi = ∫f of a place over that of
 its ends,
@@ -37,8 +37,13 @@ from .settings import smoothed, smoothed_integral
 
 _MOST_STEPS = 60
 
-# Of the edge's length: slopes below it, and brackets shorter than it, are the end of the search.
-_FLAT, _CLOSE = 1e-10, 1e-9
+# Of the edge's length, and for a slope of the depth at which the force has set in: slopes below it,
+# and brackets shorter than it, are the end of the search.
+_FLAT, _CLOSE = 1e-8, 1e-9
+
+# Likewise, where only the depth and a place to begin are wanted: an error of 1e-3 in the slope is
+# one of 1e-6 in the depth over the radius of the round.
+_LEVEL, _NEAR = 1e-3, 1e-5
 
 # Of the rounding radius: the first step uphill; the next are twice as long each.
 _FIRST_STEP = 0.1
@@ -115,57 +120,67 @@ def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
 
 @inline
 def deepest_on(
-    a: Vec3, u: Vec3, at: float, end_a: Place, end_b: Place, side: int, tables: EdgeTables
+    a: Vec3,
+    u: Vec3,
+    at: float,
+    so_far: Deepest,
+    end_a: Place,
+    end_b: Place,
+    side: int,
+    tables: EdgeTables,
 ) -> Deepest:
     """Return the deepest place of an edge a + s u around one of its places in the tool.
 
-    at : that place, between 0 and 1.  end_a, end_b : the ends.
+    at : that place, between 0 and 1.  so_far : the deepest of another search, which is returned if
+    it is deeper.  end_a, end_b : the ends.
     """
     tables = borrowed(tables)
     here = place_at(add_scaled(a, at, u), side, tables)
-    none = Deepest(0.0, at, Place(False, 0.0, a))
     if not here.inside:
-        return none
-    length, rise = norm(u), end_b.depth - end_a.depth
+        return so_far
+    rise = end_b.depth - end_a.depth
+    flat = _LEVEL * norm(u)
     # The largest value lies between lo and hi; what is known of both of them: depth, slope, way.
     lo, hi, s = 0.0, 1.0, at
     at_lo, at_hi = end_a, end_b
     slope = -dot(here.out, u) - rise
+    # Around one convex edge the depth is concave: from here it rises to the place that is known.
+    lower = here.depth - end_a.depth - at * rise <= so_far.depth
+    if so_far.depth > 0.0 and lower and slope * (so_far.s - at) >= 0.0:
+        return so_far
     slope_lo = -dot(end_a.out, u) - rise if end_a.inside else 0.0
     slope_hi = -dot(end_b.out, u) - rise if end_b.inside else 0.0
-    kept = 0
-    for _ in range(_MOST_STEPS):
-        if here.inside and abs(slope) <= _FLAT * length:
+    for turn in range(_MOST_STEPS):
+        if here.inside and abs(slope) <= flat:
             lo = hi = s
             at_lo = at_hi = here
             break
         if here.inside and slope > 0.0:
             lo, at_lo, slope_lo = s, here, slope
-            if kept > 0:
-                slope_hi *= 0.5  # Illinois: an end that stays counts half
-            kept = 1
         elif here.inside:
             hi, at_hi, slope_hi = s, here, slope
-            if kept < 0:
-                slope_lo *= 0.5
-            kept = -1
         elif s > at:
             hi, at_hi = s, here
         else:
             lo, at_lo = s, here
-        if hi - lo <= _CLOSE:
+        if hi - lo <= _NEAR:
             break
         s = 0.5 * (lo + hi)
         if at_lo.inside and at_hi.inside and slope_lo > 0.0 > slope_hi:
+            # Where both tangents meet, the place of a kink; and by turns where the slope is zero.
             s = lo + (hi - lo) * slope_lo / (slope_lo - slope_hi)
+            if turn % 2 == 0:
+                over = at_hi.depth - at_lo.depth - rise * (hi - lo) - slope_hi * (hi - lo)
+                s = lo + over / (slope_lo - slope_hi)
+            s = min(max(s, lo + 0.5 * _NEAR), hi - 0.5 * _NEAR)
         here = place_at(add_scaled(a, s, u), side, tables)
         slope = -dot(here.out, u) - rise
     best, other, s = at_lo, at_hi, lo
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
         best, s = at_hi, hi
     g = best.depth - (1.0 - s) * end_a.depth - s * end_b.depth
-    if g <= 0.0 or not best.inside:
-        return none
+    if g <= so_far.depth or not best.inside:
+        return so_far
     return Deepest(g, s, best)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
@@ -11,7 +13,7 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import Place, Press, closest_along, deepest_on, place_at, press_on
+from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
@@ -22,6 +24,25 @@ STIFFNESS = 0.25
 CAPTURE = 0.3
 """Distance from the round of the tool's edge beyond which the film does not touch it, over the
 local edge length."""
+
+
+class Look(NamedTuple):
+    """Where an edge of the film is beside the tool, in the body frame."""
+
+    a: Vec3
+    """One end [mm]."""
+    u: Vec3
+    """Way to the other [mm]."""
+    side: int
+    """Of the blade."""
+    end_a: Place
+    end_b: Place
+    deepest: Deepest
+    """Beside its chord."""
+    body: int
+    """Tooth there."""
+    free: float
+    """Until it has gone so far together with the tool it touches no edge of that [mm]."""
 
 
 @inline
@@ -56,23 +77,14 @@ def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
 
 
 @inline
-def _may_touch(e: int, one_side: bool, side: int, edges: ToolEdges) -> bool:
-    """Return whether film of a side may touch an edge of the tool."""
-    return one_side and min(side * edges.flank[e, 0], side * edges.flank[e, 1]) >= 0
-
-
-@inline
-def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[float, float]:
-    """Return how much deeper than its chord the i-th edge of the film is, and how far it may go.
-
-    Until it has gone so far together with the tool it touches no edge of that, both [mm].
-    """
+def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
+    """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
     pairs, edges = tables.pairs, tables.edges
     a, b = _ends(i, pose, tables)
     u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
     one_side, side = _side_of(i, pairs, tables.nodes)
     end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
-    g, free, known = 0.0, np.inf, False
+    best, body, free, known = Deepest(0.0, 0.0, end_a), 0, np.inf, False
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
         s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
@@ -80,40 +92,18 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[float, float]:
         if off >= CAPTURE * size:
             free = min(free, off - CAPTURE * size)
             continue
-        if not _may_touch(e, one_side, side, edges):
+        if not one_side or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
             free = 0.0
             continue
         if not known:
             end_a, end_b, known = place_at(a, side, tables), place_at(b, side, tables), True
-        deeper = deepest_on(a, u, s, end_a, end_b, side, tables).depth
-        g = max(g, deeper)
-        free = min(free, max(off, 0.0) if deeper == 0.0 else 0.0)
-    return g, free
-
-
-@inline
-def _press(
-    i: int, offset: float, pose: Pose, tables: EdgeTables
-) -> tuple[Press, Place, Place, int]:
-    """Return what the i-th edge of the film presses with, its ends, and the tooth."""
-    pairs, edges = tables.pairs, tables.edges
-    a, b = _ends(i, pose, tables)
-    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
-    one_side, side = _side_of(i, pairs, tables.nodes)
-    end_a, end_b = place_at(a, side, tables), place_at(b, side, tables)
-    best, body = Press(0.0, 0.0, a, 0.0, 0.0, 0.0), 0
-    for j in range(pairs.first[i], pairs.first[i + 1]):
-        e = pairs.edge[j]
-        s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
-        near = away - edges.reach[e] < CAPTURE * size
-        if not (near and _may_touch(e, one_side, side, edges)):
-            continue
-        found = deepest_on(a, u, s, end_a, end_b, side, tables)
-        if found.depth > 0.0:
-            press = press_on(a, u, found, offset, end_a, end_b, side, tables)
-            if press.stored > best.stored:
-                best, body = press, edges.body[e]
-    return best, end_a, end_b, body
+        found = deepest_on(a, u, s, best, end_a, end_b, side, tables)
+        if found.depth > best.depth:
+            best, body = found, edges.body[e]
+        free = min(free, max(off, 0.0))
+    if best.depth > 0.0:
+        free = 0.0
+    return Look(a, u, side, end_a, end_b, best, body, free)
 
 
 @kernel
@@ -138,8 +128,9 @@ def add_edge_forces(
         if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, tables)
-        g, free = _look(i, pose, tables)
-        memory.until[i] = walked + free
+        look = _look(i, pose, tables)
+        g = look.deepest.depth
+        memory.until[i] = walked + look.free
         change, held = g - memory.depth[i], memory.stored[i]
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
@@ -149,7 +140,7 @@ def add_edge_forces(
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
         if g > memory.offset[i]:
-            _put_on_ends(i, pose, tables, wrench)
+            _put_on_ends(i, look, pose, tables, wrench)
         if memory.stored[i] > 0.0:
             n_touching += 1
             deepest = max(deepest, g - memory.offset[i])
@@ -161,10 +152,11 @@ def add_edge_forces(
 
 
 @inline
-def _put_on_ends(i: int, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
+def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
-    memory, presses = tables.memory, tables.presses
-    found, end_a, end_b, body = _press(i, memory.offset[i], pose, tables)
+    memory, presses, end_a, end_b = tables.memory, tables.presses, look.end_a, look.end_b
+    offset, body = memory.offset[i], look.body
+    found = press_on(look.a, look.u, look.deepest, offset, end_a, end_b, look.side, tables)
     if found.stored == 0.0:
         return
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
