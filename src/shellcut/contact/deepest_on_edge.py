@@ -45,6 +45,9 @@ _FLAT, _CLOSE = 1e-8, 1e-9
 # one of 1e-6 in the depth over the radius of the round.
 _LEVEL, _NEAR = 1e-3, 1e-5
 
+# Of the rounding radius: the first step uphill; the next are twice as long each.
+_FIRST_STEP = 0.1
+
 # Of the edge's length: closer to an end the end feels it all.
 _AT_END = 1e-6
 
@@ -86,12 +89,6 @@ class Press(NamedTuple):
     """What it takes from the pressure of a, (1 - s) f(D_a) [mm]."""
     from_b: float
     """What it takes from that of b, s f(D_b) [mm]."""
-    over_chord: float
-    """How much deeper than its chord it is there [mm]."""
-
-
-NOTHING = Press(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0)
-"""What an edge presses with that touches nothing."""
 
 
 @inline
@@ -202,7 +199,6 @@ def press_on(
     u: Vec3,
     found: Deepest,
     offset: float,
-    step: float,
     end_a: Place,
     end_b: Place,
     side: int,
@@ -211,7 +207,6 @@ def press_on(
     """Return what an edge a + s u presses with where its energy over that of its ends is largest.
 
     found : its deepest place, where the search begins.  offset : what does not press there [mm].
-    step : the first one of the search, over the length; the next are twice as long each.
     """
     tables = borrowed(tables)
     g_m = tables.law.smoothing_depth
@@ -222,15 +217,17 @@ def press_on(
     here = up = found.here
     presses, slope = _slope(here, u, offset, rise, g_m)
     slope_up = slope
+    none = Press(0.0, s, here.out, 0.0, 0.0, 0.0)
     if not presses:
-        return NOTHING
+        return none
     # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
+    step = _FIRST_STEP * tables.law.rounding / norm(u)
     step = step if slope > 0.0 else -step
     while presses and slope * step > 0.0 and abs(slope) > flat:
         s_up, up, slope_up = s, here, slope
         left = 1.0 - s if step > 0.0 else s
         if left <= _AT_END:
-            return NOTHING
+            return none
         s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
         step *= 2.0
         here = place_at(add_scaled(a, s, u), side, tables)
@@ -269,9 +266,7 @@ def press_on(
         out = combine(two / (two - one), up.out, -one / (two - one), down.out)
     stored = smoothed_integral(loaded, g_m) - of_a - s_up * rise
     if stored <= 0.0:
-        return NOTHING
+        return none
     from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
     from_b = s_up * smoothed(end_b.depth, g_m)
-    chord = (1.0 - s_up) * end_a.depth + s_up * end_b.depth
-    over_chord = up.depth - chord
-    return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b, over_chord)
+    return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)

@@ -213,7 +213,7 @@ def _add_edge_friction(
         springs.stored[i] = 0.0
         new, pull, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if pressure > 0.0:
-            s = springs.place[i] = tables.memory.place[i]
+            s = springs.place[i] = presses.place[i]
             x, moves, d = _way_of_place(i, springs, nodes, dt, pose, before)
             stiffness = TANGENTIAL * edge_stiffness(i, tables.pairs, nodes, tables.law)
             pulled, out = add(load(springs.spring, i), d), load(presses.out, i)
@@ -229,7 +229,7 @@ def _add_edge_friction(
             stored += springs.stored[i]
             work += 0.5 * dt * dot(f, moves)
             dissipated -= 0.5 * dot(pull, d) + springs.stored[i]
-            a, b, body = springs.node[i, 0], springs.node[i, 1], tables.memory.body[i]
+            a, b, body = springs.node[i, 0], springs.node[i, 1], presses.body[i]
             moment = cross((x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]), f)
             for c in range(3):
                 nodes.force[a, c] += (1.0 - s) * f[c]

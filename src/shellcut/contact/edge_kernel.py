@@ -9,20 +9,11 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import (
-    NOTHING,
-    Deepest,
-    Place,
-    Press,
-    closest_along,
-    deepest_on,
-    place_at,
-    press_on,
-)
+from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
@@ -35,14 +26,6 @@ CAPTURE = 0.3
 local edge length."""
 
 
-# Way over the edge length after which an edge that presses is searched whole again: till then its
-# place is followed from step to step.
-_AGAIN = 0.02
-
-# First step of the search uphill, over the edge's length: from a place of the step before, or anew.
-_WARM, _COLD = 1e-3, 1e-2
-
-
 class Look(NamedTuple):
     """Where an edge of the film is beside the tool, in the body frame."""
 
@@ -50,10 +33,8 @@ class Look(NamedTuple):
     """One end [mm]."""
     u: Vec3
     """Way to the other [mm]."""
-    one_side: bool
-    """Whether both may lie on one side of the blade."""
     side: int
-    """That side."""
+    """Of the blade."""
     end_a: Place
     end_b: Place
     deepest: Deepest
@@ -74,11 +55,20 @@ def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) 
 
 
 @inline
-def _side_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> tuple[bool, int]:
-    """Return whether both ends may lie on one side of the blade, and which."""
+def _side_of(i: int, tables: EdgeTables) -> tuple[bool, int]:
+    """Return whether both ends may lie on one side of the blade, and which; write that down.
+
+    While it is deeper than its chord an edge keeps its side, as a node in the tool does, unless an
+    end has got the other one.
+    """
+    pairs, nodes, memory = tables.pairs, tables.nodes, tables.memory
     a = int(nodes.contact_side[pairs.node[i, 0]])
     b = int(nodes.contact_side[pairs.node[i, 1]])
-    return a * b >= 0, a if a != 0 else b
+    side = a if a != 0 else b
+    if memory.depth[i] > 0.0 and memory.side[i] * side >= 0:
+        side = int(memory.side[i])
+    memory.side[i] = side
+    return a * b >= 0, side
 
 
 @inline
@@ -89,29 +79,21 @@ def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
 
 
 @inline
-def _look_again(i: int, pose: Pose, tables: EdgeTables) -> Look:
-    """Return the ends of the i-th edge of the film, and where it pressed last as its deepest."""
-    node, x, memory = tables.pairs.node, tables.nodes.x, tables.memory
-    a = to_body(load(x, node[i, 0]), pose)
-    b = to_body(load(x, node[i, 1]), pose)
-    u = sub(b, a)
-    one_side, side = _side_of(i, tables.pairs, tables.nodes)
-    end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
-    deepest, s = Deepest(0.0, 0.0, end_a), memory.place[i]
-    if one_side:
-        end_a, end_b = place_at(a, side, tables), place_at(b, side, tables)
-        if memory.stored[i] > 0.0:
-            deepest = Deepest(np.inf, s, place_at(add_scaled(a, s, u), side, tables))
-    return Look(a, u, one_side, side, end_a, end_b, deepest, int(memory.body[i]), 0.0)
+def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
+    """Return both ends of the i-th edge of the film in the body frame."""
+    node, x = tables.pairs.node, tables.nodes.x
+    return to_body(load(x, node[i, 0]), pose), to_body(load(x, node[i, 1]), pose)
 
 
 @inline
-def _look(i: int, ends: Look, tables: EdgeTables) -> Look:
+def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
     """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
     pairs, edges = tables.pairs, tables.edges
-    a, u, side = ends.a, ends.u, ends.side
-    size = _size_of(i, pairs, tables.nodes)
-    best, body, free = Deepest(0.0, 0.0, ends.end_a), 0, np.inf
+    a, b = _ends(i, pose, tables)
+    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
+    one_side, side = _side_of(i, tables)
+    end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
+    best, body, free, known = Deepest(0.0, 0.0, end_a), 0, np.inf, False
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
         s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
@@ -119,25 +101,18 @@ def _look(i: int, ends: Look, tables: EdgeTables) -> Look:
         if off >= CAPTURE * size:
             free = min(free, off - CAPTURE * size)
             continue
-        if not ends.one_side or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
+        if not one_side or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
             free = 0.0
             continue
-        found = deepest_on(a, u, s, best, ends.end_a, ends.end_b, side, tables)
+        if not known:
+            end_a, end_b, known = place_at(a, side, tables), place_at(b, side, tables), True
+        found = deepest_on(a, u, s, best, end_a, end_b, side, tables)
         if found.depth > best.depth:
             best, body = found, edges.body[e]
         free = min(free, max(off, 0.0))
     if best.depth > 0.0:
         free = 0.0
-    return Look(a, u, ends.one_side, side, ends.end_a, ends.end_b, best, body, free)
-
-
-@inline
-def _press(look: Look, offset: float, step: float, tables: EdgeTables) -> Press:
-    """Return what an edge presses with."""
-    if look.deepest.depth <= offset:
-        return NOTHING
-    ends = look.end_a, look.end_b
-    return press_on(look.a, look.u, look.deepest, offset, step, *ends, look.side, tables)
+    return Look(a, u, side, end_a, end_b, best, body, free)
 
 
 @kernel
@@ -155,36 +130,29 @@ def add_edge_forces(
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
     presses, deepest = tables.presses, 0.0
     of_tool = tool_way(pose, before, tables.radius)
-    way = of_tool + dt * largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
-    walked += way
+    speed = largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
+    walked += of_tool + dt * speed
     work = stored = absorbed = 0.0
     n_touching = 0
     for i in range(pairs.node.shape[0]):
-        pressed, held = memory.stored[i] > 0.0, memory.stored[i]
-        if walked < memory.until[i] and not pressed:
+        if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, tables)
-        look, found = _look_again(i, pose, tables), NOTHING
-        if pressed and walked < memory.until[i] and memory.offset[i] == 0.0:
-            found = _press(look, 0.0, _WARM, tables)
-        if found.stored == 0.0:
-            look = _look(i, look, tables)
-            found = _press(look, memory.offset[i], _COLD, tables)
-            again = _AGAIN * _size_of(i, pairs, nodes) if found.stored > 0.0 else 0.0
-            memory.until[i] = walked + max(look.free, again)
-        g = found.over_chord if found.stored > 0.0 else look.deepest.depth
-        change = g - memory.depth[i]
-        memory.depth[i] = g
+        look = _look(i, pose, tables)
+        g = look.deepest.depth
+        memory.until[i] = walked + look.free
+        change, held = g - memory.depth[i], memory.stored[i]
+        way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
-            found = _press(look, memory.offset[i], _COLD, tables)
         memory.offset[i] = min(memory.offset[i], g)
-        memory.stored[i] = found.stored * edge_stiffness(i, pairs, nodes, law)
+        memory.depth[i], memory.stored[i] = g, 0.0
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
-        if found.stored > 0.0:
-            _put_on_ends(i, look, found, pose, tables, wrench)
+        if g > memory.offset[i]:
+            _put_on_ends(i, look, pose, tables, wrench)
+        if memory.stored[i] > 0.0:
             n_touching += 1
             deepest = max(deepest, g - memory.offset[i])
             stored += memory.stored[i]
@@ -195,18 +163,21 @@ def add_edge_forces(
 
 
 @inline
-def _put_on_ends(
-    i: int, look: Look, found: Press, pose: Pose, tables: EdgeTables, wrench: Floats
-) -> None:
+def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
-    memory, presses, body = tables.memory, tables.presses, look.body
+    memory, presses, end_a, end_b = tables.memory, tables.presses, look.end_a, look.end_b
+    offset, body = memory.offset[i], look.body
+    found = press_on(look.a, look.u, look.deepest, offset, end_a, end_b, look.side, tables)
+    if found.stored == 0.0:
+        return
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
+    memory.stored[i] = k * found.stored
     s, by = found.s, found.pressure
-    on_a = combine((1.0 - s) * by, found.out, -found.from_a, look.end_a.out)
-    on_b = combine(s * by, found.out, -found.from_b, look.end_b.out)
+    on_a = combine((1.0 - s) * by, found.out, -found.from_a, end_a.out)
+    on_b = combine(s * by, found.out, -found.from_b, end_b.out)
     _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, tables, wrench)
     _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, tables, wrench)
-    memory.body[i], memory.place[i] = body, s
+    presses.body[i], presses.place[i] = body, s
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
     store(presses.out, i, found.out)
@@ -249,9 +220,8 @@ def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Fl
     pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
     count = 0
     for i in range(pairs.node.shape[0]):
-        a = to_body(load(nodes.x, pairs.node[i, 0]), pose)
-        u = sub(to_body(load(nodes.x, pairs.node[i, 1]), pose), a)
-        size = _size_of(i, pairs, nodes)
+        a, b = _ends(i, pose, tables)
+        u, size = sub(b, a), _size_of(i, pairs, nodes)
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
             _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))

@@ -76,12 +76,9 @@ class EdgeMemory(NamedTuple):
     """What is kept of each edge of the film."""
 
     until: Annotated[Floats, "(n_film,)"]
-    """Way walked from which on it may touch, and is looked at again; if it presses, from which on
-    all of it is searched again [mm]."""
-    place: Annotated[Floats, "(n_film,)"]
-    """Where it pressed last, from 0 at one end to 1 at the other."""
-    body: Annotated[Ints, "(n_film,)"]
-    """Tooth on which it did."""
+    """Way walked from which on it may touch, and is looked at again [mm]."""
+    side: Annotated[Ints, "(n_film,)"]
+    """Side of the blade that it keeps while it is deeper than its chord."""
     depth: Annotated[Floats, "(n_film,)"]
     """How much deeper than its chord it goes into the tool [mm]."""
     offset: Annotated[Floats, "(n_film,)"]
@@ -94,14 +91,17 @@ class EdgeMemory(NamedTuple):
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
-        until, place, depth, offset, stored = np.zeros((5, n))
-        body = np.zeros(n, np.int64)
-        return cls(until, place, body, depth, offset, stored, np.zeros((n, 2, 3)))
+        until, depth, offset, stored = np.zeros((4, n))
+        return cls(until, np.zeros(n, np.int64), depth, offset, stored, np.zeros((n, 2, 3)))
 
 
 class EdgePresses(NamedTuple):
     """What friction needs of each edge of the film at the last evaluation; not kept."""
 
+    body: Annotated[Ints, "(n_film,)"]
+    """Tooth on which it presses."""
+    place: Annotated[Floats, "(n_film,)"]
+    """Where it presses, from 0 at one end to 1 at the other."""
     out: Annotated[Floats, "(n_film, 3)"]
     """Way out of the tool there, in the body frame, a unit vector at most."""
     pressure: Annotated[Floats, "(n_film,)"]
@@ -110,7 +110,7 @@ class EdgePresses(NamedTuple):
     @classmethod
     def none(cls, n: int) -> EdgePresses:
         """Return that of n edges that do not press."""
-        return cls(np.zeros((n, 3)), np.zeros(n))
+        return cls(np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
 
 
 class EdgeNodes(NamedTuple):
