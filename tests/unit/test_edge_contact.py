@@ -227,7 +227,7 @@ def test_no_end_in_the_tool_is_pulled_in():
         own = both[0] - force[0]
         # What edges take of its pressure is a part of it: two edges, a quarter each.
         for i, s in ((0, 1.0), (3, 0.0)):
-            _, at, (there, *taken) = press_of_edge(
+            _, _, (_, *taken) = press_of_edge(
                 corners[i], corners[(i + 1) % 4], tool, r, sim.contact.law.smoothing_depth
             )
             part = taken[0] if s else taken[1]

@@ -27,10 +27,10 @@ by more than 10 deg and do not cut; both are listed whenever the contact of the 
 near. A pair is looked at again when film and tool may have come so near that they touch, and the
 step when they have walked a quarter of an edge.
 
-*Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
-blade goes through the film there: it does not press. If it gets deeper than its chord by more than
-twice what film and tool have moved (a split makes new edges), that part is an offset of D, which
-does not press and goes as they part.
+*Sides.* An edge takes the side of the blade that its ends have, and keeps it while it is deeper
+than its chord. Where they have different ones the blade goes through the film there: it does not
+press. If it gets deeper than its chord by more than twice what its ends and the tool have moved (a
+split makes new edges), that part is an offset of D, which does not press and goes as they part.
 
 *Splits.* An edge whose end has split goes on as the edge of the twin: what is kept of it stays.
 

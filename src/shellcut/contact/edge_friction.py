@@ -100,7 +100,8 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
         self.name = "edge_friction"
         self._edges = edges
         self._of: EdgeTables | None = None
-        self._springs, self._held = _Springs.at_rest(np.zeros((0, 2), np.int64)), None
+        self._springs = _Springs.at_rest(np.zeros((0, 2), np.int64))
+        self._held: Any = None
         self._pose: Pose | None = None
         self._hold = Holder()
         self._call, self._let_go = BoundOnce(_add_edge_friction), BoundOnce(_let_go)

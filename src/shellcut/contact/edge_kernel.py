@@ -51,7 +51,8 @@ def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) 
     a, b = pairs.node[i, 0], pairs.node[i, 1]
     of_a = nodes.contact_share[a] * node_stiffness(nodes.contact_area[a], law)
     of_b = nodes.contact_share[b] * node_stiffness(nodes.contact_area[b], law)
-    return STIFFNESS * min(of_a, of_b)
+    k: float = STIFFNESS * min(of_a, of_b)
+    return k
 
 
 @inline
@@ -75,7 +76,8 @@ def _side_of(i: int, tables: EdgeTables) -> tuple[bool, int]:
 def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
     """Return the local edge length of the film at an edge of it [mm]."""
     area = nodes.contact_area
-    return local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))
+    size: float = local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))
+    return size
 
 
 @inline
