@@ -40,14 +40,16 @@ def press_of_edge(a, b, tool, radius, g_m, n=41):
         depth = max(depth_at((1.0 - s) * a + s * b, tool, radius)[0], 0.0)
         return smoothed_integral(depth, g_m) - (1.0 - s) * of_a - s * of_b
 
-    low, high, best = 0.0, 1.0, (0.0, 0.0)
+    # The hill may be narrow, but the place that is deepest beside the chord lies on it.
+    near = deepest_on_edge(a, b, tool, radius)[1]
+    around = np.geomspace(1e-6, 1.0, n)
+    tried = np.concatenate([np.linspace(0.0, 1.0, n), near + around, near - around, [near]])
+    tried, best = np.unique(np.clip(tried, 0.0, 1.0)), (0.0, 0.0)
     for _ in range(7):
-        tried = np.linspace(low, high, 4 * n if high - low == 1.0 else n)
         found = [more(s) for s in tried]
         k = int(np.argmax(found))
         best = max(best, (found[k], tried[k]))
-        step = tried[1] - tried[0]
-        low, high = max(tried[k] - step, 0.0), min(tried[k] + step, 1.0)
+        tried = np.linspace(tried[max(k - 1, 0)], tried[min(k + 1, len(tried) - 1)], n)
     s = best[1]
     deep = max(depth_at((1.0 - s) * a + s * b, tool, radius)[0], 0.0)
     slopes = smoothed(deep, g_m), (1.0 - s) * smoothed(deep_a, g_m), s * smoothed(deep_b, g_m)

@@ -106,7 +106,7 @@ def test_a_bar_dragged_along_a_rim_takes_the_closed_form(direction):
 
 
 def test_force_and_works_are_those_of_a_plain_twin():
-    """The film's edges move at random over a bar that turns."""
+    """The film's edges move at random over a bar that turns; ends in the tool now and then."""
     rng, sim = np.random.default_rng(7), pushed(RUBS)
     mesh, law = sim.mesh, sim.contact.law
     rim = np.flatnonzero(np.isclose(mesh.nodes[:, 0], mesh.nodes[:, 0].min()))
@@ -118,12 +118,14 @@ def test_force_and_works_are_those_of_a_plain_twin():
     for to in towards(0.02):
         evaluated(sim, Pose(np.eye(3), to))
     x, pose = sim.state.node.x[: mesh.n_node].copy(), Pose(np.eye(3), towards(0.02)[-1])
-    slipped = rubbed = 0
+    slipped = rubbed = shared = 0
     for _ in range(60):
         a, b, c = rng.normal(size=3) * 2e-3
         turn = np.linalg.qr([[1.0, -c, b], [c, 1.0, -a], [-b, a, 1.0]])[0]
         turn = turn * np.sign(np.diag(turn))
         moved = x + rng.uniform(-1.0, 1.0, x.shape) * [4e-3, 1e-2, 1e-2]
+        if rng.random() < 0.4:  # a node in the bar, beside its edge
+            moved[rim[2], :2] = left, 0.3 - rng.uniform(0.005, 0.02)
         after = Pose.of(turn, [GAP + rng.uniform(0.01, 0.035), rng.uniform(-0.01, 0.01), 0.0])
         did, forces = evaluated(sim, after, moved)
         wanted, sums = np.zeros_like(x), np.zeros(3)
@@ -136,6 +138,8 @@ def test_force_and_works_are_those_of_a_plain_twin():
             sums += energies
             rubbed += energies[0] > 0.0
             slipped += edge.slips
+            inside = sim.state.node.contact_depth[ends] > 0.0
+            shared += energies[0] > 0.0 and inside.any()
         found, scale = did["edge_friction"], TANGENTIAL * k * 1e-2
         # The search for the place ends at 1e-6 of the edge.
         np.testing.assert_allclose(forces["edge_friction"], wanted, atol=1e-5 * scale)
@@ -148,6 +152,7 @@ def test_force_and_works_are_those_of_a_plain_twin():
         x, pose = moved, after
     assert rubbed > 20
     assert slipped > 10
+    assert shared > 3
 
 
 def test_nodes_and_edges_together_never_rub_more_than_all_that_presses():
