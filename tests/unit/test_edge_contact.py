@@ -3,51 +3,22 @@
 import numpy as np
 import pytest
 
+from film_and_bar import ON, bar, pushed
 from free_strip import cut_strip
 from naive.contact import smoothed
-from naive.edge_contact import deepest_on_edge
+from naive.edge_contact import deepest_on_edge, depth_at, press_of_edge
 from notched_strip import cutting
 from shellcut.contact.film_edges import open_edges
 from shellcut.contact.film_outline import FilmOutline
 from shellcut.contact.settings import Contact, node_stiffness
-from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
-from shellcut.recording.checkpoint import load_checkpoint, save_checkpoint
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
-from shellcut.tool.tool import Tool
 
-ON = Contact(film_edges=True, tool_points=False)
-GAP = 0.01
 LIP = np.sqrt(2.0) - 1.0
 """What a rounded right angle loses, over the radius."""
-
-
-def bar(side=0.6, length=3.0):
-    """A square bar along z; one of its edges is at the origin, the bar lies in x < 0."""
-    w = side / np.sqrt(2.0)
-    section = np.array([[-w, -w], [-2.0 * w, 0.0], [-w, w], [0.0, 0.0]])
-    ends = [np.column_stack([section, np.full(4, z)]) for z in (-0.5 * length, 0.5 * length)]
-    sides = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))]
-    caps = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]
-    return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
-
-
-def pushed(contact=ON, at=0.3, **options):
-    """A film of 1 mm quads, clamped on the right, and a bar that comes at its left rim."""
-    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
-    left, right = mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max()
-    return Simulation(
-        mesh,
-        ShellMaterial.homogeneous(),
-        supports=[Support.clamped(np.flatnonzero(np.isclose(mesh.nodes[:, 0], right)))],
-        tool=bar().translated((left - GAP, at, 0.0)),
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=2000.0, ramp=2e-5),
-        contact=contact,
-        **options,
-    )
 
 
 def term(sim):
@@ -130,16 +101,13 @@ def test_depth_and_place_are_those_of_a_search():
         _, _, found = evaluated(sim)
         deepest = [deepest_on_edge(corners[i], corners[(i + 1) % 4], tool, r)[0] for i in range(4)]
         # The search ends at 1e-6 of the edge, so at 1e-9 of the depth, which is flat there.
-        np.testing.assert_allclose(found.deepest, max(deepest), atol=1e-7)
+        felt = term(sim).tables.memory.depth.max(initial=0.0)
+        np.testing.assert_allclose(felt, max(deepest), atol=1e-7)
         pressed += max(deepest) > 0.0
-        wanted = sum(_stored(g, g_m) for g in deepest) * stiffness(sim, area)
-        np.testing.assert_allclose(found.stored, wanted, atol=1e-7 * stiffness(sim, area) * 0.1)
+        each = [press_of_edge(corners[i], corners[(i + 1) % 4], tool, r, g_m) for i in range(4)]
+        wanted = sum(energy for energy, *_ in each) * stiffness(sim, area)
+        np.testing.assert_allclose(found.stored, wanted, atol=1e-9 * stiffness(sim, area))
     assert pressed > 25
-
-
-def _stored(g, g_m):
-    s = np.linspace(0.0, g, 2001)
-    return np.trapezoid([smoothed(v, g_m) for v in s], s) if g > 0.0 else 0.0
 
 
 def test_forces_are_minus_the_gradient_on_film_and_tool():
@@ -225,9 +193,9 @@ PATHS = {
 def test_the_force_does_not_jump(name):
     worst, most = swept(PATHS[name], 400)
     assert most > 0.0
-    # The steepest slope of f is 27/16; a node, and what its edge takes from it, add up; the moment
-    # has arms of less than 2 mm. A jump would be hundreds of these steps large.
-    assert worst < 12.0
+    # The steepest slope of f is 27/16, k a quarter of a node's, or a node comes in; the moment has
+    # arms of less than 2 mm; measured 1.0. A jump would be hundreds of these steps large.
+    assert worst < 3.0
 
 
 def test_a_film_edge_across_a_right_angle_has_the_closed_form():
@@ -241,6 +209,32 @@ def test_a_film_edge_across_a_right_angle_has_the_closed_form():
         wanted = stiffness(sim, area) * smoothed(g, law.smoothing_depth) if g > 0.0 else 0.0
         np.testing.assert_allclose(force[:, 0], [0.6 * wanted, 0.4 * wanted, 0, 0], rtol=1e-9)
         np.testing.assert_allclose(force[:, 1:], 0.0, atol=1e-7 * max(wanted, 1.0))
+
+
+def test_no_end_in_the_tool_is_pulled_in():
+    """An end just under one face, the edge deep under another: the end feels its own face still."""
+    rng = np.random.default_rng(8)
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
+    tool, r, pressed = bar(), sim.contact.law.rounding, 0
+    for corners in random_quads(rng, 40):
+        # One end is moved towards the face that is closest to it, and a little into it.
+        depth, out = depth_at(corners[0], tool, r)
+        corners[0] += (depth - 1e-3 * rng.uniform(1.0, 8.0)) * out
+        place(sim, corners)
+        force, both, found = evaluated(sim)
+        depth, out = depth_at(corners[0], tool, r)
+        pressed += depth > 0.0 and found.stored > 0.0
+        own = both[0] - force[0]
+        # What edges take of its pressure is a part of it: two edges, a quarter each.
+        for i, s in ((0, 1.0), (3, 0.0)):
+            _, _, (_, *taken) = press_of_edge(
+                corners[i], corners[(i + 1) % 4], tool, r, sim.contact.law.smoothing_depth
+            )
+            part = taken[0] if s else taken[1]
+            assert part * stiffness(sim, sim.state.node.contact_area[0]) <= 0.25 * (
+                np.linalg.norm(own) * (1.0 + 1e-9)
+            )
+    assert pressed > 10
 
 
 def test_a_film_edge_on_a_face_is_left_to_its_nodes():
@@ -333,33 +327,6 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     # Where two edges of a flank meet they share the node.
     flanks = ends[s.node.halved[ends].any(axis=1)]
     assert np.unique(flanks).size < 0.8 * flanks.size
-
-
-def test_same_bits_over_threads_and_a_restart(tmp_path):
-    def go(sim, until):
-        while sim.state.step < until:
-            sim.step()
-        n = sim.state.node
-        return n.x[: n.count].copy(), n.velocity_half[: n.count].copy(), sim.close_ledger()
-
-    whole = cut_strip(contact=ON)
-    touched = 0
-    while whole.state.step < 400:
-        whole.step()
-        touched += term(whole).forces.n_touching
-    wanted = go(whole, 400)
-    assert touched > 3
-    other = go(cut_strip(contact=ON, threads=2), 400)
-    first = cut_strip(contact=ON)
-    while not term(first).forces.n_touching:  # within a touch
-        first.step()
-    save_checkpoint(first, tmp_path / "half.h5")
-    again = cut_strip(contact=ON)
-    load_checkpoint(again, tmp_path / "half.h5")
-    for x, v, book in (other, go(again, 400)):
-        np.testing.assert_array_equal(x, wanted[0])
-        np.testing.assert_array_equal(v, wanted[1])
-        assert book == wanted[2]
 
 
 def test_off_there_is_no_term():

@@ -9,9 +9,16 @@ feel their own depth. What they do not feel is
 nothing on a flat face, however deep; all of D where only the middle is in the tool. Around a convex
 edge of the tool D is concave along p (it is r minus the distance from a convex set), so the largest
 value is where the slope -n · (b - a), n being the way out, equals D_b - D_a. It is found from a
-place in the tool near that edge by bisection and secants. Deeper than r the slope may jump there;
-then n is the mean of the ways out on both sides whose slope is right: the gradient of g in either
-case, with s held.
+place in the tool near that edge by tangents and secants.
+
+What the edge presses with follows in the same way from the energy Phi = ∫f of a place over that of
+its ends,
+
+    max over s of  Phi(D(p(s))) - (1 - s) Phi(D_a) - s Phi(D_b),
+
+whose slope along s is - f(D) n · (b - a) - (Phi(D_b) - Phi(D_a)). It is found uphill from the
+deepest place. Deeper than r the slope may jump there; then n is the mean of the ways out on both
+sides whose slope is right: the gradient in either case, with s held.
 """
 
 from __future__ import annotations
@@ -26,11 +33,23 @@ from shellcut.tool.rounded_depth import rounded_depth
 from shellcut.tool.signed_distance import signed_distance
 
 from .edge_tables import EdgeTables
+from .settings import smoothed, smoothed_integral
 
 _MOST_STEPS = 60
 
-# Of the edge's length: slopes below it, and brackets shorter than it, are the end of the search.
-_FLAT, _CLOSE = 1e-10, 1e-9
+# Of the edge's length, and for a slope of the depth at which the force has set in: slopes below it,
+# and brackets shorter than it, are the end of the search.
+_FLAT, _CLOSE = 1e-8, 1e-9
+
+# Likewise, where only the depth and a place to begin are wanted: an error of 1e-3 in the slope is
+# one of 1e-6 in the depth over the radius of the round.
+_LEVEL, _NEAR = 1e-3, 1e-5
+
+# Of the rounding radius: the first step uphill; the next are twice as long each.
+_FIRST_STEP = 0.1
+
+# Of the edge's length: closer to an end the end feels it all.
+_AT_END = 1e-6
 
 
 class Place(NamedTuple):
@@ -51,9 +70,25 @@ class Deepest(NamedTuple):
     """g [mm], 0 if it is no deeper anywhere."""
     s: float
     """Where, from 0 at a to 1 at b."""
-    on_a: Vec3
-    """Slope of g with a, minus its sign: the force on a is k f(g) times this."""
-    on_b: Vec3
+    here: Place
+    """Of that place."""
+
+
+class Press(NamedTuple):
+    """What an edge of the film presses with, over its stiffness k."""
+
+    stored: float
+    """Energy [mm²], 0 if it does not press."""
+    s: float
+    """Where, from 0 at a to 1 at b."""
+    out: Vec3
+    """Way out there, in the body frame; a unit vector, shorter where the slope jumps."""
+    pressure: float
+    """f(D) there [mm]."""
+    from_a: float
+    """What it takes from the pressure of a, (1 - s) f(D_a) [mm]."""
+    from_b: float
+    """What it takes from that of b, s f(D_b) [mm]."""
 
 
 @inline
@@ -65,7 +100,7 @@ def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
         return Place(False, 0.0, p)
     radius = tables.law.rounding
     depth, out = rounded_depth(p, q, triangle, side, radius, tables.grid, tables.around)
-    return Place(depth > 0.0, depth, out)
+    return Place(depth > 0.0, max(depth, 0.0), out)
 
 
 @always_inline
@@ -85,66 +120,153 @@ def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
 
 @inline
 def deepest_on(
-    a: Vec3, u: Vec3, at: float, end_a: Place, end_b: Place, side: int, tables: EdgeTables
+    a: Vec3,
+    u: Vec3,
+    at: float,
+    so_far: Deepest,
+    end_a: Place,
+    end_b: Place,
+    side: int,
+    tables: EdgeTables,
 ) -> Deepest:
     """Return the deepest place of an edge a + s u around one of its places in the tool.
 
-    at : that place, between 0 and 1.  end_a, end_b : the ends.
+    at : that place, between 0 and 1.  so_far : the deepest of another search, which is returned if
+    it is deeper.  end_a, end_b : the ends.
     """
     tables = borrowed(tables)
-    length = norm(u)
-    none = Deepest(0.0, at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     here = place_at(add_scaled(a, at, u), side, tables)
     if not here.inside:
-        return none
-    deep_a, deep_b = end_a.depth, end_b.depth
-    rise = deep_b - deep_a
-    slope = -dot(here.out, u) - rise
+        return so_far
+    rise = end_b.depth - end_a.depth
+    flat = _LEVEL * norm(u)
     # The largest value lies between lo and hi; what is known of both of them: depth, slope, way.
     lo, hi, s = 0.0, 1.0, at
     at_lo, at_hi = end_a, end_b
+    slope = -dot(here.out, u) - rise
+    # Around one convex edge the depth is concave: from here it rises to the place that is known.
+    lower = here.depth - end_a.depth - at * rise <= so_far.depth
+    if so_far.depth > 0.0 and lower and slope * (so_far.s - at) >= 0.0:
+        return so_far
     slope_lo = -dot(end_a.out, u) - rise if end_a.inside else 0.0
     slope_hi = -dot(end_b.out, u) - rise if end_b.inside else 0.0
-    kept = 0
-    for _ in range(_MOST_STEPS):
-        if here.inside and abs(slope) <= _FLAT * length:
+    for turn in range(_MOST_STEPS):
+        if here.inside and abs(slope) <= flat:
             lo = hi = s
             at_lo = at_hi = here
             break
         if here.inside and slope > 0.0:
             lo, at_lo, slope_lo = s, here, slope
-            if kept > 0:
-                slope_hi *= 0.5  # Illinois: an end that stays counts half
-            kept = 1
         elif here.inside:
             hi, at_hi, slope_hi = s, here, slope
-            if kept < 0:
-                slope_lo *= 0.5
-            kept = -1
         elif s > at:
             hi, at_hi = s, here
         else:
             lo, at_lo = s, here
-        if hi - lo <= _CLOSE:
+        if hi - lo <= _NEAR:
             break
         s = 0.5 * (lo + hi)
         if at_lo.inside and at_hi.inside and slope_lo > 0.0 > slope_hi:
+            # Where both tangents meet, the place of a kink; and by turns where the slope is zero.
             s = lo + (hi - lo) * slope_lo / (slope_lo - slope_hi)
+            if turn % 2 == 0:
+                over = at_hi.depth - at_lo.depth - rise * (hi - lo) - slope_hi * (hi - lo)
+                s = lo + over / (slope_lo - slope_hi)
+            s = min(max(s, lo + 0.5 * _NEAR), hi - 0.5 * _NEAR)
         here = place_at(add_scaled(a, s, u), side, tables)
         slope = -dot(here.out, u) - rise
-    best, other = at_lo, at_hi
-    s = lo
+    best, other, s = at_lo, at_hi, lo
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
-        best, other, s = at_hi, at_lo, hi
-    out = best.out
-    if other.inside and hi > lo:
-        one, two = -dot(best.out, u) - rise, -dot(other.out, u) - rise
-        if one * two < 0.0:
-            out = combine(two / (two - one), best.out, -one / (two - one), other.out)
-    g = best.depth - (1.0 - s) * deep_a - s * deep_b
-    if g <= 0.0 or not best.inside:
+        best, s = at_hi, hi
+    g = best.depth - (1.0 - s) * end_a.depth - s * end_b.depth
+    if g <= so_far.depth or not best.inside:
+        return so_far
+    return Deepest(g, s, best)
+
+
+@inline
+def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tuple[bool, float]:
+    """Return whether a place presses, and the slope of its energy over the ends' [mm²]."""
+    loaded = here.depth - offset
+    if not here.inside or loaded <= 0.0:
+        return False, 0.0
+    return True, -smoothed(loaded, g_m) * dot(here.out, u) - rise
+
+
+@inline
+def press_on(
+    a: Vec3,
+    u: Vec3,
+    found: Deepest,
+    offset: float,
+    end_a: Place,
+    end_b: Place,
+    side: int,
+    tables: EdgeTables,
+) -> Press:
+    """Return what an edge a + s u presses with where its energy over that of its ends is largest.
+
+    found : its deepest place, where the search begins.  offset : what does not press there [mm].
+    """
+    tables = borrowed(tables)
+    g_m = tables.law.smoothing_depth
+    of_a = smoothed_integral(end_a.depth, g_m)
+    of_b = smoothed_integral(end_b.depth, g_m)
+    rise, flat = of_b - of_a, _FLAT * norm(u) * g_m
+    s = s_up = found.s
+    here = up = found.here
+    presses, slope = _slope(here, u, offset, rise, g_m)
+    slope_up = slope
+    none = Press(0.0, s, here.out, 0.0, 0.0, 0.0)
+    if not presses:
         return none
-    on_a, on_b = (1.0 - s, s)
-    of_a = combine(on_a, out, -on_a if end_a.inside else 0.0, end_a.out)
-    of_b = combine(on_b, out, -on_b if end_b.inside else 0.0, end_b.out)
-    return Deepest(g, s, of_a, of_b)
+    # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
+    step = _FIRST_STEP * tables.law.rounding / norm(u)
+    step = step if slope > 0.0 else -step
+    while presses and slope * step > 0.0 and abs(slope) > flat:
+        s_up, up, slope_up = s, here, slope
+        left = 1.0 - s if step > 0.0 else s
+        if left <= _AT_END:
+            return none
+        s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
+        step *= 2.0
+        here = place_at(add_scaled(a, s, u), side, tables)
+        presses, slope = _slope(here, u, offset, rise, g_m)
+    s_down, down, slope_down = s, here, slope
+    beyond = not presses
+    if presses and abs(slope) <= flat:
+        s_up, up, slope_up = s, here, slope
+    kept = 0
+    for _ in range(_MOST_STEPS):
+        if abs(s_up - s_down) <= _CLOSE:
+            break
+        s = 0.5 * (s_up + s_down)
+        if not beyond:
+            s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
+        here = place_at(add_scaled(a, s, u), side, tables)
+        presses, slope = _slope(here, u, offset, rise, g_m)
+        if presses and abs(slope) <= flat:
+            s_up = s_down = s
+            up = down = here
+            break
+        if presses and slope * step > 0.0:
+            s_up, up, slope_up = s, here, slope
+            if kept > 0:
+                slope_down *= 0.5  # Illinois: an end that stays counts half
+            kept = 1
+        else:
+            s_down, down, slope_down, beyond = s, here, slope, not presses
+            if kept < 0:
+                slope_up *= 0.5
+            kept = -1
+    out, loaded = up.out, up.depth - offset
+    _, one = _slope(up, u, offset, rise, g_m)
+    presses, two = _slope(down, u, offset, rise, g_m)
+    if presses and one * two < 0.0:  # deeper than r the way out may jump
+        out = combine(two / (two - one), up.out, -one / (two - one), down.out)
+    stored = smoothed_integral(loaded, g_m) - of_a - s_up * rise
+    if stored <= 0.0:
+        return none
+    from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
+    from_b = s_up * smoothed(end_b.depth, g_m)
+    return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)

@@ -2,38 +2,45 @@
 
 A rim, a notch or a flank that crosses an edge of the tool between its nodes is felt neither at a
 node nor by a point of the tool, which is beside the film there. So each edge of the film at which
-it ends (:mod:`.film_edges`) presses with
+it ends (:mod:`.film_edges`) has the potential
 
-    k f(g),    g = max over s of  D(p(s)) - (1 - s) D_a - s D_b,
+    k max over s of  Phi(D(p(s))) - (1 - s) Phi(D_a) - s Phi(D_b),      Phi = ∫f,
 
-the most that it is deeper in the tool than its ends are felt to be (:mod:`.deepest_on_edge`), with
-f of the nodes' contact. On the ends act k f(g) (1 - s)(n - n_a) and k f(g) s (n - n_b), n being the
-way out at the deepest place and n_a, n_b those at ends that are in the tool, 0 for others: minus
-the gradient of the potential k ∫f, as s is where g is largest. On the tool act minus both, at the
-ends: D depends on where the film is relative to it, so the moments are those of the gradient, too.
+the most energy that it has over what its ends are felt to have (:mod:`.deepest_on_edge`), with f of
+the nodes' contact. As s is where that is largest, the forces are, with the ways out n at s and n_a,
+n_b at ends that are in the tool,
 
-*Nothing jumps.* D is continuous around convex edges and corners of the tool, so g is. It goes to
-zero as the tool's edge slides along the film's to one of its ends, where the node takes over, and
-as the film's edge turns until it lies on a face.
+    on a:  k (1 - s) (f(D) n - f(D_a) n_a),      on b:  k s (f(D) n - f(D_b) n_b),
+
+and minus both on the tool, at the ends: D depends on where the film is relative to it, so the
+moments are those of the gradient, too. It presses at s, and takes a part of what presses at the
+ends; as k is ``STIFFNESS`` of the softer one's, this is less than what does press there, and no end
+is pulled into the tool.
+
+*Nothing jumps.* D is continuous around convex edges and corners of the tool, and Phi begins with
+slope zero. The potential goes to zero as the tool's edge slides along the film's to one of its
+ends, where the node takes over, and as the film's edge turns until it lies on a face, on which D is
+linear and Phi convex.
 
 *Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that turn
 by more than 10 deg and do not cut; both are listed whenever the contact of the nodes lists those
 near. A pair is looked at again when film and tool may have come so near that they touch, and the
 step when they have walked a quarter of an edge.
 
-*Sides.* An edge takes the side of the blade that its ends have. Where they have different ones the
-blade goes through the film there: it does not press. If g grows by more than twice what film and
-tool have moved (a split makes new edges), that part is an offset, which does not press and goes as
-they part.
+*Sides.* An edge takes the side of the blade that its ends have, and keeps it while it is deeper
+than its chord. Where they have different ones the blade goes through the film there: it does not
+press. If it gets deeper than its chord by more than twice what its ends and the tool have moved (a
+split makes new edges), that part is an offset of D, which does not press and goes as they part.
 
-*Stiffness.* k is ``STIFFNESS`` of a node's. A force on the ends goes with (1 - s)|n - n_a| and s|n
-- n_b|, whose squares are no more than that of the difference between the normals of the tool's two
-faces, 2 where they turn by 90 deg: so many k are counted at both.
+*Splits.* An edge whose end has split goes on as the edge of the twin: what is kept of it stays.
+
+*Stiffness.* (1 - s)² + s² <= 1, and what the ends lose makes them softer: k times the steepest
+slope of f is counted at both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,13 +48,13 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
-from shellcut.state import State
+from shellcut.state import KnownTopology, SplitRecord, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
 
 from .contact_tables import ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
-from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTables, ToolEdges
 from .film_edges import open_edges
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
@@ -80,6 +87,7 @@ class EdgeContact:
         self._around = ConvexNeighbours.of(tool)
         self._outline = FilmOutline(part_of)
         self._of_contact: ContactTables | None = None
+        self._known = KnownTopology()
         self._pose: Pose | None = None
         self._soon = _SOON * contact.near.half_margin
         self._walked, self._looked_at = 0.0, 0.0
@@ -88,7 +96,10 @@ class EdgeContact:
         self._hold = Holder()
         self.tables: EdgeTables | None = None
         """For kernels, good until the list is made anew."""
-        self._held: Any = None
+        self.kept: Ints = np.zeros(0, np.int64)
+        """Row that each edge of the list had in the one before, -1 for none."""
+        self.held: Any = None
+        """These, laid out."""
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
         self._springs = BoundOnce(edge_springs)
         self._none = np.zeros((tool.n_body, 6))
@@ -102,7 +113,7 @@ class EdgeContact:
         if self._of_contact is not self._contact.tables:
             work, lost = self._renew(state, pose)
         wrench = self._none.copy()
-        found = self._call.code(pose, before, state.dt, self._walked, self._held, wrench)
+        found = self._call.code(pose, before, state.dt, self._walked, self.held, wrench)
         self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
         self._walked = found[5]
         if self._walked > self._looked_at + self._soon:
@@ -115,7 +126,7 @@ class EdgeContact:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 2 * len(self.tables.pairs.node)
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._springs(self._pose, self._soon, self._held, node, stiffness)
+        count = self._springs(self._pose, self._soon, self.held, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -166,9 +177,12 @@ class EdgeContact:
             edge=edge[:count].copy(),
             moving=np.unique(ends[near]),
         )
-        memory, gone = EdgeMemory.blank(len(near)), (0.0, 0.0)
-        if self.tables is not None:
-            gone = _take_over(self.tables, pairs, memory, state)
+        memory, old = EdgeMemory.blank(len(near)), self.tables
+        self.kept = np.full(len(near), -1)
+        gone = (0.0, 0.0)
+        if old is not None:
+            self.kept = _same_edges(old.pairs.node, pairs.node, self._known.new_splits(state))
+            gone = _take_over(old, memory, self.kept, state)
         self._walked = self._looked_at = 0.0
         self._lay_out(state, pairs, memory)
         return gone
@@ -193,21 +207,47 @@ class EdgeContact:
             law=contact.law,
             pairs=pairs,
             memory=memory,
+            presses=EdgePresses.none(len(pairs.node)),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
         )
-        self._held = self._hold(self.tables)
+        self.held = self._hold(self.tables)
         self._of_contact = contact.tables
+        self._known.take(state)
+
+
+def _same_edges(was: Ints, now: Ints, splits: Sequence[SplitRecord]) -> Ints:
+    """Return of each edge in ``now`` its row in ``was``, -1 if it was none, (n,).
+
+    was, now : nodes at the ends, (n, 2).  splits : those in between; an edge of a twin that was
+    none before goes on for that of the node it comes from, if that is none any more.
+    """
+    kept = np.full(len(now), -1)
+    count = 1 + max(was.max(initial=0), now.max(initial=0))
+    keys, wanted = was[:, 0] * count + was[:, 1], now[:, 0] * count + now[:, 1]
+    _, at, to = np.intersect1d(keys, wanted, return_indices=True)
+    kept[to] = at
+    from_node: dict[int, int] = {}
+    for s in splits:
+        if s.twin >= 0:
+            from_node[s.twin] = from_node.get(s.node, s.node)
+    new = np.flatnonzero((kept < 0) & np.isin(now, list(from_node)).any(axis=1))
+    taken = set(at.tolist())
+    for i in new.tolist():
+        a, b = (from_node.get(n, n) for n in now[i].tolist())
+        for row in np.flatnonzero(keys == a * count + b).tolist():
+            if row not in taken:
+                kept[i] = row
+                taken.add(row)
+    return kept
 
 
 def _take_over(
-    old: EdgeTables, pairs: EdgePairs, memory: EdgeMemory, state: State
+    old: EdgeTables, memory: EdgeMemory, kept: Ints, state: State
 ) -> tuple[float, float]:
     """Give edges what was kept of them; return half the last work, and energy, of those gone."""
-    was, count = old.pairs.node, state.node.count
-    keys, wanted = was[:, 0] * count + was[:, 1], pairs.node[:, 0] * count + pairs.node[:, 1]
-    _, at, to = np.intersect1d(keys, wanted, return_indices=True)
-    for name in ("depth", "offset", "stored", "force"):
-        getattr(memory, name)[to] = getattr(old.memory, name)[at]
-    gone = np.setdiff1d(np.arange(len(was)), at)
+    was, to = old.pairs.node, np.flatnonzero(kept >= 0)
+    for name in ("side", "depth", "offset", "stored", "force"):
+        getattr(memory, name)[to] = getattr(old.memory, name)[kept[to]]
+    gone = np.setdiff1d(np.arange(len(was)), kept)
     power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()
     return 0.5 * state.dt * float(power), float(old.memory.stored[gone].sum())

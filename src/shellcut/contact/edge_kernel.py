@@ -2,61 +2,100 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import cross, dot, load, norm, scale, sub
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at
+from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
-from .settings import STEEPEST, PenaltyLaw, node_stiffness, smoothed, smoothed_integral
+from .settings import STEEPEST, PenaltyLaw, node_stiffness
 
 STIFFNESS = 0.25
-"""Stiffness of an edge of the film over the mean of the nodes at its ends."""
+"""Stiffness of an edge of the film over that of the softer node at its ends."""
 
 CAPTURE = 0.3
 """Distance from the round of the tool's edge beyond which the film does not touch it, over the
 local edge length."""
 
 
+class Look(NamedTuple):
+    """Where an edge of the film is beside the tool, in the body frame."""
+
+    a: Vec3
+    """One end [mm]."""
+    u: Vec3
+    """Way to the other [mm]."""
+    side: int
+    """Of the blade."""
+    end_a: Place
+    end_b: Place
+    deepest: Deepest
+    """Beside its chord."""
+    body: int
+    """Tooth there."""
+    free: float
+    """Until it has gone so far together with the tool it touches no edge of that [mm]."""
+
+
 @inline
 def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) -> float:
     """Return k of an edge of the film [N/mm]."""
-    k = 0.0
-    for c in range(2):
-        n = pairs.node[i, c]
-        k += nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
-    return 0.5 * STIFFNESS * k
+    a, b = pairs.node[i, 0], pairs.node[i, 1]
+    of_a = nodes.contact_share[a] * node_stiffness(nodes.contact_area[a], law)
+    of_b = nodes.contact_share[b] * node_stiffness(nodes.contact_area[b], law)
+    k: float = STIFFNESS * min(of_a, of_b)
+    return k
 
 
 @inline
-def _side_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> tuple[bool, int]:
-    """Return whether both ends may lie on one side of the blade, and which."""
+def _side_of(i: int, tables: EdgeTables) -> tuple[bool, int]:
+    """Return whether both ends may lie on one side of the blade, and which; write that down.
+
+    While it is deeper than its chord an edge keeps its side, as a node in the tool does, unless an
+    end has got the other one.
+    """
+    pairs, nodes, memory = tables.pairs, tables.nodes, tables.memory
     a = int(nodes.contact_side[pairs.node[i, 0]])
     b = int(nodes.contact_side[pairs.node[i, 1]])
-    return a * b >= 0, a if a != 0 else b
+    side = a if a != 0 else b
+    if memory.depth[i] > 0.0 and memory.side[i] * side >= 0:
+        side = int(memory.side[i])
+    memory.side[i] = side
+    return a * b >= 0, side
 
 
 @inline
-def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[Deepest, int, float]:
-    """Return where the i-th edge of the film is deepest, the tooth, and how far it may go [mm].
+def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
+    """Return the local edge length of the film at an edge of it [mm]."""
+    area = nodes.contact_area
+    size: float = local_edge_length(max(area[pairs.node[i, 0]], area[pairs.node[i, 1]]))
+    return size
 
-    Until it has gone so far together with the tool it touches no edge of that.
-    """
-    pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
-    ia, ib = pairs.node[i, 0], pairs.node[i, 1]
-    a, b = to_body(load(nodes.x, ia), pose), to_body(load(nodes.x, ib), pose)
-    u = sub(b, a)
-    size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
-    one_side, side = _side_of(i, pairs, nodes)
-    best = Deepest(0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+@inline
+def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
+    """Return both ends of the i-th edge of the film in the body frame."""
+    node, x = tables.pairs.node, tables.nodes.x
+    return to_body(load(x, node[i, 0]), pose), to_body(load(x, node[i, 1]), pose)
+
+
+@inline
+def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
+    """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
+    pairs, edges = tables.pairs, tables.edges
+    a, b = _ends(i, pose, tables)
+    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
+    one_side, side = _side_of(i, tables)
     end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
-    body, free, known = 0, np.inf, False
+    best, body, free, known = Deepest(0.0, 0.0, end_a), 0, np.inf, False
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
         s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
@@ -69,11 +108,13 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> tuple[Deepest, int, float]:
             continue
         if not known:
             end_a, end_b, known = place_at(a, side, tables), place_at(b, side, tables), True
-        found = deepest_on(a, u, s, end_a, end_b, side, tables)
+        found = deepest_on(a, u, s, best, end_a, end_b, side, tables)
         if found.depth > best.depth:
             best, body = found, edges.body[e]
-        free = min(free, max(off, 0.0) if found.depth == 0.0 else 0.0)
-    return best, body, free
+        free = min(free, max(off, 0.0))
+    if best.depth > 0.0:
+        free = 0.0
+    return Look(a, u, side, end_a, end_b, best, body, free)
 
 
 @kernel
@@ -83,45 +124,65 @@ def add_edge_forces(
     """Add the forces of the listed edges to those of their ends and to wrench : (n_body, 6).
 
     walked : way that film and tool may have come nearer since the list was made [mm].  Writes the
-    memory.  Returns the work on the nodes over the last step, the stored energy, that of springs
-    that have let go, the number of edges that press, the largest depth and the way walked.
+    memory, and what friction needs.  Returns the work on the nodes over the last step, the stored
+    energy, that of springs that have let go, the number of edges that press, the largest depth and
+    the way walked.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
+    presses, deepest = tables.presses, 0.0
     of_tool = tool_way(pose, before, tables.radius)
-    way = of_tool + dt * largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
-    walked += way
-    work = stored = absorbed = deepest = 0.0
+    speed = largest_speed(pairs.moving, pairs.moving.shape[0], nodes.velocity_half)
+    walked += of_tool + dt * speed
+    work = stored = absorbed = 0.0
     n_touching = 0
     for i in range(pairs.node.shape[0]):
         if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, tables)
-        found, body, free = _look(i, pose, tables)
-        memory.until[i] = walked + free
-        g, k = found.depth, edge_stiffness(i, pairs, nodes, law)
-        change = g - memory.depth[i]
+        look = _look(i, pose, tables)
+        g = look.deepest.depth
+        memory.until[i] = walked + look.free
+        change, held = g - memory.depth[i], memory.stored[i]
+        way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
-        held = memory.stored[i]
         memory.offset[i] = min(memory.offset[i], g)
-        loaded = g - memory.offset[i]
-        energy = k * smoothed_integral(loaded, law.smoothing_depth)
-        if -change > law.noticed + 2.0 * way:  # its side is another one now
-            absorbed += held - energy
-        memory.depth[i], memory.stored[i] = g, energy
+        memory.depth[i], memory.stored[i] = g, 0.0
         memory.force[i] = 0.0
-        if loaded <= 0.0:
-            continue
-        n_touching += 1
-        deepest = max(deepest, loaded)
-        stored += energy
-        magnitude = k * smoothed(loaded, law.smoothing_depth)
-        _put_on(i, 0, scale(magnitude, turn(found.on_a, pose)), body, pose, tables, wrench)
-        _put_on(i, 1, scale(magnitude, turn(found.on_b, pose)), body, pose, tables, wrench)
-        work += _half_work(i, dt, tables)
+        presses.pressure[i] = 0.0
+        if g > memory.offset[i]:
+            _put_on_ends(i, look, pose, tables, wrench)
+        if memory.stored[i] > 0.0:
+            n_touching += 1
+            deepest = max(deepest, g - memory.offset[i])
+            stored += memory.stored[i]
+            work += _half_work(i, dt, tables)
+        if -change > law.noticed + 2.0 * way:  # its side is another one now
+            absorbed += held - memory.stored[i]
     return work, stored, absorbed, n_touching, deepest, walked
+
+
+@inline
+def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
+    """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
+    memory, presses, end_a, end_b = tables.memory, tables.presses, look.end_a, look.end_b
+    offset, body = memory.offset[i], look.body
+    found = press_on(look.a, look.u, look.deepest, offset, end_a, end_b, look.side, tables)
+    if found.stored == 0.0:
+        return
+    k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
+    memory.stored[i] = k * found.stored
+    s, by = found.s, found.pressure
+    on_a = combine((1.0 - s) * by, found.out, -found.from_a, end_a.out)
+    on_b = combine(s * by, found.out, -found.from_b, end_b.out)
+    _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, tables, wrench)
+    _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, tables, wrench)
+    presses.body[i], presses.place[i] = body, s
+    more = by * norm(found.out) - found.from_a - found.from_b
+    presses.pressure[i] = k * max(more, 0.0)
+    store(presses.out, i, found.out)
 
 
 @inline
@@ -161,21 +222,17 @@ def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Fl
     pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
     count = 0
     for i in range(pairs.node.shape[0]):
-        a = to_body(load(nodes.x, pairs.node[i, 0]), pose)
-        u = sub(to_body(load(nodes.x, pairs.node[i, 1]), pose), a)
-        ia, ib = pairs.node[i, 0], pairs.node[i, 1]
-        size = local_edge_length(max(nodes.contact_area[ia], nodes.contact_area[ib]))
-        turn_squared = 0.0
+        a, b = _ends(i, pose, tables)
+        u, size = sub(b, a), _size_of(i, pairs, nodes)
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
             _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
             if away - edges.reach[e] < max(reach, CAPTURE * size):
-                turn_squared = max(turn_squared, edges.turn_squared[e])
-        if turn_squared > 0.0:
-            stiffness = turn_squared * STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
-            for c in range(2):
-                node[count], k[count] = pairs.node[i, c], stiffness
-                count += 1
+                stiffness = STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
+                for c in range(2):
+                    node[count], k[count] = pairs.node[i, c], stiffness
+                    count += 1
+                break
     return count
 
 

@@ -33,9 +33,6 @@ class ToolEdges(NamedTuple):
     """The tool's flank labels on both sides."""
     body: Annotated[Ints, "(n_edge,)"]
     """Tooth."""
-    turn_squared: Annotated[Floats, "(n_edge,)"]
-    """|n - n_a|² at most, between the normals on the edge and at an end: of those of its two faces,
-    and 2 at least, as corners have further faces."""
 
     @classmethod
     def of(cls, tool: Tool, rounding: float) -> ToolEdges:
@@ -44,7 +41,6 @@ class ToolEdges(NamedTuple):
         rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
         one, two = surface.forward[rows], surface.backward[rows]
         start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
-        turn = surface.normals[one] - surface.normals[two]
         middle = surface.normals[one] + surface.normals[two]
         # |n_1 + n_2|² = 2 (1 + n_1 n_2): the line that is r deep under both faces.
         middle /= np.maximum(0.5 * (middle**2).sum(axis=1, keepdims=True), 1e-12)
@@ -60,7 +56,6 @@ class ToolEdges(NamedTuple):
             reach=rounding * (1.0 + deep - taken),
             flank=np.ascontiguousarray(np.column_stack([tool.flank[one], tool.flank[two]])),
             body=tool.triangle_body[one],
-            turn_squared=np.maximum(2.0, (turn**2).sum(axis=1)),
         )
 
 
@@ -82,6 +77,8 @@ class EdgeMemory(NamedTuple):
 
     until: Annotated[Floats, "(n_film,)"]
     """Way walked from which on it may touch, and is looked at again [mm]."""
+    side: Annotated[Ints, "(n_film,)"]
+    """Side of the blade that it keeps while it is deeper than its chord."""
     depth: Annotated[Floats, "(n_film,)"]
     """How much deeper than its chord it goes into the tool [mm]."""
     offset: Annotated[Floats, "(n_film,)"]
@@ -95,7 +92,25 @@ class EdgeMemory(NamedTuple):
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
         until, depth, offset, stored = np.zeros((4, n))
-        return cls(until, depth, offset, stored, np.zeros((n, 2, 3)))
+        return cls(until, np.zeros(n, np.int64), depth, offset, stored, np.zeros((n, 2, 3)))
+
+
+class EdgePresses(NamedTuple):
+    """What friction needs of each edge of the film at the last evaluation; not kept."""
+
+    body: Annotated[Ints, "(n_film,)"]
+    """Tooth on which it presses."""
+    place: Annotated[Floats, "(n_film,)"]
+    """Where it presses, from 0 at one end to 1 at the other."""
+    out: Annotated[Floats, "(n_film, 3)"]
+    """Way out of the tool there, in the body frame, a unit vector at most."""
+    pressure: Annotated[Floats, "(n_film,)"]
+    """What the edge adds to the pressures of all, 0 if it does not press [N]."""
+
+    @classmethod
+    def none(cls, n: int) -> EdgePresses:
+        """Return that of n edges that do not press."""
+        return cls(np.zeros(n, np.int64), np.zeros(n), np.zeros((n, 3)), np.zeros(n))
 
 
 class EdgeNodes(NamedTuple):
@@ -121,4 +136,5 @@ class EdgeTables(NamedTuple):
     law: PenaltyLaw
     pairs: EdgePairs
     memory: EdgeMemory
+    presses: EdgePresses
     nodes: EdgeNodes

@@ -9,6 +9,7 @@ import numpy as np
 
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.edge_friction import EdgeFriction
 from shellcut.contact.film_outline import Part
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.point_contact import PointContact
@@ -58,7 +59,10 @@ def contact_terms(
         if settings.friction > 0.0:
             terms.append(PointFriction(points, settings.friction))
     if settings.film_edges:
-        terms.append(EdgeContact(contact, part_of))
+        edges = EdgeContact(contact, part_of)
+        terms.append(edges)
+        if settings.friction > 0.0:
+            terms.append(EdgeFriction(edges, settings.friction))
     return contact, terms
 
 

@@ -1,0 +1,243 @@
+"""Coulomb friction where edges of the film cross edges of the tool.
+
+An edge of the film from a node a to a node b that presses on an edge of the tool between them
+(:mod:`.edge_contact`) is held there, at its place s, by a spring across the way out n, as nodes are
+on the tool's faces (:mod:`.coulomb_friction`): u is its elongation in the tool's frame, d what the
+film at s has moved against the tool in the step, P = 1 - n n^T,
+
+    u* = P (u + d),    u' = u* min(1, mu N / (k_t |u*|)),    force on the film -k_t u',
+
+with the shares 1 - s and s on a and b, and minus that at s on the tool. d is the way of the film's
+material there, s held: where the edges slide along one another their crossing runs away from it.
+
+*Which pressure.* With F = k f(g), the edge presses with F at s, and takes (1 - s) F from what an
+end a in the tool is pressed with, s F from an end b: what is deeper than the chord leaves the
+chord's ends. The nodes rub with all that they are pressed with. So mu multiplies what the edge
+brings in beside that,
+
+    N = F (1 - (1 - s)[a in the tool] - s [b in the tool]),
+
+and friction of nodes and edges together takes mu times the sum of all pressures at most: N_a + N_b
++ N is what presses at a, at b and at s together. Where both ends are outside, N = F; where both are
+inside, what rubs is the nodes' part, and this term has none.
+
+*Works*, as of the tool's points (:mod:`.point_friction`): the force f of t_{n-1} has acted on the
+film at its own place, which has moved by d_f, so
+
+    dissipated = - ½ (f · d_f + f' · d) - (stored' - stored),
+
+the mean force times the slip where the place stays.
+
+*History.* The spring belongs to the edge of the film: it is kept from one edge of the tool to the
+next, through new lists, splits (a twin's edge goes on with it) and checkpoints. Towards an end of
+the film's edge g goes to zero, so N does, and the node takes over.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
+from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.state import State
+from shellcut.tool.pose import Pose, to_body, turn
+
+from .coulomb_friction import FrictionForces
+from .edge_contact import EdgeContact
+from .edge_kernel import edge_stiffness
+from .edge_tables import EdgeNodes, EdgeTables
+from .friction_term import TANGENTIAL, FrictionTerm
+
+
+class _Springs(NamedTuple):
+    """Springs of the film's edges, in the order of the contact's list; the kernel writes."""
+
+    node: Annotated[Ints, "(n_film, 2)"]
+    """Ends of the edge."""
+    place: Annotated[Floats, "(n_film,)"]
+    """Where the force acts, from 0 at one end to 1 at the other."""
+    spring: Annotated[Floats, "(n_film, 3)"]
+    """Elongation u in the tool's frame [mm]."""
+    pull: Annotated[Floats, "(n_film, 3)"]
+    """Force on the film in the tool's frame [N]."""
+    force: Annotated[Floats, "(n_film, 3)"]
+    """The same in space."""
+    stored: Annotated[Floats, "(n_film,)"]
+    """Energy [N·mm]."""
+
+    @classmethod
+    def at_rest(cls, node: Ints) -> _Springs:
+        """Return those of edges with these ends that nothing presses."""
+        n = len(node)
+        return cls(
+            node=node.copy(),
+            place=np.zeros(n),
+            spring=np.zeros((n, 3)),
+            pull=np.zeros((n, 3)),
+            force=np.zeros((n, 3)),
+            stored=np.zeros(n),
+        )
+
+
+class EdgeFriction(FrictionTerm[FrictionForces]):
+    """Friction of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
+
+    Parameters
+    ----------
+    edges : EdgeContact
+        Presses edges of the film on those of the tool; evaluated before this in every step.
+    coefficient : float
+        mu.
+    """
+
+    def __init__(self, edges: EdgeContact, coefficient: float) -> None:
+        super().__init__(edges, coefficient)
+        self.name = "edge_friction"
+        self._edges = edges
+        self._of: EdgeTables | None = None
+        self._springs = _Springs.at_rest(np.zeros((0, 2), np.int64))
+        self._held: Any = None
+        self._pose: Pose | None = None
+        self._hold = Holder()
+        self._call, self._let_go = BoundOnce(_add_edge_friction), BoundOnce(_let_go)
+        self._none = np.zeros_like(edges.forces.wrench)
+        self.forces = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
+        """Results of the last evaluation."""
+
+    def add_forces(self, state: State, pose: Pose) -> FrictionForces:
+        """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
+        before, self._pose = self._pose or pose, pose
+        work = lost = 0.0
+        if self._of is not self._edges.tables:
+            work, lost = self._take_list(state, before, pose)
+        wrench = self._none.copy()
+        found = self._call.code(
+            pose, before, state.dt, self.coefficient, self._edges.held, self._held, wrench
+        )
+        self.forces = FrictionForces(wrench, work + found[0], found[1], lost + found[2], found[3])
+        return self.forces
+
+    def saved(self) -> dict[str, Any]:
+        """Return the springs and the last forces."""
+        return {"springs": self._springs._asdict(), "forces": self.forces._asdict()}
+
+    def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`, with the tool at its present pose; after the edges'."""
+        self._pose = pose
+        self.forces = FrictionForces(**saved["forces"])
+        self._take(_Springs(**{name: rows.copy() for name, rows in saved["springs"].items()}))
+
+    def _take_list(self, state: State, before: Pose, pose: Pose) -> tuple[float, float]:
+        """Switch to the edges' new list.
+
+        Returns half the last work of edges that have left it, and what they dissipate [N·mm].
+        """
+        tables, kept, old = self._edges.tables, self._edges.kept, self._springs
+        assert tables is not None
+        gone = np.setdiff1d(np.arange(len(old.node)), kept)
+        gone = gone[old.force[gone].any(axis=1)]
+        lost = 0.0, 0.0
+        if gone.size:
+            lost = self._let_go(pose, before, state.dt, gone, old, tables.nodes)
+        springs, to = _Springs.at_rest(tables.pairs.node), np.flatnonzero(kept >= 0)
+        for new, was in zip(springs[1:], old[1:], strict=True):
+            new[to] = was[kept[to]]
+        self._take(springs)
+        return lost
+
+    def _take(self, springs: _Springs) -> None:
+        self._of = self._edges.tables
+        self._springs, self._held = springs, self._hold(springs)
+
+
+@inline
+def _way_of_place(
+    i: int, springs: _Springs, nodes: EdgeNodes, dt: float, pose: Pose, before: Pose
+) -> tuple[Vec3, Vec3, Vec3]:
+    """Return the place of a spring, its velocity, and its way against the tool in its frame."""
+    a, b, s = springs.node[i, 0], springs.node[i, 1], springs.place[i]
+    x = combine(1.0 - s, load(nodes.x, a), s, load(nodes.x, b))
+    moves = combine(1.0 - s, load(nodes.velocity_half, a), s, load(nodes.velocity_half, b))
+    return x, moves, sub(to_body(x, pose), to_body(combine(1.0, x, -dt, moves), before))
+
+
+@kernel
+def _let_go(
+    pose: Pose, before: Pose, dt: float, gone: Ints, springs: _Springs, nodes: EdgeNodes
+) -> tuple[float, float]:
+    """Return half the work of some springs over the last step, and what they dissipate [N·mm]."""
+    pose, before = borrowed(pose), borrowed(before)
+    springs, nodes = borrowed(springs), borrowed(nodes)
+    work = dissipated = 0.0
+    for i in gone:
+        _, moves, d = _way_of_place(i, springs, nodes, dt, pose, before)
+        work += 0.5 * dt * dot(load(springs.force, i), moves)
+        dissipated += springs.stored[i] - 0.5 * dot(load(springs.pull, i), d)
+    return work, dissipated
+
+
+@kernel
+def _add_edge_friction(
+    pose: Pose,
+    before: Pose,
+    dt: float,
+    coefficient: float,
+    tables: EdgeTables,
+    springs: _Springs,
+    wrench: Floats,
+) -> tuple[float, float, float, int]:
+    """Add the friction of the edges to the forces of their ends and to wrench : (n_body, 6).
+
+    Writes the springs.  Returns the work on the nodes over the last step, the stored and the
+    dissipated energy, and the number of edges that slip.
+    """
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    springs = borrowed(springs)
+    presses, nodes, origin = tables.presses, tables.nodes, pose.translation
+    work = stored = dissipated = 0.0
+    n_slipping = 0
+    for i in range(springs.stored.shape[0]):
+        pressure, old = presses.pressure[i], load(springs.force, i)
+        held = dot(old, old) > 0.0
+        if pressure <= 0.0 and not held:
+            continue
+        if held:
+            _, moves, d = _way_of_place(i, springs, nodes, dt, pose, before)
+            work += 0.5 * dt * dot(old, moves)
+            dissipated -= 0.5 * dot(load(springs.pull, i), d)
+        dissipated += springs.stored[i]
+        springs.stored[i] = 0.0
+        new, pull, f = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if pressure > 0.0:
+            s = springs.place[i] = presses.place[i]
+            x, moves, d = _way_of_place(i, springs, nodes, dt, pose, before)
+            stiffness = TANGENTIAL * edge_stiffness(i, tables.pairs, nodes, tables.law)
+            pulled, out = add(load(springs.spring, i), d), load(presses.out, i)
+            normal = scale(1.0 / norm(out), out)
+            new = combine(1.0, pulled, -dot(pulled, normal), normal)
+            most, trial = coefficient * pressure, stiffness * norm(new)
+            if trial > most:
+                new = scale(most / trial, new)
+                n_slipping += 1
+            pull = scale(-stiffness, new)
+            f = turn(pull, pose)
+            springs.stored[i] = 0.5 * stiffness * dot(new, new)
+            stored += springs.stored[i]
+            work += 0.5 * dt * dot(f, moves)
+            dissipated -= 0.5 * dot(pull, d) + springs.stored[i]
+            a, b, body = springs.node[i, 0], springs.node[i, 1], presses.body[i]
+            moment = cross((x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]), f)
+            for c in range(3):
+                nodes.force[a, c] += (1.0 - s) * f[c]
+                nodes.force[b, c] += s * f[c]
+                wrench[body, c] -= f[c]
+                wrench[body, 3 + c] -= moment[c]
+        store(springs.spring, i, new)
+        store(springs.pull, i, pull)
+        store(springs.force, i, f)
+    return work, stored, dissipated, n_slipping

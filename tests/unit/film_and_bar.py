@@ -1,0 +1,39 @@
+"""A film of 1 mm quads and a square bar that comes at its rim with an edge, between two nodes."""
+
+import numpy as np
+
+from shellcut.contact.settings import Contact
+from shellcut.loads.supports import Support
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.structured import rectangle
+from shellcut.simulation.simulation import Simulation
+from shellcut.tool.motion import StraightMotion
+from shellcut.tool.tool import Tool
+
+ON = Contact(film_edges=True, tool_points=False)
+GAP = 0.01
+
+
+def bar(side=0.6, length=3.0):
+    """A square bar along z; one of its edges is at the origin, the bar lies in x < 0."""
+    w = side / np.sqrt(2.0)
+    section = np.array([[-w, -w], [-2.0 * w, 0.0], [-w, w], [0.0, 0.0]])
+    ends = [np.column_stack([section, np.full(4, z)]) for z in (-0.5 * length, 0.5 * length)]
+    sides = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))]
+    caps = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]
+    return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
+
+
+def pushed(contact=ON, at=0.3, direction=(1.0, 0.0, 0.0), **options):
+    """A film of 1 mm quads, clamped on the right, and a bar that comes at its left rim."""
+    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
+    left, right = mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max()
+    return Simulation(
+        mesh,
+        ShellMaterial.homogeneous(),
+        supports=[Support.clamped(np.flatnonzero(np.isclose(mesh.nodes[:, 0], right)))],
+        tool=bar().translated((left - GAP, at, 0.0)),
+        motion=StraightMotion(direction, speed=2000.0, ramp=2e-5),
+        contact=contact,
+        **options,
+    )
