@@ -44,7 +44,13 @@ for call in ("first", "second"):
     )
     assert found.count("done") == 10_000
     spent[call] = time.perf_counter() - began[0], time.process_time() - began[1]
-spent["megabytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+# What getrusage says begins with the memory of the process that has started this one.
+status = Path("/proc/self/status")
+if status.exists():
+    kilobytes = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+    spent["megabytes"] = int(kilobytes.split()[1]) / 1024
+else:
+    spent["megabytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 print(json.dumps(spent))
 """
 

@@ -64,7 +64,8 @@ def plate(
 def cuts(sim):
     """Return where and when the film was cut after the notch, shapes (n, 2) [mm] and (n,) [s]."""
     log = [cut for cut in sim.state.split_log if cut.kind != "notch"]
-    return np.array([cut.reference[:2] for cut in log]), np.array([cut.time for cut in log])
+    places = np.array([cut.reference[:2] for cut in log]).reshape(-1, 2)
+    return places, np.array([cut.time for cut in log])
 
 
 def branchings(sim):

@@ -119,7 +119,8 @@ def test_the_opening_of_any_film(thickness: float, young: float) -> None:
     # runs of 74 µm of 200 MPa 0.07 to 0.13, while the whole depth is 0.08 to 0.74 by chance.
     assert found.pressed < 0.25
     assert found.aside < MOST_SET_ASIDE
-    # -0.35 to +0.24 % of the work, of which absorbed jumps are 0.13 % at most.
-    assert abs(found.held) < 6e-3
+    # -0.35 to +0.24 % of the work, of which absorbed jumps are 0.13 % at most; 1.1 % taken in 0.6
+    # and 1 mm, as by the blade above.
+    assert -6e-3 < found.held < (6e-3 if thickness < 0.5 else 2e-2)
     assert abs(found.absorbed) < 3e-3
     assert abs(found.imbalance) < 6e-3

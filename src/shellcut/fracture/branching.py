@@ -17,8 +17,8 @@ longer. A crack branches when
 2. no other tip is within twice this length: the theory is of one crack, with a field of its own;
 3. there is stress to open the film in both directions: both trial cuts (:mod:`.trial_cut`) are due.
 
-Then it is cut along both at once. Each branch keeps its direction until no other tip is within this
-length: the force on a tip (:mod:`.tip_force`) is that on both before.
+Then it is cut along both at once. Each branch goes on in the direction of its last segment until no
+other tip is within this length: before, the force on a tip (:mod:`.tip_force`) is that on both.
 """
 
 from __future__ import annotations
@@ -58,10 +58,15 @@ class Branching:
     Raises
     ------
     ValueError
-        If the largest speed is below that at which a crack branches.
+        If the film has axes, or the largest speed is below that at which a crack branches.
     """
 
     def __init__(self, material: ShellMaterial, law: CohesiveLaw, fracture: Fracture) -> None:
+        if material.has_axes:
+            raise ValueError(
+                "branching is known of films that are alike in all directions, got one with axes: "
+                "leave branching out, or take a film without"
+            )
         modulus = material.stretching_stiffness / material.thickness
         self._zone = modulus * law.fracture_energy / law.strength**2
         self._check_every = fracture.check_every
@@ -108,10 +113,8 @@ class Branching:
         length, size : float
             Of the segment, and of an edge there [mm].
         """
-        pace = (*tip.pace, (time, length))
-        while _way(pace[1:]) >= self._length(size):
-            pace = pace[1:]
-        return pace
+        # Twice what counts: the edges ahead may be larger.
+        return _latest((*tip.pace, (time, length)), 2.0 * self._length(size))
 
     def may_branch(self, tip: Tip, time: float, size: float, nearest: float) -> bool:
         """Whether a crack that is about to go on has run far and fast enough, and alone.
@@ -127,13 +130,15 @@ class Branching:
         size, nearest : float
             Of an edge there, and distance of the nearest other tip [mm].
         """
-        way, least = _way(tip.pace), self._length(size)
+        least = self._length(size)
+        pace = _latest(tip.pace, least)
+        way = _way(pace)
         if way < least or nearest < 2.0 * least:
             return False
-        return way >= self.speed * (time - tip.pace[0][0])
+        return way >= self.speed * (time - pace[0][0])
 
     def is_alone(self, size: float, nearest: float) -> bool:
-        """Whether a tip has a field of its own.
+        """Whether a branch has a field of its own.
 
         Parameters
         ----------
@@ -162,26 +167,35 @@ def ways(way: Floats, t: Floats) -> tuple[Floats, Floats]:
 def rayleigh_speed(material: ShellMaterial) -> float:
     """Return the speed of Rayleigh waves along the rim of a film under plane stress [mm/s].
 
-    The root of (2 - c²/s²)² = 4 sqrt(1 - c²/s²) sqrt(1 - c²/p²) below s, with the speeds p and s
-    of the film's waves along and across their way. Of a film with axes the smallest moduli count.
+    With the film's stiffness C and X = rho h c² the root of
+
+        (C_33 - X) [C_11 (C_11 - X) - C_12²]² = C_11 C_33 X² (C_11 - X)
+
+    below C_33 and C_11 - C_12²/C_11, that of a body whose moduli are those of plane stress.
 
     Parameters
     ----------
     material : ShellMaterial
-        Of the film.
+        Of the film, which has no axes.
     """
     _, weights, materials = material.thickness_points()
     plane = np.sum([w * m.plane_stress() for w, m in zip(weights, materials, strict=True)], axis=0)
-    stretch, shear = min(plane[0, 0], plane[1, 1]), plane[2, 2]
+    along, across, shear = plane[0, 0], plane[0, 1], plane[2, 2]
 
-    def beyond(squared: float) -> float:
-        """Return the left side less the right one at c²/s²."""
-        right = 4.0 * np.sqrt((1.0 - squared) * (1.0 - squared * shear / stretch))
-        return float((2.0 - squared) ** 2 - right)
+    def beyond(x: float) -> float:
+        """Return the left side less the right one, both over C_11⁵."""
+        a, g, b = x / along, shear / along, across / along
+        return float((g - a) * (1.0 - a - b * b) ** 2 - g * a * a * (1.0 - a))
 
-    # Zero at 0 too, negative from there to the root, and 1 at c = s.
-    squared = scipy.optimize.brentq(beyond, 0.1, 1.0)
-    return float(np.sqrt(squared * shear / material.area_density))
+    x = scipy.optimize.brentq(beyond, 0.0, min(shear, along - across**2 / along), rtol=1e-14)
+    return float(np.sqrt(x / material.area_density))
+
+
+def _latest(pace: Pace, way: float) -> Pace:
+    """Return the last segments, as many as are a way [mm] long, or all."""
+    while _way(pace[1:]) >= way:
+        pace = pace[1:]
+    return pace
 
 
 def _way(pace: Pace) -> float:

@@ -83,7 +83,7 @@ class FreeCracks:
         ]
         self._shell = shell
         self._largest_speed = fracture.largest_speed or np.inf
-        self._edge = float(np.sqrt(np.median(shell.area)))
+        self._checked = False
         self._branching: Branching | None = None
         if fracture.branching:
             self._branching = Branching(shell.material, law, fracture)
@@ -117,23 +117,37 @@ class FreeCracks:
         A crack then runs no faster than an edge length in ``check_every`` steps, and not beyond the
         largest speed given.
         """
-        if self._branching is not None:
-            self._branching.require_checks(state.dt, self._edge)
+        self._require_checks(state)
         for tip in list(self.tips):
             if not self._is_there(tip) or state.time < tip.since:
                 continue  # another crack has just joined it, or it has just been here
             if not self._path.rows_ahead(tip):
                 self.tips.remove(tip)
                 continue
-            alone = self._branching is None or self._branching.is_alone(*self._apart(state, tip))
-            ways = self._direction.ways(state, tip, alone=alone)
+            if tip.branch and self._branching is not None:
+                tip.branch = not self._branching.is_alone(*self._apart(state, tip))
+            ways = self._direction.ways(state, tip, alone=not tip.branch)
             found = (self._path.segment_from(state, tip, way, others=self.tips) for way in ways)
             segment = next((one for one in found if one is not None), None)
-            if segment is None or state.node.support_rate[state.quads[segment.row]].any():
-                continue  # moving supports hold their film together
+            if segment is None or self._is_held(state, segment):
+                continue
             measure = self._trial.measure_of_tear(state, tip, segment)
             if measure >= 1.0 and not self._branch(state, tip, segment):
                 self._advance(state, tip, segment, "criterion", measure)
+
+    def _is_held(self, state: State, segment: Segment) -> bool:
+        """Whether moving supports hold the film together through which a segment would go."""
+        return bool(state.node.support_rate[state.quads[segment.row]].any())
+
+    def _require_checks(self, state: State) -> None:
+        """Refuse checks that are too rare for cracks that may branch, when tips are first seen."""
+        if self._branching is None or self._checked or not self.tips:
+            return
+        self._checked = True
+        ahead = [self._path.rows_ahead(tip) for tip in self.tips]
+        sizes = [self._path.size(rows[0][0]) for rows in ahead if rows]
+        if sizes:
+            self._branching.require_checks(state.dt, min(sizes))
 
     def _apart(self, state: State, tip: Tip) -> tuple[float, float]:
         """Return the edge length at a tip, and how near the nearest other tip is [mm]."""
@@ -154,16 +168,20 @@ class FreeCracks:
         both = []
         for one in ways(way, place.t):
             found = self._path.segment_from(state, tip, one, others=self.tips)
-            if found is None or (measure := self._trial.measure_of_tear(state, tip, found)) < 1.0:
+            if found is None or self._is_held(state, found):
+                return False
+            if (measure := self._trial.measure_of_tear(state, tip, found)) < 1.0:
                 return False
             both.append((found, measure))
         (left, measure), (right, other_measure) = both
+        if (left.row, left.exit) == (right.row, right.exit):
+            return False  # a corner or a crossing has drawn both to it
         # What lies to the right of the first cut keeps its row, where the second one goes.
         self._advance(state, tip, left, "criterion", measure, branch=True)
         again = self._path.segment(state, right.row, right.entry, ways(way, place.t)[1])
         if again is not None:
             cut = self._cut(state, again, "criterion", other_measure)
-            self._end_at(state, again, cut, 1, tip.heading)
+            self._end_at(state, again, cut, 1, tip.heading, branch=True)
             self._cuts.wake(state)
         return True
 
@@ -269,14 +287,14 @@ class FreeCracks:
         *,
         branch: bool = False,
     ) -> None:
-        """Run a crack on along a segment."""
+        """Run a crack on along a segment, which may be one of two branches."""
         self.tips.remove(tip)
         cut = self._cut(state, segment, kind, measure)
         pace: Pace = ()
         if not branch and self._branching is not None:
             size = self._path.size(segment.row)
             pace = self._branching.pace_after(tip, state.time, cut.length, size)
-        self._end_at(state, segment, cut, 1, tip.heading, pace)
+        self._end_at(state, segment, cut, 1, tip.heading, pace, branch=branch or tip.branch)
         self._cuts.wake(state)
 
     def _end_at(
@@ -287,12 +305,14 @@ class FreeCracks:
         end: int,
         came: Floats,
         pace: Pace = (),
+        *,
+        branch: bool = False,
     ) -> None:
         """Put a tip where the crack goes on from an end of what has been cut."""
         tip = self._tip_after(state, segment, cut, end, came)
         if tip is not None:
             tip.since = state.time + cut.length / self._largest_speed
-            tip.pace = pace
+            tip.pace, tip.branch = pace, branch
             self.tips.append(tip)
 
     def _tip_after(

@@ -128,8 +128,8 @@ class FreeDirection:
         tip : Tip
             With film ahead.
         alone : bool
-            Whether what surrounds the tip is its own; near to another branch it is not, and the tip
-            keeps its heading.
+            Whether what surrounds the tip is its own; near to another branch it is not, and the
+            heading comes first.
         """
         if not self._known.is_of(state):
             self._ahead.clear()
@@ -143,7 +143,6 @@ class FreeDirection:
         moved = ahead.base @ state.node.x[nodes]
         if not alone:
             yield _unit(moved[0])
-            return
         ways = _WAYS @ moved
         phi = (self._pull(state, ahead, t, ways) / (ahead.factors * self._strength)) ** 2
         if ahead.force is not None:

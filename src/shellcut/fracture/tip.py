@@ -16,6 +16,7 @@ _NOWHERE = (2.0, 2.0)
 
 
 Pace: TypeAlias = tuple[tuple[float, float], ...]
+"""When segments of a crack were cut [s], and their lengths [mm]."""
 
 
 @dataclass(eq=False)
@@ -40,7 +41,9 @@ class Tip:
     since: float = 0.0
     """Time from which it may go on if no blade drives it [s]: a crack has a largest speed."""
     pace: Pace = ()
-    """When its latest segments were cut [s], and their lengths [mm]; of cracks that may branch."""
+    """Of its latest segments, if it may branch."""
+    branch: bool = False
+    """Whether it has branched off and is still near to the other branch."""
 
     @property
     def at_node(self) -> bool:
@@ -60,6 +63,7 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "since": np.array([tip.since for tip in tips], float),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
+        "branch": np.array([tip.branch for tip in tips], np.bool_),
         "n_pace": np.array([len(tip.pace) for tip in tips], np.int64),
         "pace": np.array([one for tip in tips for one in tip.pace], float).reshape(-1, 2),
     }
@@ -79,6 +83,7 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             since=rows["since"][i],
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
+            branch=rows["branch"][i],
             pace=tuple(map(tuple, rows["pace"][ran[i] - rows["n_pace"][i] : ran[i]])),
         )
         for i in range(len(stop))
