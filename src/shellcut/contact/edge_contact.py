@@ -32,7 +32,8 @@ than its chord. Where they have different ones the blade goes through the film t
 press. If it gets deeper than its chord by more than twice what its ends and the tool have moved (a
 split makes new edges), that part is an offset of D, which does not press and goes as they part.
 
-*Splits.* An edge whose end has split goes on as the edge of the twin: what is kept of it stays.
+*Splits.* An edge whose end has split along edges of the mesh goes on as the edge of the twin: what
+is kept of it stays. A cut through quads that gives an end a new node begins anew.
 
 *Stiffness.* (1 - s)² + s² <= 1, and what the ends lose makes them softer: k times the steepest
 slope of f is counted at both.

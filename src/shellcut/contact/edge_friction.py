@@ -10,16 +10,15 @@ film at s has moved against the tool in the step, P = 1 - n n^T,
 with the shares 1 - s and s on a and b, and minus that at s on the tool. d is the way of the film's
 material there, s held: where the edges slide along one another their crossing runs away from it.
 
-*Which pressure.* With F = k f(g), the edge presses with F at s, and takes (1 - s) F from what an
-end a in the tool is pressed with, s F from an end b: what is deeper than the chord leaves the
-chord's ends. The nodes rub with all that they are pressed with. So mu multiplies what the edge
-brings in beside that,
+*Which pressure.* The edge presses with the energy that the film at s has over that of its ends
+(:mod:`.edge_contact`): with f(D) at s, and takes (1 - s) f(D_a) and s f(D_b) from what its ends are
+pressed with. The nodes rub with all that they are pressed with. So mu multiplies what the edge
+adds,
 
-    N = F (1 - (1 - s)[a in the tool] - s [b in the tool]),
+    N = k max(f(D) - (1 - s) f(D_a) - s f(D_b), 0),
 
 and friction of nodes and edges together takes mu times the sum of all pressures at most: N_a + N_b
-+ N is what presses at a, at b and at s together. Where both ends are outside, N = F; where both are
-inside, what rubs is the nodes' part, and this term has none.
++ N is what presses at a, at b and at s together.
 
 *Works*, as of the tool's points (:mod:`.point_friction`): the force f of t_{n-1} has acted on the
 film at its own place, which has moved by d_f, so
@@ -29,8 +28,9 @@ film at its own place, which has moved by d_f, so
 the mean force times the slip where the place stays.
 
 *History.* The spring belongs to the edge of the film: it is kept from one edge of the tool to the
-next, through new lists, splits (a twin's edge goes on with it) and checkpoints. Towards an end of
-the film's edge g goes to zero, so N does, and the node takes over.
+next, through new lists and checkpoints, and through splits along edges of the mesh (a twin's edge
+goes on with it); a cut through quads that gives an end a new node lets it go. Towards an end of the
+film's edge g goes to zero, so N does, and the node takes over.
 """
 
 from __future__ import annotations

@@ -41,8 +41,9 @@ of 1e-30 and less, of which G cannot tell. Any further turn stays within a brack
 and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
 when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
 turns gets nan, and the run is stopped by name. The flow changes
-no bit of lanes that do not yield. Isotropic moduli with von Mises have two modes, the mean and the
-deviator.
+no bit of lanes that do not yield; that a block leaves the short way of an elastic film when one of
+its lanes first yields (:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von
+Mises have two modes, the mean and the deviator.
 
 **Where nothing yields**, which is most of a film at most times, the block is left after the trial:
 R = σ_y(p) - σ_0 is kept as history, so that no hardening is evaluated then.

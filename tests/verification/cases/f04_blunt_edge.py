@@ -7,7 +7,7 @@ Source: exact as statements of energy. Without friction F = G h for every radius
 the work still goes into the law. With friction mu = 0.3 the force is G h and what friction takes;
 a cable whose ends lie on the blade gives that in closed form (tests/verification/blunt_edge.py).
 
-Bands: without friction 3 % for waves, on the force less what is damped. Damping hangs on chance:
+Bands: without friction 3 % for waves, on the force less what is damped. Damping depends on chance:
 radii that differ by 1e-9 to 1e-6 give 2.1 to 5.7 % (test_blunt_edge.py), so it has a bound of 8 %
 and the force itself stands beside. A radius of 1 µm within 0.5 % of the sharp edge, as asked for.
 Beside: the ends of the cables are not on the blade but fly beside it, and as they swing the cables
