@@ -9,7 +9,7 @@ commas, degrees and N·cm. **The table is made up for this example; no machine m
 writes the run, the table, comparison.png and comparison.json into DIR. On the command line, with
 the same table::
 
-    shellcut run opening --set mesh=quick --set angle_deg=40 --set duration=2.5e-3 -o out
+    shellcut run opening --set mesh=quick --set motion.angle_deg=40 --set duration=2.5e-3 -o out
     shellcut compare out DIR/made_up.csv --x angle=Winkel --y torque=Drehmoment --window 10
 """
 

@@ -117,7 +117,6 @@ def own_parts(user: User) -> str:
             "cap.stl: no unit given: taken as mm",
             "4 of 4 bodies were inside out and are turned",
             "4 cutting edges found by angle, 23.09 mm in all",
-            "path of",
         )
         edges = re.findall(r"chain \d of body \d: .* 5\.773 mm", done.said)
         expect(len(edges) == 4, f"4 edges of 5.773 mm each, got:\n{done.said}")

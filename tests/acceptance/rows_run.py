@@ -179,7 +179,7 @@ def threads(user: User) -> str:
     "extra",
     "the torque's sign and parts",
     seconds=10,
-    limit="resists; contact + joints = teeth = torque within 1e-12 of the peak",
+    limit="resists; contact + points + joints = teeth = torque within 1e-12 of the peak",
     needs=("out",),
 )
 def torque_sign(user: User) -> str:

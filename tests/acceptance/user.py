@@ -19,7 +19,7 @@ ROOT = HERE.parents[1]
 
 QUICK = ("opening", "--set", "mesh=quick")
 """The main job."""
-SHORT = (*QUICK, "--set", "angle_deg=14", "--set", "duration=1e-3", "--no-pictures")
+SHORT = (*QUICK, "--set", "motion.angle_deg=14", "--set", "duration=1e-3", "--no-pictures")
 """The same, over before the teeth have cut 5 mm; a few seconds."""
 
 _LIMIT = 600.0

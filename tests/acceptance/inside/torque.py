@@ -10,9 +10,8 @@ import shellcut
 h = shellcut.read(sys.argv[1]).history
 torque, peak = h["torque"], h["torque"].max()
 teeth = sum(h[name] for name in h if name.startswith("torque_tooth_"))
-parts = max(
-    np.abs(part - torque).max() for part in (h["torque_contact"] + h["torque_joints"], teeth)
-)
+terms = h["torque_contact"] + h["torque_points"] + h["torque_joints"]
+parts = max(np.abs(part - torque).max() for part in (terms, teeth))
 cutting = (h["angle"] > 15.0) & (h["angle"] < 70.0)
 # The screw's advance is 12 mm a turn, downwards; the axial force resists it.
 work = np.trapezoid(torque, np.radians(h["angle"]))
