@@ -8,7 +8,7 @@ from branching_plate import DENSITY, POISSON, YOUNG, branchings, cuts, plate
 from gone_on import check_goes_on
 from shellcut.fracture.branching import ANGLE, SHARE, Branching, rayleigh_speed
 from shellcut.fracture.drawn_film import DrawnFilm
-from shellcut.fracture.tip import Tip
+from shellcut.fracture.tip import Tip, restored_tips, saved_tips
 from shellcut.material import Layer, Orthotropic
 
 END = 45e-6
@@ -127,6 +127,15 @@ def test_only_branches_keep_their_heading_near_other_tips():
             sim.step()
         ways.append([cut.reference for cut in sim.state.split_log])
     assert ways[0] == ways[1]
+
+
+def test_a_checkpoint_keeps_what_tips_have_run():
+    heading = np.array([1.0, 0.0, 0.0])
+    paces = [(), ((1e-6, 0.5), (2e-6, 0.4)), ((3e-6, 0.7),)]
+    tips = [Tip((k, k + 1), 0.5, k, heading, 0.1, pace=pace) for k, pace in enumerate(paces)]
+    tips[1].branch = True
+    again = restored_tips(saved_tips(tips))
+    assert [(tip.pace, tip.branch) for tip in again] == [(t.pace, t.branch) for t in tips]
 
 
 def test_what_does_not_go_with_branching_is_refused():
