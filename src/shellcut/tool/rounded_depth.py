@@ -212,20 +212,55 @@ def way_to_opened(
     g, out : depth of p and way out of it to its closest triangle.
     """
     grid = borrowed(grid)
-    normals = grid.surface.pseudo_normals
     w = scale(radius - g, out)
-    n, a, m = np.zeros((4, 3)), np.zeros(4), 1
+    deep, normal, needed = _face_beyond(p, w, side, radius, grid)
+    if deep:
+        return w
+    # Mostly the round of one edge: two faces, without a table of them.
+    second = _least_of_two(out, radius - g, normal, needed, radius)
+    deep, third, beyond = _face_beyond(p, second, side, radius, grid)
+    if deep:
+        return second
+    n, a = np.empty((4, 3)), np.empty(4)
     _put(n, a, 0, out, radius - g)
+    _put(n, a, 1, normal, needed)
+    _, m = _least(n, a, 2, radius)
+    _put(n, a, m, third, beyond)
     for _ in range(_MOST_ROUNDS):
-        z = sub(p, w)
-        found, t, _, q, _ = closest_of_side(z, side, grid)
-        face = normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]
-        depth, normal = face_depth(z, q, face)
-        if not found or depth >= radius * (1.0 - _MET):
-            break
-        _put(n, a, m, normal, radius - depth + dot(normal, w))
         w, m = _least(n, a, m + 1, radius)
+        deep, normal, needed = _face_beyond(p, w, side, radius, grid)
+        if deep:
+            break
+        _put(n, a, m, normal, needed)
     return w
+
+
+@inline
+def _face_beyond(
+    p: Vec3, w: Vec3, side: int, radius: float, grid: TriangleGrid
+) -> tuple[bool, Vec3, float]:
+    """Return whether p - w is r deep, else the outward normal n of the face it is too close to.
+
+    And what n · w must be for that face [mm].
+    """
+    z = sub(p, w)
+    found, t, _, q, _ = closest_of_side(z, side, grid)
+    normals = grid.surface.pseudo_normals
+    depth, normal = face_depth(z, q, (normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]))
+    deep = not found or depth >= radius * (1.0 - _MET)
+    return deep, normal, radius - depth + dot(normal, w)
+
+
+@inline
+def _least_of_two(one: Vec3, a: float, two: Vec3, b: float, radius: float) -> Vec3:
+    """Return the least w with one · w >= a and two · w >= b, two being among those that span it."""
+    c = dot(one, two)
+    if b >= 0.0 and c * b >= a - _MET * radius:
+        return scale(b, two)
+    whole = 1.0 - c * c
+    if whole < _PARALLEL or a < c * b or b < c * a:
+        return scale(b, two)
+    return combine((a - c * b) / whole, one, (b - c * a) / whole, two)
 
 
 @inline
