@@ -34,6 +34,7 @@ from shellcut.tool.signed_distance import signed_distance
 
 from .edge_tables import EdgeTables
 from .settings import smoothed, smoothed_integral
+from .tool_wedge import Beside, Deepest, Place, Wedge, place_in_wedge
 
 _MOST_STEPS = 60
 
@@ -50,28 +51,6 @@ _FIRST_STEP = 0.1
 
 # Of the edge's length: closer to an end the end feels it all.
 _AT_END = 1e-6
-
-
-class Place(NamedTuple):
-    """A place in the tool."""
-
-    inside: bool
-    """Whether it is, with a depth that presses; the rest holds only then."""
-    depth: float
-    """D [mm]."""
-    out: Vec3
-    """Unit vector out, in the body frame."""
-
-
-class Deepest(NamedTuple):
-    """Where an edge of the film is deepest, compared with its chord."""
-
-    depth: float
-    """g [mm], 0 if it is no deeper anywhere."""
-    s: float
-    """Where, from 0 at a to 1 at b."""
-    here: Place
-    """Of that place."""
 
 
 class Press(NamedTuple):
@@ -119,22 +98,14 @@ def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
 
 
 @inline
-def deepest_on(
-    a: Vec3,
-    u: Vec3,
-    at: float,
-    so_far: Deepest,
-    end_a: Place,
-    end_b: Place,
-    side: int,
-    tables: EdgeTables,
-) -> Deepest:
-    """Return the deepest place of an edge a + s u around one of its places in the tool.
+def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -> Deepest:
+    """Return the deepest place of an edge around one of its places in the tool.
 
     at : that place, between 0 and 1.  so_far : the deepest of another search, which is returned if
-    it is deeper.  end_a, end_b : the ends.
+    it is deeper.
     """
     tables = borrowed(tables)
+    a, u, side, end_a, end_b = beside.a, beside.u, beside.side, beside.end_a, beside.end_b
     here = place_at(add_scaled(a, at, u), side, tables)
     if not here.inside:
         return so_far
@@ -185,6 +156,14 @@ def deepest_on(
 
 
 @inline
+def _place_on(s: float, beside: Beside, wedge: Wedge, tables: EdgeTables) -> Place:
+    """Return how deep the place s of an edge is, in the wedge if that stands for the tool."""
+    if wedge.known:
+        return place_in_wedge(s, wedge, tables.law.rounding)
+    return place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
+
+
+@inline
 def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tuple[bool, float]:
     """Return whether a place presses, and the slope of its energy over the ends' [mm²]."""
     loaded = here.depth - offset
@@ -195,20 +174,15 @@ def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tupl
 
 @inline
 def press_on(
-    a: Vec3,
-    u: Vec3,
-    found: Deepest,
-    offset: float,
-    end_a: Place,
-    end_b: Place,
-    side: int,
-    tables: EdgeTables,
+    found: Deepest, offset: float, beside: Beside, wedge: Wedge, tables: EdgeTables
 ) -> Press:
-    """Return what an edge a + s u presses with where its energy over that of its ends is largest.
+    """Return what an edge presses with where its energy over that of its ends is largest.
 
     found : its deepest place, where the search begins.  offset : what does not press there [mm].
+    wedge : stands for the tool if it is known.
     """
     tables = borrowed(tables)
+    u, end_a, end_b = beside.u, beside.end_a, beside.end_b
     g_m = tables.law.smoothing_depth
     of_a = smoothed_integral(end_a.depth, g_m)
     of_b = smoothed_integral(end_b.depth, g_m)
@@ -230,7 +204,7 @@ def press_on(
             return none
         s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
         step *= 2.0
-        here = place_at(add_scaled(a, s, u), side, tables)
+        here = _place_on(s, beside, wedge, tables)
         presses, slope = _slope(here, u, offset, rise, g_m)
     s_down, down, slope_down = s, here, slope
     beyond = not presses
@@ -243,7 +217,7 @@ def press_on(
         s = 0.5 * (s_up + s_down)
         if not beyond:
             s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
-        here = place_at(add_scaled(a, s, u), side, tables)
+        here = _place_on(s, beside, wedge, tables)
         presses, slope = _slope(here, u, offset, rise, g_m)
         if presses and abs(slope) <= flat:
             s_up = s_down = s

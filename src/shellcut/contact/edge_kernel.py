@@ -9,14 +9,24 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .deepest_on_edge import Deepest, Place, closest_along, deepest_on, place_at, press_on
+from .deepest_on_edge import Press, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
+from .tool_wedge import (
+    Beside,
+    Deepest,
+    Place,
+    Wedge,
+    deepest_in_wedge,
+    no_wedge,
+    place_in_wedge,
+    wedge_along,
+)
 
 STIFFNESS = 0.25
 """Stiffness of an edge of the film over that of the softer node at its ends."""
@@ -25,20 +35,20 @@ CAPTURE = 0.3
 """Distance from the round of the tool's edge beyond which the film does not touch it, over the
 local edge length."""
 
+# Over the rounding radius: a wedge that is so close to the depth of the tool stands for it.
+_AGREES = 1e-6
+
+# Over the length of an edge of the tool: a corner so far above a plane still lies in it.
+_IN_PLANE = 1e-9
+
 
 class Look(NamedTuple):
-    """Where an edge of the film is beside the tool, in the body frame."""
+    """Where an edge of the film is deepest beside its chord."""
 
-    a: Vec3
-    """One end [mm]."""
-    u: Vec3
-    """Way to the other [mm]."""
-    side: int
-    """Of the blade."""
-    end_a: Place
-    end_b: Place
+    beside: Beside
     deepest: Deepest
-    """Beside its chord."""
+    wedge: Wedge
+    """That stands for the tool, if it is known."""
     body: int
     """Tooth there."""
     free: float
@@ -94,27 +104,120 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
     a, b = _ends(i, pose, tables)
     u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
     one_side, side = _side_of(i, tables)
-    end_a, end_b = Place(False, 0.0, a), Place(False, 0.0, b)
-    best, body, free, known = Deepest(0.0, 0.0, end_a), 0, np.inf, False
+    nearest, least, free = -1, np.inf, np.inf
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
-        s, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
+        _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
         off = away - edges.reach[e]
         if off >= CAPTURE * size:
             free = min(free, off - CAPTURE * size)
-            continue
-        if not one_side or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
+        elif not one_side or not _on_side(e, side, edges):
             free = 0.0
+        else:
+            free = min(free, max(off, 0.0))
+            if off < least:
+                nearest, least = e, off
+    nowhere = Place(False, 0.0, a)
+    if nearest < 0:
+        beside = Beside(a, u, side, size, nowhere, nowhere)
+        return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
+    beside = Beside(a, u, side, size, place_at(a, side, tables), place_at(b, side, tables))
+    trusted, deepest, wedge, body = _in_wedges(i, nearest, beside, tables)
+    if not trusted:
+        deepest, body = _in_tool(i, beside, tables)
+        wedge = no_wedge()
+    return Look(beside, deepest, wedge, body, 0.0 if deepest.depth > 0.0 else free)
+
+
+@inline
+def _on_side(e: int, side: int, edges: ToolEdges) -> bool:
+    """Return whether both faces at an edge of the tool are on a side of the blade."""
+    return min(side * edges.flank[e, 0], side * edges.flank[e, 1]) >= 0
+
+
+@inline
+def _captured(e: int, beside: Beside, edges: ToolEdges) -> tuple[bool, float]:
+    """Return whether an edge of the film may be on the round of one of the tool, and where."""
+    s, away = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
+    near = away - edges.reach[e] < CAPTURE * beside.size
+    return near and _on_side(e, beside.side, edges), s
+
+
+@inline
+def _in_wedges(
+    i: int, nearest: int, beside: Beside, tables: EdgeTables
+) -> tuple[bool, Deepest, Wedge, int]:
+    """Look for the deepest place of an edge in the wedges at the tool's edges near it.
+
+    nearest : edge of the tool.  Returns whether the tool is as deep there as the wedge, the place,
+    that wedge and its tooth.
+    """
+    pairs, edges, radius = tables.pairs, tables.edges, tables.law.rounding
+    best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
+    for j in range(pairs.first[i] - 1, pairs.first[i + 1]):
+        first = j < pairs.first[i]
+        e = nearest if first else pairs.edge[j]
+        if not first and (e == nearest or not _captured(e, beside, edges)[0]):
             continue
-        if not known:
-            end_a, end_b, known = place_at(a, side, tables), place_at(b, side, tables), True
-        found = deepest_on(a, u, s, best, end_a, end_b, side, tables)
+        at = _wedge_at(e, beside, edges)
+        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
+        if found.depth <= best.depth and says:
+            continue
+        if not first and not _is_hollow_between(nearest, e, edges):
+            continue
+        if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
+            return False, best, wedge, body
+        best, wedge, body = found, at, edges.body[e]
+    return True, best, wedge, body
+
+
+@inline
+def _is_as_deep(s: float, depth: float, beside: Beside, tables: EdgeTables) -> bool:
+    """Return whether the tool is as deep at the place s of an edge as a wedge [mm]."""
+    there = place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
+    return there.inside and abs(there.depth - depth) <= _AGREES * tables.law.rounding
+
+
+@inline
+def _wedge_at(e: int, beside: Beside, edges: ToolEdges) -> Wedge:
+    """Return the wedge of the two faces at an edge of the tool along an edge of the film."""
+    one, two = load(edges.normal[e], 0), load(edges.normal[e], 1)
+    return wedge_along(beside.a, beside.u, one, two, edges.level[e, 0], edges.level[e, 1])
+
+
+@inline
+def _is_hollow_between(e: int, f: int, edges: ToolEdges) -> bool:
+    """Return whether one of two edges of the tool rises above a face at the other.
+
+    If none does, the film is deepest beside its chord at one place of both.
+    """
+    for k in range(2):
+        for end in range(2):
+            above_e = dot(load(edges.normal[e], k), load(edges.corner[f], end)) - edges.level[e, k]
+            above_f = dot(load(edges.normal[f], k), load(edges.corner[e], end)) - edges.level[f, k]
+            room = _IN_PLANE * (norm(load(edges.way, e)) + norm(load(edges.way, f)))
+            if max(above_e, above_f) > room:
+                return True
+    return False
+
+
+@inline
+def _in_tool(i: int, beside: Beside, tables: EdgeTables) -> tuple[Deepest, int]:
+    """Look for the deepest place of an edge in the whole tool, from all its edges near it.
+
+    Returns the place and its tooth.
+    """
+    pairs, edges = tables.pairs, tables.edges
+    best, body = Deepest(0.0, 0.0, beside.end_a), 0
+    for j in range(pairs.first[i], pairs.first[i + 1]):
+        e = pairs.edge[j]
+        captured, s = _captured(e, beside, edges)
+        if not captured:
+            continue
+        found = deepest_on(s, best, beside, tables)
         if found.depth > best.depth:
             best, body = found, edges.body[e]
-        free = min(free, max(off, 0.0))
-    if best.depth > 0.0:
-        free = 0.0
-    return Look(a, u, side, end_a, end_b, best, body, free)
+    return best, body
 
 
 @kernel
@@ -167,22 +270,34 @@ def add_edge_forces(
 @inline
 def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
-    memory, presses, end_a, end_b = tables.memory, tables.presses, look.end_a, look.end_b
+    memory, presses, beside = tables.memory, tables.presses, look.beside
     offset, body = memory.offset[i], look.body
-    found = press_on(look.a, look.u, look.deepest, offset, end_a, end_b, look.side, tables)
+    found = _press(look, offset, tables)
     if found.stored == 0.0:
         return
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
     memory.stored[i] = k * found.stored
     s, by = found.s, found.pressure
-    on_a = combine((1.0 - s) * by, found.out, -found.from_a, end_a.out)
-    on_b = combine(s * by, found.out, -found.from_b, end_b.out)
+    on_a = combine((1.0 - s) * by, found.out, -found.from_a, beside.end_a.out)
+    on_b = combine(s * by, found.out, -found.from_b, beside.end_b.out)
     _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, tables, wrench)
     _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, tables, wrench)
     presses.body[i], presses.place[i] = body, s
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
     store(presses.out, i, found.out)
+
+
+@inline
+def _press(look: Look, offset: float, tables: EdgeTables) -> Press:
+    """Return what an edge of the film presses with, over its stiffness."""
+    beside, wedge, radius = look.beside, look.wedge, tables.law.rounding
+    found = press_on(look.deepest, offset, beside, wedge, tables)
+    if wedge.known and found.stored > 0.0:
+        depth = place_in_wedge(found.s, wedge, radius).depth
+        if not _is_as_deep(found.s, depth, beside, tables):
+            found = press_on(look.deepest, offset, beside, no_wedge(), tables)
+    return found
 
 
 @inline

@@ -29,6 +29,12 @@ class ToolEdges(NamedTuple):
     """From there to its other end [mm]."""
     reach: Annotated[Floats, "(n_edge,)"]
     """Film that is farther than this from that line is not within the round of the edge [mm]."""
+    corner: Annotated[Floats, "(n_edge, 2, 3)"]
+    """Both ends of the edge itself [mm]."""
+    normal: Annotated[Floats, "(n_edge, 2, 3)"]
+    """Of the faces on both sides, outward."""
+    level: Annotated[Floats, "(n_edge, 2)"]
+    """Its product with points of the faces [mm]."""
     flank: Annotated[SmallInts, "(n_edge, 2)"]
     """The tool's flank labels on both sides."""
     body: Annotated[Ints, "(n_edge,)"]
@@ -41,7 +47,9 @@ class ToolEdges(NamedTuple):
         rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
         one, two = surface.forward[rows], surface.backward[rows]
         start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
-        middle = surface.normals[one] + surface.normals[two]
+        corner = np.stack([start, end], axis=1)
+        normal = np.stack([surface.normals[one], surface.normals[two]], axis=1)
+        middle = normal.sum(axis=1)
         # |n_1 + n_2|² = 2 (1 + n_1 n_2): the line that is r deep under both faces.
         middle /= np.maximum(0.5 * (middle**2).sum(axis=1, keepdims=True), 1e-12)
         deep = np.linalg.norm(middle, axis=1)
@@ -54,6 +62,9 @@ class ToolEdges(NamedTuple):
             start=np.ascontiguousarray(start + inward - beyond),
             way=np.ascontiguousarray(along + 2.0 * beyond),
             reach=rounding * (1.0 + deep - taken),
+            corner=corner,
+            normal=np.ascontiguousarray(normal),
+            level=np.einsum("eki,ei->ek", normal, start),
             flank=np.ascontiguousarray(np.column_stack([tool.flank[one], tool.flank[two]])),
             body=tool.triangle_body[one],
         )
