@@ -115,8 +115,9 @@ def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
             free = 0.0
         else:
             free = min(free, max(off, 0.0))
-            if off < least:
-                nearest, least = e, off
+            _, away = closest_along(a, u, load(edges.corner[e], 0), load(edges.along, e))
+            if away < least:
+                nearest, least = e, away
     nowhere = Place(False, 0.0, a)
     if nearest < 0:
         beside = Beside(a, u, side, size, nowhere, nowhere)

@@ -31,6 +31,8 @@ class ToolEdges(NamedTuple):
     """Film that is farther than this from that line is not within the round of the edge [mm]."""
     corner: Annotated[Floats, "(n_edge, 2, 3)"]
     """Both ends of the edge itself [mm]."""
+    along: Annotated[Floats, "(n_edge, 3)"]
+    """From one to the other [mm]."""
     normal: Annotated[Floats, "(n_edge, 2, 3)"]
     """Of the faces on both sides, outward."""
     level: Annotated[Floats, "(n_edge, 2)"]
@@ -63,6 +65,7 @@ class ToolEdges(NamedTuple):
             way=np.ascontiguousarray(along + 2.0 * beyond),
             reach=rounding * (1.0 + deep - taken),
             corner=corner,
+            along=end - start,
             normal=np.ascontiguousarray(normal),
             level=np.einsum("eki,ei->ek", normal, start),
             flank=np.ascontiguousarray(np.column_stack([tool.flank[one], tool.flank[two]])),
