@@ -38,6 +38,8 @@ local edge length."""
 # Over the rounding radius: a wedge that is so close to the depth of the tool stands for it.
 _AGREES = 1e-6
 
+_MOST_WEDGES = 4
+
 # Over the length of an edge of the tool: a corner so far above a plane still lies in it.
 _IN_PLANE = 1e-9
 
@@ -154,22 +156,52 @@ def _in_wedges(
     that wedge and its tooth.
     """
     pairs, edges, radius = tables.pairs, tables.edges, tables.law.rounding
-    best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
-    for j in range(pairs.first[i] - 1, pairs.first[i + 1]):
-        first = j < pairs.first[i]
-        e = nearest if first else pairs.edge[j]
-        if not first and (e == nearest or not _captured(e, beside, edges)[0]):
-            continue
+    best, wedge, body, e = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0, nearest
+    for _ in range(_MOST_WEDGES):
         at = _wedge_at(e, beside, edges)
         says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
-        if found.depth <= best.depth and says:
+        if says and found.depth == 0.0:
+            break
+        if says and _is_as_deep(found.s, found.here.depth, beside, tables):
+            best, wedge, body = found, at, edges.body[e]
+            break
+        # The deepest place lies at another edge of the tool.
+        nearer = _closest_edge(i, found.s, beside, tables)
+        if nearer == e:
+            return False, best, wedge, body
+        e = nearer
+    else:
+        return False, best, wedge, body
+    for j in range(pairs.first[i], pairs.first[i + 1]):
+        other = pairs.edge[j]
+        if not _captured(other, beside, edges)[0] or not _is_hollow_between(e, other, edges):
             continue
-        if not first and not _is_hollow_between(nearest, e, edges):
+        at = _wedge_at(other, beside, edges)
+        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
+        if says and found.depth <= best.depth:
             continue
         if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
             return False, best, wedge, body
-        best, wedge, body = found, at, edges.body[e]
+        best, wedge, body = found, at, edges.body[other]
     return True, best, wedge, body
+
+
+@inline
+def _closest_edge(i: int, s: float, beside: Beside, tables: EdgeTables) -> int:
+    """Return the edge of the tool closest to the place s of the i-th edge of the film."""
+    pairs, edges, p = tables.pairs, tables.edges, add_scaled(beside.a, s, beside.u)
+    closest, least = -1, np.inf
+    for j in range(pairs.first[i], pairs.first[i + 1]):
+        e = pairs.edge[j]
+        if not _on_side(e, beside.side, edges):
+            continue
+        along = load(edges.along, e)
+        way = sub(p, load(edges.corner[e], 0))
+        t = min(max(dot(way, along) / dot(along, along), 0.0), 1.0)
+        away = norm(add_scaled(way, -t, along))
+        if away < least:
+            closest, least = e, away
+    return closest
 
 
 @inline
