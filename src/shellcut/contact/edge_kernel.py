@@ -156,33 +156,21 @@ def _in_wedges(
     that wedge and its tooth.
     """
     pairs, edges, radius = tables.pairs, tables.edges, tables.law.rounding
-    best, wedge, body, e = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0, nearest
-    for _ in range(_MOST_WEDGES):
-        at = _wedge_at(e, beside, edges)
-        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
-        if says and found.depth == 0.0:
-            break
-        if says and _is_as_deep(found.s, found.here.depth, beside, tables):
-            best, wedge, body = found, at, edges.body[e]
-            break
-        # The deepest place lies at another edge of the tool.
-        nearer = _closest_edge(i, found.s, beside, tables)
-        if nearer == e:
-            return False, best, wedge, body
-        e = nearer
-    else:
-        return False, best, wedge, body
+    best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
     for j in range(pairs.first[i], pairs.first[i + 1]):
-        other = pairs.edge[j]
-        if not _captured(other, beside, edges)[0] or not _is_hollow_between(e, other, edges):
+        e = pairs.edge[j]
+        if not _captured(e, beside, edges)[0]:
             continue
-        at = _wedge_at(other, beside, edges)
+        at = _wedge_at(e, beside, edges)
         says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
         if says and found.depth <= best.depth:
             continue
+        # What a wedge says of a place at another edge, the wedge of that says better.
+        if _closest_edge(i, found.s, beside, tables) != e:
+            continue
         if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
             return False, best, wedge, body
-        best, wedge, body = found, at, edges.body[other]
+        best, wedge, body = found, at, edges.body[e]
     return True, best, wedge, body
 
 
@@ -216,22 +204,6 @@ def _wedge_at(e: int, beside: Beside, edges: ToolEdges) -> Wedge:
     """Return the wedge of the two faces at an edge of the tool along an edge of the film."""
     one, two = load(edges.normal[e], 0), load(edges.normal[e], 1)
     return wedge_along(beside.a, beside.u, one, two, edges.level[e, 0], edges.level[e, 1])
-
-
-@inline
-def _is_hollow_between(e: int, f: int, edges: ToolEdges) -> bool:
-    """Return whether one of two edges of the tool rises above a face at the other.
-
-    If none does, the film is deepest beside its chord at one place of both.
-    """
-    for k in range(2):
-        for end in range(2):
-            above_e = dot(load(edges.normal[e], k), load(edges.corner[f], end)) - edges.level[e, k]
-            above_f = dot(load(edges.normal[f], k), load(edges.corner[e], end)) - edges.level[f, k]
-            room = _IN_PLANE * (norm(load(edges.way, e)) + norm(load(edges.way, f)))
-            if max(above_e, above_f) > room:
-                return True
-    return False
 
 
 @inline
