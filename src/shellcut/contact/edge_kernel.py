@@ -157,6 +157,7 @@ def _in_wedges(
     """
     pairs, edges, radius = tables.pairs, tables.edges, tables.law.rounding
     best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
+    elsewhere = False
     for j in range(pairs.first[i], pairs.first[i + 1]):
         e = pairs.edge[j]
         if not _captured(e, beside, edges)[0]:
@@ -167,11 +168,13 @@ def _in_wedges(
             continue
         # What a wedge says of a place at another edge, the wedge of that says better.
         if _closest_edge(i, found.s, beside, tables) != e:
+            elsewhere = True
             continue
         if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
             return False, best, wedge, body
         best, wedge, body = found, at, edges.body[e]
-    return True, best, wedge, body
+    # Where two wedges say so of each other, it is deepest between them.
+    return best.depth > 0.0 or not elsewhere, best, wedge, body
 
 
 @inline
