@@ -176,6 +176,7 @@ class EdgeContact:
             node=ends[near],
             first=np.append(first[near], count),
             edge=edge[:count].copy(),
+            until=np.zeros(count),
             moving=np.unique(ends[near]),
         )
         memory, old = EdgeMemory.blank(len(near)), self.tables
@@ -209,6 +210,7 @@ class EdgeContact:
             pairs=pairs,
             memory=memory,
             presses=EdgePresses.none(len(pairs.node)),
+            captured=np.empty(len(self._edges.start), np.int64),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
         )
         self.held = self._hold(self.tables)

@@ -38,11 +38,6 @@ local edge length."""
 # Over the rounding radius: a wedge that is so close to the depth of the tool stands for it.
 _AGREES = 1e-6
 
-_MOST_WEDGES = 4
-
-# Over the length of an edge of the tool: a corner so far above a plane still lies in it.
-_IN_PLANE = 1e-9
-
 
 class Look(NamedTuple):
     """Where an edge of the film is deepest beside its chord."""
@@ -100,74 +95,74 @@ def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
 
 
 @inline
-def _look(i: int, pose: Pose, tables: EdgeTables) -> Look:
+def _look(i: int, walked: float, pose: Pose, tables: EdgeTables) -> Look:
     """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
-    pairs, edges = tables.pairs, tables.edges
     a, b = _ends(i, pose, tables)
-    u, size = sub(b, a), _size_of(i, pairs, tables.nodes)
+    u, size = sub(b, a), _size_of(i, tables.pairs, tables.nodes)
     one_side, side = _side_of(i, tables)
-    nearest, least, free = -1, np.inf, np.inf
-    for j in range(pairs.first[i], pairs.first[i + 1]):
-        e = pairs.edge[j]
-        _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
-        off = away - edges.reach[e]
-        if off >= CAPTURE * size:
-            free = min(free, off - CAPTURE * size)
-        elif not one_side or not _on_side(e, side, edges):
-            free = 0.0
-        else:
-            free = min(free, max(off, 0.0))
-            _, away = closest_along(a, u, load(edges.corner[e], 0), load(edges.along, e))
-            if away < least:
-                nearest, least = e, away
     nowhere = Place(False, 0.0, a)
-    if nearest < 0:
-        beside = Beside(a, u, side, size, nowhere, nowhere)
+    beside = Beside(a, u, side, size, nowhere, nowhere)
+    n, free = _capture(i, walked, one_side, beside, tables)
+    if n == 0:
         return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
     beside = Beside(a, u, side, size, place_at(a, side, tables), place_at(b, side, tables))
-    trusted, deepest, wedge, body = _in_wedges(i, nearest, beside, tables)
+    trusted, deepest, wedge, body = _in_wedges(tables.captured[:n], beside, tables)
     if not trusted:
-        deepest, body = _in_tool(i, beside, tables)
+        deepest, body = _in_tool(tables.captured[:n], beside, tables)
         wedge = no_wedge()
     return Look(beside, deepest, wedge, body, 0.0 if deepest.depth > 0.0 else free)
 
 
 @inline
-def _on_side(e: int, side: int, edges: ToolEdges) -> bool:
-    """Return whether both faces at an edge of the tool are on a side of the blade."""
-    return min(side * edges.flank[e, 0], side * edges.flank[e, 1]) >= 0
+def _capture(
+    i: int, walked: float, one_side: bool, beside: Beside, tables: EdgeTables
+) -> tuple[int, float]:
+    """Write the edges of the tool that the i-th edge of the film may touch to tables.captured.
 
-
-@inline
-def _captured(e: int, beside: Beside, edges: ToolEdges) -> tuple[bool, float]:
-    """Return whether an edge of the film may be on the round of one of the tool, and where."""
-    s, away = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
-    near = away - edges.reach[e] < CAPTURE * beside.size
-    return near and _on_side(e, beside.side, edges), s
+    Returns how many they are, and the way until it may touch others [mm].
+    """
+    pairs, edges = tables.pairs, tables.edges
+    n, free = 0, np.inf
+    for j in range(pairs.first[i], pairs.first[i + 1]):
+        if walked < pairs.until[j]:
+            free = min(free, pairs.until[j] - walked)
+            continue
+        e = pairs.edge[j]
+        _, away = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
+        off = away - edges.reach[e]
+        if off >= CAPTURE * beside.size:
+            pairs.until[j] = walked + off - CAPTURE * beside.size
+            free = min(free, off - CAPTURE * beside.size)
+        elif (
+            not one_side
+            or min(beside.side * edges.flank[e, 0], beside.side * edges.flank[e, 1]) < 0
+        ):
+            free = 0.0
+        else:
+            tables.captured[n] = e
+            n += 1
+            free = min(free, max(off, 0.0))
+    return n, free
 
 
 @inline
 def _in_wedges(
-    i: int, nearest: int, beside: Beside, tables: EdgeTables
+    captured: Ints, beside: Beside, tables: EdgeTables
 ) -> tuple[bool, Deepest, Wedge, int]:
-    """Look for the deepest place of an edge in the wedges at the tool's edges near it.
+    """Look for the deepest place of an edge in the wedges at some edges of the tool.
 
-    nearest : edge of the tool.  Returns whether the tool is as deep there as the wedge, the place,
-    that wedge and its tooth.
+    Returns whether the tool is as deep there as the wedge, the place, that wedge and its tooth.
     """
-    pairs, edges, radius = tables.pairs, tables.edges, tables.law.rounding
+    edges, radius = tables.edges, tables.law.rounding
     best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
     elsewhere = False
-    for j in range(pairs.first[i], pairs.first[i + 1]):
-        e = pairs.edge[j]
-        if not _captured(e, beside, edges)[0]:
-            continue
+    for e in captured:
         at = _wedge_at(e, beside, edges)
         says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
         if says and found.depth <= best.depth:
             continue
         # What a wedge says of a place at another edge, the wedge of that says better.
-        if _closest_edge(i, found.s, beside, tables) != e:
+        if _closest_edge(captured, found.s, beside, edges) != e:
             elsewhere = True
             continue
         if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
@@ -178,20 +173,15 @@ def _in_wedges(
 
 
 @inline
-def _closest_edge(i: int, s: float, beside: Beside, tables: EdgeTables) -> int:
-    """Return the edge of the tool closest to the place s of the i-th edge of the film."""
-    pairs, edges, p = tables.pairs, tables.edges, add_scaled(beside.a, s, beside.u)
-    closest, least = -1, np.inf
-    for j in range(pairs.first[i], pairs.first[i + 1]):
-        e = pairs.edge[j]
-        if not _on_side(e, beside.side, edges):
-            continue
-        along = load(edges.along, e)
-        way = sub(p, load(edges.corner[e], 0))
+def _closest_edge(captured: Ints, s: float, beside: Beside, edges: ToolEdges) -> int:
+    """Return which of some edges of the tool is closest to the place s of an edge of the film."""
+    p, closest, least = add_scaled(beside.a, s, beside.u), -1, np.inf
+    for e in captured:
+        along, way = load(edges.along, e), sub(p, load(edges.corner, e))
         t = min(max(dot(way, along) / dot(along, along), 0.0), 1.0)
-        away = norm(add_scaled(way, -t, along))
-        if away < least:
-            closest, least = e, away
+        away = sub(way, scale(t, along))
+        if dot(away, away) < least:
+            closest, least = e, dot(away, away)
     return closest
 
 
@@ -210,18 +200,14 @@ def _wedge_at(e: int, beside: Beside, edges: ToolEdges) -> Wedge:
 
 
 @inline
-def _in_tool(i: int, beside: Beside, tables: EdgeTables) -> tuple[Deepest, int]:
-    """Look for the deepest place of an edge in the whole tool, from all its edges near it.
+def _in_tool(captured: Ints, beside: Beside, tables: EdgeTables) -> tuple[Deepest, int]:
+    """Look for the deepest place of an edge in the whole tool, from some edges of that.
 
     Returns the place and its tooth.
     """
-    pairs, edges = tables.pairs, tables.edges
-    best, body = Deepest(0.0, 0.0, beside.end_a), 0
-    for j in range(pairs.first[i], pairs.first[i + 1]):
-        e = pairs.edge[j]
-        captured, s = _captured(e, beside, edges)
-        if not captured:
-            continue
+    edges, best, body = tables.edges, Deepest(0.0, 0.0, beside.end_a), 0
+    for e in captured:
+        s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
         found = deepest_on(s, best, beside, tables)
         if found.depth > best.depth:
             best, body = found, edges.body[e]
@@ -251,7 +237,7 @@ def add_edge_forces(
         if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, tables)
-        look = _look(i, pose, tables)
+        look = _look(i, walked, pose, tables)
         g = look.deepest.depth
         memory.until[i] = walked + look.free
         change, held = g - memory.depth[i], memory.stored[i]

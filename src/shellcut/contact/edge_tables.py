@@ -29,10 +29,10 @@ class ToolEdges(NamedTuple):
     """From there to its other end [mm]."""
     reach: Annotated[Floats, "(n_edge,)"]
     """Film that is farther than this from that line is not within the round of the edge [mm]."""
-    corner: Annotated[Floats, "(n_edge, 2, 3)"]
-    """Both ends of the edge itself [mm]."""
+    corner: Annotated[Floats, "(n_edge, 3)"]
+    """One end of the edge itself [mm]."""
     along: Annotated[Floats, "(n_edge, 3)"]
-    """From one to the other [mm]."""
+    """From there to the other [mm]."""
     normal: Annotated[Floats, "(n_edge, 2, 3)"]
     """Of the faces on both sides, outward."""
     level: Annotated[Floats, "(n_edge, 2)"]
@@ -49,7 +49,6 @@ class ToolEdges(NamedTuple):
         rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
         one, two = surface.forward[rows], surface.backward[rows]
         start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
-        corner = np.stack([start, end], axis=1)
         normal = np.stack([surface.normals[one], surface.normals[two]], axis=1)
         middle = normal.sum(axis=1)
         # |n_1 + n_2|² = 2 (1 + n_1 n_2): the line that is r deep under both faces.
@@ -64,7 +63,7 @@ class ToolEdges(NamedTuple):
             start=np.ascontiguousarray(start + inward - beyond),
             way=np.ascontiguousarray(along + 2.0 * beyond),
             reach=rounding * (1.0 + deep - taken),
-            corner=corner,
+            corner=start,
             along=end - start,
             normal=np.ascontiguousarray(normal),
             level=np.einsum("eki,ei->ek", normal, start),
@@ -82,6 +81,8 @@ class EdgePairs(NamedTuple):
     """First pair of each, and the end."""
     edge: Annotated[Ints, "(n_pair,)"]
     """Edge of the tool."""
+    until: Annotated[Floats, "(n_pair,)"]
+    """Way walked from which on the pair may touch [mm]."""
     moving: Annotated[Ints, "(n_moving,)"]
     """Nodes at the ends, ascending."""
 
@@ -151,4 +152,6 @@ class EdgeTables(NamedTuple):
     pairs: EdgePairs
     memory: EdgeMemory
     presses: EdgePresses
+    captured: Annotated[Ints, "(n_edge,)"]
+    """Room for the tool's edges that one of the film's may touch."""
     nodes: EdgeNodes
