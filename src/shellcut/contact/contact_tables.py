@@ -15,7 +15,7 @@ from .settings import PenaltyLaw
 
 
 class Lookups(NamedTuple):
-    """Result of the last look-up of each listed node in the tool."""
+    """What is known of each listed node in the tool, most of it from its last look-up."""
 
     node: Annotated[Ints, "(n_near,)"]
     """Node ids, ascending."""
@@ -28,6 +28,10 @@ class Lookups(NamedTuple):
     """Whether the node was inside."""
     closest: Annotated[Ints, "(n_near, 2)"]
     """If inside: the closest triangle of all, and the closest of its side."""
+    depth: Annotated[Floats, "(n_near,)"]
+    """If inside: the depth below the rounded surface, at this step [mm]."""
+    out: Annotated[Floats, "(n_near, 3)"]
+    """And the unit vector out there, in the body frame."""
 
     @classmethod
     def none_yet(cls, nodes: Ints) -> Lookups:
@@ -38,6 +42,8 @@ class Lookups(NamedTuple):
             lasts=np.zeros(nodes.size),
             within=np.zeros(nodes.size, np.bool_),
             closest=np.zeros((nodes.size, 2), np.int64),
+            depth=np.zeros(nodes.size),
+            out=np.zeros((nodes.size, 3)),
         )
 
 

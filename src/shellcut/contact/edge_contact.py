@@ -174,6 +174,7 @@ class EdgeContact:
         near = np.flatnonzero(np.diff(first))
         pairs = EdgePairs(
             node=ends[near],
+            listed=_rows_among(self._contact.near.ids, ends[near]),
             first=np.append(first[near], count),
             edge=edge[:count].copy(),
             until=np.zeros(count),
@@ -206,6 +207,7 @@ class EdgeContact:
             radius=self._radius,
             grid=contact.grid.arrays,
             around=self._around,
+            near=contact.lookups,
             law=contact.law,
             pairs=pairs,
             memory=memory,
@@ -216,6 +218,14 @@ class EdgeContact:
         self.held = self._hold(self.tables)
         self._of_contact = contact.tables
         self._known.take(state)
+
+
+def _rows_among(ids: Ints, nodes: Ints) -> Ints:
+    """Return the rows of some nodes among ids, which ascend, -1 for none; shape of nodes."""
+    if not ids.size:
+        return np.full(nodes.shape, -1)
+    row = np.minimum(np.searchsorted(ids, nodes), ids.size - 1)
+    return np.where(ids[row] == nodes, row, -1)
 
 
 def _same_edges(was: Ints, now: Ints, splits: Sequence[SplitRecord]) -> Ints:

@@ -12,6 +12,8 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.rounded_depth import face_depth
+from shellcut.tool.signed_distance import closest_of_side
 
 from .deepest_on_edge import Press, closest_along, deepest_on, place_at, press_on
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
@@ -105,12 +107,28 @@ def _look(i: int, walked: float, pose: Pose, tables: EdgeTables) -> Look:
     n, free = _capture(i, walked, one_side, beside, tables)
     if n == 0:
         return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
-    beside = Beside(a, u, side, size, place_at(a, side, tables), place_at(b, side, tables))
+    end_a, end_b = _end(i, 0, a, side, tables), _end(i, 1, b, side, tables)
+    beside = Beside(a, u, side, size, end_a, end_b)
     trusted, deepest, wedge, body = _in_wedges(tables.captured[:n], beside, tables)
     if not trusted:
         deepest, body = _in_tool(tables.captured[:n], beside, tables)
         wedge = no_wedge()
     return Look(beside, deepest, wedge, body, 0.0 if deepest.depth > 0.0 else free)
+
+
+@inline
+def _end(i: int, k: int, p: Vec3, side: int, tables: EdgeTables) -> Place:
+    """Return how deep an end of the i-th edge of the film is, at p in the body frame.
+
+    The contact of the nodes has found that, of the node's own side.
+    """
+    near, row = tables.near, tables.pairs.listed[i, k]
+    if row < 0 or not near.within[row]:
+        return Place(False, 0.0, p)
+    if tables.nodes.contact_side[near.node[row]] != side:
+        return place_at(p, side, tables)
+    depth = near.depth[row]
+    return Place(depth > 0.0, max(depth, 0.0), load(near.out, row))
 
 
 @inline
@@ -165,7 +183,7 @@ def _in_wedges(
         if _closest_edge(captured, found.s, beside, edges) != e:
             elsewhere = True
             continue
-        if not says or not _is_as_deep(found.s, found.here.depth, beside, tables):
+        if not says or not _is_tool(found.s, found.here, beside, tables):
             return False, best, wedge, body
         best, wedge, body = found, at, edges.body[e]
     # Where two wedges say so of each other, it is deepest between them.
@@ -186,10 +204,18 @@ def _closest_edge(captured: Ints, s: float, beside: Beside, edges: ToolEdges) ->
 
 
 @inline
-def _is_as_deep(s: float, depth: float, beside: Beside, tables: EdgeTables) -> bool:
-    """Return whether the tool is as deep at the place s of an edge as a wedge [mm]."""
-    there = place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
-    return there.inside and abs(there.depth - depth) <= _AGREES * tables.law.rounding
+def _is_tool(s: float, here: Place, beside: Beside, tables: EdgeTables) -> bool:
+    """Return whether the tool is as deep at the place s of an edge as its wedge says.
+
+    Both faces bound the depth there. So they do in the tool if both touch the ball that rounds it,
+    or the place if that is deeper, and no other face comes closer.
+    """
+    radius, grid = tables.law.rounding, tables.grid
+    z = add_scaled(add_scaled(beside.a, s, beside.u), min(here.depth - radius, 0.0), here.out)
+    found, t, _, q, ahead = closest_of_side(z, beside.side, grid)
+    depth, _ = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
+    touches = abs(depth - max(here.depth, radius)) <= _AGREES * radius
+    return found and touches and ahead <= _AGREES * radius
 
 
 @inline
@@ -288,8 +314,7 @@ def _press(look: Look, offset: float, tables: EdgeTables) -> Press:
     beside, wedge, radius = look.beside, look.wedge, tables.law.rounding
     found = press_on(look.deepest, offset, beside, wedge, tables)
     if wedge.known and found.stored > 0.0:
-        depth = place_in_wedge(found.s, wedge, radius).depth
-        if not _is_as_deep(found.s, depth, beside, tables):
+        if not _is_tool(found.s, place_in_wedge(found.s, wedge, radius), beside, tables):
             found = press_on(look.deepest, offset, beside, no_wedge(), tables)
     return found
 

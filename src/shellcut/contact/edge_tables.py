@@ -13,6 +13,7 @@ from shellcut.tool.surface import Surface
 from shellcut.tool.tool import Tool
 
 from .contact_points import LEAST_TURN, is_cutting
+from .contact_tables import Lookups
 from .settings import PenaltyLaw
 
 # Over the rounding radius: the line that the round of an edge is centred on is taken no farther
@@ -77,6 +78,8 @@ class EdgePairs(NamedTuple):
 
     node: Annotated[Ints, "(n_film, 2)"]
     """Ends of the film's edge."""
+    listed: Annotated[Ints, "(n_film, 2)"]
+    """Their rows among the nodes near the tool, -1 for none."""
     first: Annotated[Ints, "(n_first,)"]
     """First pair of each, and the end."""
     edge: Annotated[Ints, "(n_pair,)"]
@@ -152,6 +155,8 @@ class EdgeTables(NamedTuple):
     pairs: EdgePairs
     memory: EdgeMemory
     presses: EdgePresses
+    near: Lookups
+    """Of the nodes near the tool."""
     captured: Annotated[Ints, "(n_edge,)"]
     """Room for the tool's edges that one of the film's may touch."""
     nodes: EdgeNodes

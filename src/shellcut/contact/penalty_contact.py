@@ -149,7 +149,8 @@ class PenaltyContact:
             _MARGIN * edge_length,
         )
         """The nodes of the last global search."""
-        self._lookups = Lookups.none_yet(self.near.ids)
+        self.lookups = Lookups.none_yet(self.near.ids)
+        """What the last step has found of these nodes, anew with each list."""
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
         """What the kernel takes, anew with each list."""
@@ -196,7 +197,7 @@ class PenaltyContact:
         """Return the list of near nodes, their last look-ups, and the last forces."""
         return {
             "near": self.near.saved(),
-            "lookups": self._lookups._asdict(),
+            "lookups": self.lookups._asdict(),
             "forces": self.forces._asdict(),
             "deepest": self.deepest,
         }
@@ -205,13 +206,13 @@ class PenaltyContact:
         """Take over :meth:`saved`, for the nodes of ``state`` and the tool at its present pose."""
         self._pose = pose
         self.near.restore(state, saved["near"])
-        self._lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
+        self.lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
         self.forces, self.deepest = ContactForces(**saved["forces"]), saved["deepest"]
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
         """Switch to the new list: nodes that left it are outside, the others keep their look-up."""
-        n, before, near = state.node, self._lookups.node, self.near.ids
+        n, before, near = state.node, self.lookups.node, self.near.ids
         place = np.searchsorted(near, before)
         stays = near.take(place, mode="clip") == before if near.size else before < 0
         left = before[~stays]
@@ -219,11 +220,11 @@ class PenaltyContact:
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
         lookups = Lookups.none_yet(near)
-        for new, old in zip(lookups[1:], self._lookups[1:], strict=True):
+        for new, old in zip(lookups[1:], self.lookups[1:], strict=True):
             new[place[stays]] = old[stays]
         # A split leaves its node without a side: its look-up is void.
         lookups.lasts[lookups.within & (n.contact_side[near] == 0)] = 0.0
-        self._lookups = lookups
+        self.lookups = lookups
         self._collect(state)
 
     def _collect(self, state: State) -> None:
@@ -240,7 +241,7 @@ class PenaltyContact:
                 undecided=self._undecided,
             ),
             law=self.law,
-            near=self._lookups,
+            near=self.lookups,
             nodes=ContactNodes(**{name: getattr(n, name) for name in ContactNodes._fields}),
             around=state.quads_at_nodes(),
         )
@@ -426,6 +427,8 @@ def _add_contact_forces(
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
             near.closest[i, 1] = triangle  # of the tooth that friction acts on
         g, outward = rounded_depth(p, q, triangle, side[n], law.rounding, tool.grid, tool.around)
+        near.depth[i] = g
+        store(near.out, i, outward)
         impact, back = _impact(n, p, g, dt, pose_before, tables)
         n_inside += 1
         deepest = max(deepest, g)
