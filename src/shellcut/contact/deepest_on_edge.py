@@ -27,14 +27,13 @@ from typing import NamedTuple
 
 from shellcut.arrays import Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import always_inline, inline
-from shellcut.numerics.vec3 import add_scaled, combine, dot, norm, sub
-from shellcut.tool.rounded_depth import rounded_depth
-from shellcut.tool.signed_distance import signed_distance
+from shellcut.numerics.jit import inline
+from shellcut.numerics.vec3 import combine, dot, load, norm
 
+from .captured_edges import closest_along, is_tool, may_be_deeper, place_on
 from .edge_tables import EdgeTables
 from .settings import smoothed, smoothed_integral
-from .tool_wedge import Beside, Deepest, Place, Wedge, place_in_wedge
+from .tool_wedge import Beside, Deepest, Place, Wedge, no_wedge, place_in_wedge
 
 _MOST_STEPS = 60
 
@@ -71,30 +70,19 @@ class Press(NamedTuple):
 
 
 @inline
-def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
-    """Return how deep a point of the body frame is below the rounded surface of a side."""
-    tables = borrowed(tables)
-    found, inside, triangle, q, _, _ = signed_distance(p, side, tables.grid)
-    if not (found and inside):
-        return Place(False, 0.0, p)
-    radius = tables.law.rounding
-    depth, out = rounded_depth(p, q, triangle, side, radius, tables.grid, tables.around)
-    return Place(depth > 0.0, max(depth, 0.0), out)
+def deepest_in_tool(begin: float, beside: Beside, tables: EdgeTables) -> Deepest:
+    """Return the deepest place of an edge in the whole tool, searched around one and from others.
 
-
-@always_inline
-def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
-    """Return where on a + s u, s in [0, 1], it is closest to c + t w, and how far [mm]."""
-    r = sub(a, c)
-    uu, ww, uw, ur, wr = dot(u, u), dot(w, w), dot(u, w), dot(u, r), dot(w, r)
-    whole = uu * ww - uw * uw
-    s = 0.5
-    if whole > 1e-12 * uu * ww:
-        s = min(max((uw * wr - ww * ur) / whole, 0.0), 1.0)
-    t = min(max((wr + s * uw) / ww, 0.0), 1.0)
-    s = min(max((t * uw - ur) / uu, 0.0), 1.0)
-    t = min(max((wr + s * uw) / ww, 0.0), 1.0)
-    return s, norm(sub(add_scaled(r, s, u), (t * w[0], t * w[1], t * w[2])))
+    begin : the first place; the others are closest to the captured edges of the tool.
+    """
+    edges = tables.edges
+    best = deepest_on(begin, Deepest(0.0, 0.0, beside.end_a), beside, tables)
+    for i in range(beside.n_captured):
+        e = tables.captured[i]
+        if may_be_deeper(e, best, beside, tables):
+            s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
+            best = deepest_on(s, best, beside, tables)
+    return best
 
 
 @inline
@@ -105,8 +93,8 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -
     it is deeper.
     """
     tables = borrowed(tables)
-    a, u, side, end_a, end_b = beside.a, beside.u, beside.side, beside.end_a, beside.end_b
-    here = place_at(add_scaled(a, at, u), side, tables)
+    u, end_a, end_b = beside.u, beside.end_a, beside.end_b
+    here = place_on(at, beside, tables)
     if not here.inside:
         return so_far
     rise = end_b.depth - end_a.depth
@@ -144,7 +132,7 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -
                 over = at_hi.depth - at_lo.depth - rise * (hi - lo) - slope_hi * (hi - lo)
                 s = lo + over / (slope_lo - slope_hi)
             s = min(max(s, lo + 0.5 * _NEAR), hi - 0.5 * _NEAR)
-        here = place_at(add_scaled(a, s, u), side, tables)
+        here = place_on(s, beside, tables)
         slope = -dot(here.out, u) - rise
     best, other, s = at_lo, at_hi, lo
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
@@ -160,7 +148,7 @@ def _place_on(s: float, beside: Beside, wedge: Wedge, tables: EdgeTables) -> Pla
     """Return how deep the place s of an edge is, in the wedge if that stands for the tool."""
     if wedge.known:
         return place_in_wedge(s, wedge, tables.law.rounding)
-    return place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
+    return place_on(s, beside, tables)
 
 
 @inline
@@ -244,3 +232,17 @@ def press_on(
     from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
     from_b = s_up * smoothed(end_b.depth, g_m)
     return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)
+
+
+@inline
+def press_of(
+    found: Deepest, offset: float, beside: Beside, wedge: Wedge, tables: EdgeTables
+) -> Press:
+    """Return what an edge presses with over its stiffness, in a wedge if the tool is as deep."""
+    press = press_on(found, offset, beside, wedge, tables)
+    if not wedge.known or press.stored == 0.0:
+        return press
+    here = place_in_wedge(press.s, wedge, tables.law.rounding)
+    if is_tool(press.s, here, True, beside, tables):
+        return press
+    return press_on(found, offset, beside, no_wedge(), tables)

@@ -9,26 +9,16 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, store, sub
+from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
-from shellcut.tool.rounded_depth import face_depth
-from shellcut.tool.signed_distance import closest_of_side
 
-from .deepest_on_edge import Press, closest_along, deepest_on, place_at, press_on
+from .captured_edges import closest_along, closest_edge, deepest_of_wedges, place_at
+from .deepest_on_edge import deepest_in_tool, press_of
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
-from .tool_wedge import (
-    Beside,
-    Deepest,
-    Place,
-    Wedge,
-    deepest_in_wedge,
-    no_wedge,
-    place_in_wedge,
-    wedge_along,
-)
+from .tool_wedge import Beside, Deepest, Place, Wedge, no_wedge
 
 STIFFNESS = 0.25
 """Stiffness of an edge of the film over that of the softer node at its ends."""
@@ -37,8 +27,8 @@ CAPTURE = 0.3
 """Distance from the round of the tool's edge beyond which the film does not touch it, over the
 local edge length."""
 
-# Over the rounding radius: a wedge that is so close to the depth of the tool stands for it.
-_AGREES = 1e-6
+NO_SIDE = 2
+"""Stands for the side of an edge of the film whose ends are on both sides of the blade."""
 
 
 class Look(NamedTuple):
@@ -103,17 +93,19 @@ def _look(i: int, walked: float, pose: Pose, tables: EdgeTables) -> Look:
     u, size = sub(b, a), _size_of(i, tables.pairs, tables.nodes)
     one_side, side = _side_of(i, tables)
     nowhere = Place(False, 0.0, a)
-    beside = Beside(a, u, side, size, nowhere, nowhere)
-    n, free = _capture(i, walked, one_side, beside, tables)
+    n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, tables)
     if n == 0:
+        beside = Beside(a, u, side, nowhere, nowhere, 0)
         return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
     end_a, end_b = _end(i, 0, a, side, tables), _end(i, 1, b, side, tables)
-    beside = Beside(a, u, side, size, end_a, end_b)
-    trusted, deepest, wedge, body = _in_wedges(tables.captured[:n], beside, tables)
+    beside = Beside(a, u, side, end_a, end_b, n)
+    trusted, deepest, wedge = deepest_of_wedges(beside, tables)
     if not trusted:
-        deepest, body = _in_tool(tables.captured[:n], beside, tables)
-        wedge = no_wedge()
-    return Look(beside, deepest, wedge, body, 0.0 if deepest.depth > 0.0 else free)
+        deepest, wedge = deepest_in_tool(deepest.s, beside, tables), no_wedge()
+    if deepest.depth > 0.0:
+        free = 0.0
+    body = tables.edges.body[closest_edge(deepest.s, beside, tables)]
+    return Look(beside, deepest, wedge, body, free)
 
 
 @inline
@@ -133,11 +125,12 @@ def _end(i: int, k: int, p: Vec3, side: int, tables: EdgeTables) -> Place:
 
 @inline
 def _capture(
-    i: int, walked: float, one_side: bool, beside: Beside, tables: EdgeTables
+    i: int, a: Vec3, u: Vec3, side: int, size: float, walked: float, tables: EdgeTables
 ) -> tuple[int, float]:
     """Write the edges of the tool that the i-th edge of the film may touch to tables.captured.
 
-    Returns how many they are, and the way until it may touch others [mm].
+    side : of the blade, or NO_SIDE.  size : local edge length of the film [mm].  Returns how many
+    they are, and the way until it may touch others [mm].
     """
     pairs, edges = tables.pairs, tables.edges
     n, free = 0, np.inf
@@ -146,98 +139,18 @@ def _capture(
             free = min(free, pairs.until[j] - walked)
             continue
         e = pairs.edge[j]
-        _, away = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
+        _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
         off = away - edges.reach[e]
-        if off >= CAPTURE * beside.size:
-            pairs.until[j] = walked + off - CAPTURE * beside.size
-            free = min(free, off - CAPTURE * beside.size)
-        elif (
-            not one_side
-            or min(beside.side * edges.flank[e, 0], beside.side * edges.flank[e, 1]) < 0
-        ):
+        if off >= CAPTURE * size:
+            pairs.until[j] = walked + off - CAPTURE * size
+            free = min(free, off - CAPTURE * size)
+        elif side == NO_SIDE or min(side * edges.flank[e, 0], side * edges.flank[e, 1]) < 0:
             free = 0.0
         else:
             tables.captured[n] = e
             n += 1
             free = min(free, max(off, 0.0))
     return n, free
-
-
-@inline
-def _in_wedges(
-    captured: Ints, beside: Beside, tables: EdgeTables
-) -> tuple[bool, Deepest, Wedge, int]:
-    """Look for the deepest place of an edge in the wedges at some edges of the tool.
-
-    Returns whether the tool is as deep there as the wedge, the place, that wedge and its tooth.
-    """
-    edges, radius = tables.edges, tables.law.rounding
-    best, wedge, body = Deepest(0.0, 0.0, beside.end_a), no_wedge(), 0
-    elsewhere = False
-    for e in captured:
-        at = _wedge_at(e, beside, edges)
-        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
-        if says and found.depth <= best.depth:
-            continue
-        # What a wedge says of a place at another edge, the wedge of that says better.
-        if _closest_edge(captured, found.s, beside, edges) != e:
-            elsewhere = True
-            continue
-        if not says or not _is_tool(found.s, found.here, beside, tables):
-            return False, best, wedge, body
-        best, wedge, body = found, at, edges.body[e]
-    # Where two wedges say so of each other, it is deepest between them.
-    return best.depth > 0.0 or not elsewhere, best, wedge, body
-
-
-@inline
-def _closest_edge(captured: Ints, s: float, beside: Beside, edges: ToolEdges) -> int:
-    """Return which of some edges of the tool is closest to the place s of an edge of the film."""
-    p, closest, least = add_scaled(beside.a, s, beside.u), -1, np.inf
-    for e in captured:
-        along, way = load(edges.along, e), sub(p, load(edges.corner, e))
-        t = min(max(dot(way, along) / dot(along, along), 0.0), 1.0)
-        away = sub(way, scale(t, along))
-        if dot(away, away) < least:
-            closest, least = e, dot(away, away)
-    return closest
-
-
-@inline
-def _is_tool(s: float, here: Place, beside: Beside, tables: EdgeTables) -> bool:
-    """Return whether the tool is as deep at the place s of an edge as its wedge says.
-
-    Both faces bound the depth there. So they do in the tool if both touch the ball that rounds it,
-    or the place if that is deeper, and no other face comes closer.
-    """
-    radius, grid = tables.law.rounding, tables.grid
-    z = add_scaled(add_scaled(beside.a, s, beside.u), min(here.depth - radius, 0.0), here.out)
-    found, t, _, q, ahead = closest_of_side(z, beside.side, grid)
-    depth, _ = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
-    touches = abs(depth - max(here.depth, radius)) <= _AGREES * radius
-    return found and touches and ahead <= _AGREES * radius
-
-
-@inline
-def _wedge_at(e: int, beside: Beside, edges: ToolEdges) -> Wedge:
-    """Return the wedge of the two faces at an edge of the tool along an edge of the film."""
-    one, two = load(edges.normal[e], 0), load(edges.normal[e], 1)
-    return wedge_along(beside.a, beside.u, one, two, edges.level[e, 0], edges.level[e, 1])
-
-
-@inline
-def _in_tool(captured: Ints, beside: Beside, tables: EdgeTables) -> tuple[Deepest, int]:
-    """Look for the deepest place of an edge in the whole tool, from some edges of that.
-
-    Returns the place and its tooth.
-    """
-    edges, best, body = tables.edges, Deepest(0.0, 0.0, beside.end_a), 0
-    for e in captured:
-        s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
-        found = deepest_on(s, best, beside, tables)
-        if found.depth > best.depth:
-            best, body = found, edges.body[e]
-    return best, body
 
 
 @kernel
@@ -292,7 +205,7 @@ def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Flo
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
     memory, presses, beside = tables.memory, tables.presses, look.beside
     offset, body = memory.offset[i], look.body
-    found = _press(look, offset, tables)
+    found = press_of(look.deepest, offset, beside, look.wedge, tables)
     if found.stored == 0.0:
         return
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
@@ -306,17 +219,6 @@ def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Flo
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
     store(presses.out, i, found.out)
-
-
-@inline
-def _press(look: Look, offset: float, tables: EdgeTables) -> Press:
-    """Return what an edge of the film presses with, over its stiffness."""
-    beside, wedge, radius = look.beside, look.wedge, tables.law.rounding
-    found = press_on(look.deepest, offset, beside, wedge, tables)
-    if wedge.known and found.stored > 0.0:
-        if not _is_tool(found.s, place_in_wedge(found.s, wedge, radius), beside, tables):
-            found = press_on(look.deepest, offset, beside, no_wedge(), tables)
-    return found
 
 
 @inline

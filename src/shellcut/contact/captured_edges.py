@@ -1,0 +1,154 @@
+"""The tool at those of its edges that an edge of the film may touch, for kernels.
+
+Their wedges (:mod:`.tool_wedge`) are looked at first. One look at the whole tool shows whether it
+is as deep as the wedge at a place: if the ball that rounds it there touches both faces and no other
+comes closer. On an edge of many short facets the deepest place of a wedge mostly lies at another
+edge: the wedge of that one says better how deep it is there. Where wedges say so of each other, the
+deepest place lies between them, and is searched in the tool (:mod:`.deepest_on_edge`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Vec3
+from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.jit import always_inline, inline
+from shellcut.numerics.vec3 import add_scaled, dot, load, norm, scale, sub
+from shellcut.tool.rounded_depth import face_depth, rounded_depth
+from shellcut.tool.signed_distance import closest_of_side, signed_distance
+
+from .edge_tables import EdgeTables
+from .tool_wedge import (
+    AGREES,
+    Beside,
+    Deepest,
+    Place,
+    Wedge,
+    deepest_in_wedge,
+    no_wedge,
+    place_in_wedge,
+    wedge_along,
+)
+
+# Of a product of unit vectors: they are one.
+_SAME = 1.0 - 1e-12
+
+
+@always_inline
+def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
+    """Return where on a + s u, s in [0, 1], it is closest to c + t w, and how far [mm]."""
+    r = sub(a, c)
+    uu, ww, uw, ur, wr = dot(u, u), dot(w, w), dot(u, w), dot(u, r), dot(w, r)
+    whole = uu * ww - uw * uw
+    s = 0.5
+    if whole > 1e-12 * uu * ww:
+        s = min(max((uw * wr - ww * ur) / whole, 0.0), 1.0)
+    t = min(max((wr + s * uw) / ww, 0.0), 1.0)
+    s = min(max((t * uw - ur) / uu, 0.0), 1.0)
+    t = min(max((wr + s * uw) / ww, 0.0), 1.0)
+    return s, norm(sub(add_scaled(r, s, u), (t * w[0], t * w[1], t * w[2])))
+
+
+@inline
+def closest_edge(s: float, beside: Beside, tables: EdgeTables) -> int:
+    """Return which captured edge of the tool is closest to the place s of an edge of the film."""
+    edges, p, closest, least = tables.edges, add_scaled(beside.a, s, beside.u), -1, np.inf
+    for i in range(beside.n_captured):
+        e = tables.captured[i]
+        along, way = load(edges.along, e), sub(p, load(edges.corner, e))
+        t = min(max(dot(way, along) / dot(along, along), 0.0), 1.0)
+        away = sub(way, scale(t, along))
+        if dot(away, away) < least:
+            closest, least = e, dot(away, away)
+    return closest
+
+
+@inline
+def wedge_at(e: int, beside: Beside, tables: EdgeTables) -> Wedge:
+    """Return the wedge of the two faces at an edge of the tool along an edge of the film."""
+    edges = tables.edges
+    one, two = load(edges.normal[e], 0), load(edges.normal[e], 1)
+    return wedge_along(beside.a, beside.u, one, two, edges.level[e, 0], edges.level[e, 1])
+
+
+@inline
+def is_tool(s: float, here: Place, both: bool, beside: Beside, tables: EdgeTables) -> bool:
+    """Return whether the tool is as deep at the place s of an edge of the film as a wedge says.
+
+    here : what that says.  both : whether both its faces bound the depth there, else one does.
+    """
+    tables = borrowed(tables)
+    radius, grid = tables.law.rounding, tables.grid
+    z = add_scaled(add_scaled(beside.a, s, beside.u), min(here.depth - radius, 0.0), here.out)
+    found, t, _, q, ahead = closest_of_side(z, beside.side, grid)
+    depth, normal = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
+    touches = found and abs(depth - max(here.depth, radius)) <= AGREES * radius
+    if both:
+        return touches and ahead <= AGREES * radius
+    return touches and dot(normal, here.out) > _SAME
+
+
+@inline
+def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
+    """Return how deep a point of the body frame is below the rounded surface of a side."""
+    tables = borrowed(tables)
+    found, inside, triangle, q, _, _ = signed_distance(p, side, tables.grid)
+    if not (found and inside):
+        return Place(False, 0.0, p)
+    radius = tables.law.rounding
+    depth, out = rounded_depth(p, q, triangle, side, radius, tables.grid, tables.around)
+    return Place(depth > 0.0, max(depth, 0.0), out)
+
+
+@inline
+def place_on(s: float, beside: Beside, tables: EdgeTables) -> Place:
+    """Return how deep the place s of an edge of the film is below the rounded surface.
+
+    As :func:`place_at`; the wedge that is closest saves most of the search.
+    """
+    tables = borrowed(tables)
+    wedge = wedge_at(closest_edge(s, beside, tables), beside, tables)
+    here = place_in_wedge(s, wedge, tables.law.rounding)
+    both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
+    if wedge.known and here.inside and is_tool(s, here, both, beside, tables):
+        return here
+    return place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
+
+
+@inline
+def deepest_of_wedges(beside: Beside, tables: EdgeTables) -> tuple[bool, Deepest, Wedge]:
+    """Return the place of an edge of the film that is deepest in the captured wedges, and which.
+
+    The first result says whether the tool is as deep there; if not, the place is where to begin.
+    """
+    tables = borrowed(tables)
+    radius = tables.law.rounding
+    best, wedge = Deepest(0.0, 0.0, beside.end_a), no_wedge()
+    elsewhere = best
+    for i in range(beside.n_captured):
+        e = tables.captured[i]
+        at = wedge_at(e, beside, tables)
+        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
+        if says and found.depth <= best.depth:
+            continue
+        if closest_edge(found.s, beside, tables) != e:
+            if found.depth > elsewhere.depth:
+                elsewhere = found
+            continue
+        if not says or not is_tool(found.s, found.here, True, beside, tables):
+            return False, found, no_wedge()
+        best, wedge = found, at
+    if best.depth == 0.0 and elsewhere.depth > 0.0:
+        return False, elsewhere, no_wedge()
+    return True, best, wedge
+
+
+@inline
+def may_be_deeper(e: int, so_far: Deepest, beside: Beside, tables: EdgeTables) -> bool:
+    """Return whether an edge of the film may be deeper at an edge of the tool than elsewhere."""
+    at = wedge_at(e, beside, tables)
+    says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
+    if not says or so_far.depth == 0.0:
+        return True
+    return found.depth > so_far.depth and closest_edge(found.s, beside, tables) == e
