@@ -51,8 +51,9 @@ def closest_along(a: Vec3, u: Vec3, c: Vec3, w: Vec3) -> tuple[float, float]:
 
 
 @inline
-def closest_edge(s: float, beside: Beside, tables: EdgeTables) -> int:
+def closest_edge(s: float, beside: Beside, held: EdgeTables) -> int:
     """Return which captured edge of the tool is closest to the place s of an edge of the film."""
+    tables = borrowed(held)
     edges, p, closest, least = tables.edges, add_scaled(beside.a, s, beside.u), -1, np.inf
     for i in range(beside.n_captured):
         e = tables.captured[i]
@@ -65,20 +66,21 @@ def closest_edge(s: float, beside: Beside, tables: EdgeTables) -> int:
 
 
 @inline
-def wedge_at(e: int, beside: Beside, tables: EdgeTables) -> Wedge:
+def wedge_at(e: int, beside: Beside, held: EdgeTables) -> Wedge:
     """Return the wedge of the two faces at an edge of the tool along an edge of the film."""
+    tables = borrowed(held)
     edges = tables.edges
     one, two = load(edges.normal[e], 0), load(edges.normal[e], 1)
     return wedge_along(beside.a, beside.u, one, two, edges.level[e, 0], edges.level[e, 1])
 
 
 @inline
-def is_tool(s: float, here: Place, both: bool, beside: Beside, tables: EdgeTables) -> bool:
+def is_tool(s: float, here: Place, both: bool, beside: Beside, held: EdgeTables) -> bool:
     """Return whether the tool is as deep at the place s of an edge of the film as a wedge says.
 
     here : what that says.  both : whether both its faces bound the depth there, else one does.
     """
-    tables = borrowed(tables)
+    tables = borrowed(held)
     radius, grid = tables.law.rounding, tables.grid
     z = add_scaled(add_scaled(beside.a, s, beside.u), min(here.depth - radius, 0.0), here.out)
     found, t, _, q, ahead = closest_of_side(z, beside.side, grid)
@@ -90,9 +92,9 @@ def is_tool(s: float, here: Place, both: bool, beside: Beside, tables: EdgeTable
 
 
 @inline
-def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
+def place_at(p: Vec3, side: int, held: EdgeTables) -> Place:
     """Return how deep a point of the body frame is below the rounded surface of a side."""
-    tables = borrowed(tables)
+    tables = borrowed(held)
     found, inside, triangle, q, _, _ = signed_distance(p, side, tables.grid)
     if not (found and inside):
         return Place(False, 0.0, p)
@@ -102,41 +104,41 @@ def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
 
 
 @inline
-def place_on(s: float, beside: Beside, tables: EdgeTables) -> Place:
+def place_on(s: float, beside: Beside, held: EdgeTables) -> Place:
     """Return how deep the place s of an edge of the film is below the rounded surface.
 
     As :func:`place_at`; the wedge that is closest saves most of the search.
     """
-    tables = borrowed(tables)
-    wedge = wedge_at(closest_edge(s, beside, tables), beside, tables)
+    tables = borrowed(held)
+    wedge = wedge_at(closest_edge(s, beside, held), beside, held)
     here = place_in_wedge(s, wedge, tables.law.rounding)
     both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
-    if wedge.known and here.inside and is_tool(s, here, both, beside, tables):
+    if wedge.known and here.inside and is_tool(s, here, both, beside, held):
         return here
-    return place_at(add_scaled(beside.a, s, beside.u), beside.side, tables)
+    return place_at(add_scaled(beside.a, s, beside.u), beside.side, held)
 
 
 @inline
-def deepest_of_wedges(beside: Beside, tables: EdgeTables) -> tuple[bool, Deepest, Wedge]:
+def deepest_of_wedges(beside: Beside, held: EdgeTables) -> tuple[bool, Deepest, Wedge]:
     """Return the place of an edge of the film that is deepest in the captured wedges, and which.
 
     The first result says whether the tool is as deep there; if not, the place is where to begin.
     """
-    tables = borrowed(tables)
+    tables = borrowed(held)
     radius = tables.law.rounding
     best, wedge = Deepest(0.0, 0.0, beside.end_a), no_wedge()
     elsewhere = best
     for i in range(beside.n_captured):
         e = tables.captured[i]
-        at = wedge_at(e, beside, tables)
+        at = wedge_at(e, beside, held)
         says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
         if says and found.depth <= best.depth:
             continue
-        if closest_edge(found.s, beside, tables) != e:
+        if closest_edge(found.s, beside, held) != e:
             if found.depth > elsewhere.depth:
                 elsewhere = found
             continue
-        if not says or not is_tool(found.s, found.here, True, beside, tables):
+        if not says or not is_tool(found.s, found.here, True, beside, held):
             return False, found, no_wedge()
         best, wedge = found, at
     if best.depth == 0.0 and elsewhere.depth > 0.0:
@@ -145,10 +147,11 @@ def deepest_of_wedges(beside: Beside, tables: EdgeTables) -> tuple[bool, Deepest
 
 
 @inline
-def may_be_deeper(e: int, so_far: Deepest, beside: Beside, tables: EdgeTables) -> bool:
+def may_be_deeper(e: int, so_far: Deepest, beside: Beside, held: EdgeTables) -> bool:
     """Return whether an edge of the film may be deeper at an edge of the tool than elsewhere."""
-    at = wedge_at(e, beside, tables)
+    tables = borrowed(held)
+    at = wedge_at(e, beside, held)
     says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
     if not says or so_far.depth == 0.0:
         return True
-    return found.depth > so_far.depth and closest_edge(found.s, beside, tables) == e
+    return found.depth > so_far.depth and closest_edge(found.s, beside, held) == e

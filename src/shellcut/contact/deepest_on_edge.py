@@ -70,31 +70,31 @@ class Press(NamedTuple):
 
 
 @inline
-def deepest_in_tool(begin: float, beside: Beside, tables: EdgeTables) -> Deepest:
+def deepest_in_tool(begin: float, beside: Beside, held: EdgeTables) -> Deepest:
     """Return the deepest place of an edge in the whole tool, searched around one and from others.
 
     begin : the first place; the others are closest to the captured edges of the tool.
     """
+    tables = borrowed(held)
     edges = tables.edges
-    best = deepest_on(begin, Deepest(0.0, 0.0, beside.end_a), beside, tables)
+    best = deepest_on(begin, Deepest(0.0, 0.0, beside.end_a), beside, held)
     for i in range(beside.n_captured):
         e = tables.captured[i]
-        if may_be_deeper(e, best, beside, tables):
+        if may_be_deeper(e, best, beside, held):
             s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
-            best = deepest_on(s, best, beside, tables)
+            best = deepest_on(s, best, beside, held)
     return best
 
 
 @inline
-def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -> Deepest:
+def deepest_on(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> Deepest:
     """Return the deepest place of an edge around one of its places in the tool.
 
     at : that place, between 0 and 1.  so_far : the deepest of another search, which is returned if
     it is deeper.
     """
-    tables = borrowed(tables)
     u, end_a, end_b = beside.u, beside.end_a, beside.end_b
-    here = place_on(at, beside, tables)
+    here = place_on(at, beside, held)
     if not here.inside:
         return so_far
     rise = end_b.depth - end_a.depth
@@ -132,7 +132,7 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -
                 over = at_hi.depth - at_lo.depth - rise * (hi - lo) - slope_hi * (hi - lo)
                 s = lo + over / (slope_lo - slope_hi)
             s = min(max(s, lo + 0.5 * _NEAR), hi - 0.5 * _NEAR)
-        here = place_on(s, beside, tables)
+        here = place_on(s, beside, held)
         slope = -dot(here.out, u) - rise
     best, other, s = at_lo, at_hi, lo
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
@@ -144,11 +144,12 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, tables: EdgeTables) -
 
 
 @inline
-def _place_on(s: float, beside: Beside, wedge: Wedge, tables: EdgeTables) -> Place:
+def _place_on(s: float, beside: Beside, wedge: Wedge, held: EdgeTables) -> Place:
     """Return how deep the place s of an edge is, in the wedge if that stands for the tool."""
+    tables = borrowed(held)
     if wedge.known:
         return place_in_wedge(s, wedge, tables.law.rounding)
-    return place_on(s, beside, tables)
+    return place_on(s, beside, held)
 
 
 @inline
@@ -162,14 +163,14 @@ def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tupl
 
 @inline
 def press_on(
-    found: Deepest, offset: float, beside: Beside, wedge: Wedge, tables: EdgeTables
+    found: Deepest, offset: float, beside: Beside, wedge: Wedge, held: EdgeTables
 ) -> Press:
     """Return what an edge presses with where its energy over that of its ends is largest.
 
     found : its deepest place, where the search begins.  offset : what does not press there [mm].
     wedge : stands for the tool if it is known.
     """
-    tables = borrowed(tables)
+    tables = borrowed(held)
     u, end_a, end_b = beside.u, beside.end_a, beside.end_b
     g_m = tables.law.smoothing_depth
     of_a = smoothed_integral(end_a.depth, g_m)
@@ -192,7 +193,7 @@ def press_on(
             return none
         s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
         step *= 2.0
-        here = _place_on(s, beside, wedge, tables)
+        here = _place_on(s, beside, wedge, held)
         presses, slope = _slope(here, u, offset, rise, g_m)
     s_down, down, slope_down = s, here, slope
     beyond = not presses
@@ -205,7 +206,7 @@ def press_on(
         s = 0.5 * (s_up + s_down)
         if not beyond:
             s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
-        here = _place_on(s, beside, wedge, tables)
+        here = _place_on(s, beside, wedge, held)
         presses, slope = _slope(here, u, offset, rise, g_m)
         if presses and abs(slope) <= flat:
             s_up = s_down = s
@@ -236,13 +237,14 @@ def press_on(
 
 @inline
 def press_of(
-    found: Deepest, offset: float, beside: Beside, wedge: Wedge, tables: EdgeTables
+    found: Deepest, offset: float, beside: Beside, wedge: Wedge, held: EdgeTables
 ) -> Press:
     """Return what an edge presses with over its stiffness, in a wedge if the tool is as deep."""
-    press = press_on(found, offset, beside, wedge, tables)
+    tables = borrowed(held)
+    press = press_on(found, offset, beside, wedge, held)
     if not wedge.known or press.stored == 0.0:
         return press
     here = place_in_wedge(press.s, wedge, tables.law.rounding)
-    if is_tool(press.s, here, True, beside, tables):
+    if is_tool(press.s, here, True, beside, held):
         return press
-    return press_on(found, offset, beside, no_wedge(), tables)
+    return press_on(found, offset, beside, no_wedge(), held)

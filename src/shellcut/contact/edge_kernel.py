@@ -55,12 +55,13 @@ def edge_stiffness(i: int, pairs: EdgePairs, nodes: EdgeNodes, law: PenaltyLaw) 
 
 
 @inline
-def _side_of(i: int, tables: EdgeTables) -> tuple[bool, int]:
+def _side_of(i: int, held: EdgeTables) -> tuple[bool, int]:
     """Return whether both ends may lie on one side of the blade, and which; write that down.
 
     While it is deeper than its chord an edge keeps its side, as a node in the tool does, unless an
     end has got the other one.
     """
+    tables = borrowed(held)
     pairs, nodes, memory = tables.pairs, tables.nodes, tables.memory
     a = int(nodes.contact_side[pairs.node[i, 0]])
     b = int(nodes.contact_side[pairs.node[i, 1]])
@@ -80,58 +81,62 @@ def _size_of(i: int, pairs: EdgePairs, nodes: EdgeNodes) -> float:
 
 
 @inline
-def _ends(i: int, pose: Pose, tables: EdgeTables) -> tuple[Vec3, Vec3]:
+def _ends(i: int, pose: Pose, held: EdgeTables) -> tuple[Vec3, Vec3]:
     """Return both ends of the i-th edge of the film in the body frame."""
+    tables = borrowed(held)
     node, x = tables.pairs.node, tables.nodes.x
     return to_body(load(x, node[i, 0]), pose), to_body(load(x, node[i, 1]), pose)
 
 
 @inline
-def _look(i: int, walked: float, pose: Pose, tables: EdgeTables) -> Look:
+def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
     """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
-    a, b = _ends(i, pose, tables)
+    tables = borrowed(held)
+    a, b = _ends(i, pose, held)
     u, size = sub(b, a), _size_of(i, tables.pairs, tables.nodes)
-    one_side, side = _side_of(i, tables)
+    one_side, side = _side_of(i, held)
     nowhere = Place(False, 0.0, a)
-    n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, tables)
+    n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, held)
     if n == 0:
         beside = Beside(a, u, side, nowhere, nowhere, 0)
         return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
-    end_a, end_b = _end(i, 0, a, side, tables), _end(i, 1, b, side, tables)
+    end_a, end_b = _end(i, 0, a, side, held), _end(i, 1, b, side, held)
     beside = Beside(a, u, side, end_a, end_b, n)
-    trusted, deepest, wedge = deepest_of_wedges(beside, tables)
+    trusted, deepest, wedge = deepest_of_wedges(beside, held)
     if not trusted:
-        deepest, wedge = deepest_in_tool(deepest.s, beside, tables), no_wedge()
+        deepest, wedge = deepest_in_tool(deepest.s, beside, held), no_wedge()
     if deepest.depth > 0.0:
         free = 0.0
-    body = tables.edges.body[closest_edge(deepest.s, beside, tables)]
+    body = tables.edges.body[closest_edge(deepest.s, beside, held)]
     return Look(beside, deepest, wedge, body, free)
 
 
 @inline
-def _end(i: int, k: int, p: Vec3, side: int, tables: EdgeTables) -> Place:
+def _end(i: int, k: int, p: Vec3, side: int, held: EdgeTables) -> Place:
     """Return how deep an end of the i-th edge of the film is, at p in the body frame.
 
     The contact of the nodes has found that, of the node's own side.
     """
+    tables = borrowed(held)
     near, row = tables.near, tables.pairs.listed[i, k]
     if row < 0 or not near.within[row]:
         return Place(False, 0.0, p)
     if tables.nodes.contact_side[near.node[row]] != side:
-        return place_at(p, side, tables)
+        return place_at(p, side, held)
     depth = near.depth[row]
     return Place(depth > 0.0, max(depth, 0.0), load(near.out, row))
 
 
 @inline
 def _capture(
-    i: int, a: Vec3, u: Vec3, side: int, size: float, walked: float, tables: EdgeTables
+    i: int, a: Vec3, u: Vec3, side: int, size: float, walked: float, held: EdgeTables
 ) -> tuple[int, float]:
     """Write the edges of the tool that the i-th edge of the film may touch to tables.captured.
 
     side : of the blade, or NO_SIDE.  size : local edge length of the film [mm].  Returns how many
     they are, and the way until it may touch others [mm].
     """
+    tables = borrowed(held)
     pairs, edges = tables.pairs, tables.edges
     n, free = 0, np.inf
     for j in range(pairs.first[i], pairs.first[i + 1]):
@@ -155,7 +160,7 @@ def _capture(
 
 @kernel
 def add_edge_forces(
-    pose: Pose, before: Pose, dt: float, walked: float, tables: EdgeTables, wrench: Floats
+    pose: Pose, before: Pose, dt: float, walked: float, held: EdgeTables, wrench: Floats
 ) -> tuple[float, float, float, int, float, float]:
     """Add the forces of the listed edges to those of their ends and to wrench : (n_body, 6).
 
@@ -164,7 +169,7 @@ def add_edge_forces(
     energy, that of springs that have let go, the number of edges that press, the largest depth and
     the way walked.
     """
-    pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    pose, before, tables = borrowed(pose), borrowed(before), borrowed(held)
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
     presses, deepest = tables.presses, 0.0
     of_tool = tool_way(pose, before, tables.radius)
@@ -175,11 +180,11 @@ def add_edge_forces(
     for i in range(pairs.node.shape[0]):
         if walked < memory.until[i]:
             continue
-        work += _half_work(i, dt, tables)
-        look = _look(i, walked, pose, tables)
+        work += _half_work(i, dt, held)
+        look = _look(i, walked, pose, held)
         g = look.deepest.depth
         memory.until[i] = walked + look.free
-        change, held = g - memory.depth[i], memory.stored[i]
+        change, had = g - memory.depth[i], memory.stored[i]
         way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
@@ -189,23 +194,24 @@ def add_edge_forces(
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
         if g > memory.offset[i]:
-            _put_on_ends(i, look, pose, tables, wrench)
+            _put_on_ends(i, look, pose, held, wrench)
         if memory.stored[i] > 0.0:
             n_touching += 1
             deepest = max(deepest, g - memory.offset[i])
             stored += memory.stored[i]
-            work += _half_work(i, dt, tables)
+            work += _half_work(i, dt, held)
         if -change > law.noticed + 2.0 * way:  # its side is another one now
-            absorbed += held - memory.stored[i]
+            absorbed += had - memory.stored[i]
     return work, stored, absorbed, n_touching, deepest, walked
 
 
 @inline
-def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Floats) -> None:
+def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Floats) -> None:
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
+    tables = borrowed(held)
     memory, presses, beside = tables.memory, tables.presses, look.beside
     offset, body = memory.offset[i], look.body
-    found = press_of(look.deepest, offset, beside, look.wedge, tables)
+    found = press_of(look.deepest, offset, beside, look.wedge, held)
     if found.stored == 0.0:
         return
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
@@ -213,8 +219,8 @@ def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Flo
     s, by = found.s, found.pressure
     on_a = combine((1.0 - s) * by, found.out, -found.from_a, beside.end_a.out)
     on_b = combine(s * by, found.out, -found.from_b, beside.end_b.out)
-    _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, tables, wrench)
-    _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, tables, wrench)
+    _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, held, wrench)
+    _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, held, wrench)
     presses.body[i], presses.place[i] = body, s
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
@@ -222,8 +228,9 @@ def _put_on_ends(i: int, look: Look, pose: Pose, tables: EdgeTables, wrench: Flo
 
 
 @inline
-def _half_work(i: int, dt: float, tables: EdgeTables) -> float:
+def _half_work(i: int, dt: float, held: EdgeTables) -> float:
     """Return half the work of the last forces on an edge's ends over the last step [N·mm]."""
+    tables = borrowed(held)
     work = 0.0
     for c in range(2):
         force = load(tables.memory.force[i], c)
@@ -233,9 +240,10 @@ def _half_work(i: int, dt: float, tables: EdgeTables) -> float:
 
 @inline
 def _put_on(
-    i: int, end: int, f: Vec3, body: int, pose: Pose, tables: EdgeTables, wrench: Floats
+    i: int, end: int, f: Vec3, body: int, pose: Pose, held: EdgeTables, wrench: Floats
 ) -> None:
     """Add a force [N] to an end of the i-th edge and minus it to a tooth."""
+    tables = borrowed(held)
     nodes, origin = tables.nodes, pose.translation
     n = tables.pairs.node[i, end]
     x = load(nodes.x, n)
@@ -248,17 +256,17 @@ def _put_on(
 
 
 @kernel
-def edge_springs(pose: Pose, reach: float, tables: EdgeTables, node: Ints, k: Floats) -> int:
+def edge_springs(pose: Pose, reach: float, held: EdgeTables, node: Ints, k: Floats) -> int:
     """Write the ends of edges that may press soon, and a bound on their stiffness [N/mm].
 
     Those closer to the round of an edge of the tool than ``reach`` [mm].  node, k : (2 n_film,).
     Returns how many were written.
     """
-    pose, tables = borrowed(pose), borrowed(tables)
+    pose, tables = borrowed(pose), borrowed(held)
     pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes
     count = 0
     for i in range(pairs.node.shape[0]):
-        a, b = _ends(i, pose, tables)
+        a, b = _ends(i, pose, held)
         u, size = sub(b, a), _size_of(i, pairs, nodes)
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
