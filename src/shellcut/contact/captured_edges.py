@@ -26,6 +26,7 @@ from .tool_wedge import (
     Place,
     Wedge,
     deepest_in_wedge,
+    exchanged,
     no_wedge,
     place_in_wedge,
     wedge_along,
@@ -33,6 +34,8 @@ from .tool_wedge import (
 
 # Of a product of unit vectors: they are one.
 _SAME = 1.0 - 1e-12
+
+_MOST_FACES = 4
 
 
 @always_inline
@@ -75,10 +78,13 @@ def wedge_at(e: int, beside: Beside, held: EdgeTables) -> Wedge:
 
 
 @inline
-def is_tool(s: float, here: Place, both: bool, beside: Beside, held: EdgeTables) -> bool:
+def is_tool(
+    s: float, here: Place, both: bool, beside: Beside, held: EdgeTables
+) -> tuple[bool, int]:
     """Return whether the tool is as deep at the place s of an edge of the film as a wedge says.
 
-    here : what that says.  both : whether both its faces bound the depth there, else one does.
+    here : what that says.  both : whether both its faces bound the depth there, else one does.  The
+    second result is the closest triangle.
     """
     tables = borrowed(held)
     radius, grid = tables.law.rounding, tables.grid
@@ -87,8 +93,8 @@ def is_tool(s: float, here: Place, both: bool, beside: Beside, held: EdgeTables)
     depth, normal = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
     touches = found and abs(depth - max(here.depth, radius)) <= AGREES * radius
     if both:
-        return touches and ahead <= AGREES * radius
-    return touches and dot(normal, here.out) > _SAME
+        return touches and ahead <= AGREES * radius, t
+    return touches and dot(normal, here.out) > _SAME, t
 
 
 @inline
@@ -113,7 +119,7 @@ def place_on(s: float, beside: Beside, held: EdgeTables) -> Place:
     wedge = wedge_at(closest_edge(s, beside, held), beside, held)
     here = place_in_wedge(s, wedge, tables.law.rounding)
     both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
-    if wedge.known and here.inside and is_tool(s, here, both, beside, held):
+    if wedge.known and here.inside and is_tool(s, here, both, beside, held)[0]:
         return here
     return place_at(add_scaled(beside.a, s, beside.u), beside.side, held)
 
@@ -127,7 +133,7 @@ def deepest_of_wedges(beside: Beside, held: EdgeTables) -> tuple[bool, Deepest, 
     tables = borrowed(held)
     radius = tables.law.rounding
     best, wedge = Deepest(0.0, 0.0, beside.end_a), no_wedge()
-    elsewhere = best
+    elsewhere, between = best, wedge
     for i in range(beside.n_captured):
         e = tables.captured[i]
         at = wedge_at(e, beside, held)
@@ -136,14 +142,42 @@ def deepest_of_wedges(beside: Beside, held: EdgeTables) -> tuple[bool, Deepest, 
             continue
         if closest_edge(found.s, beside, held) != e:
             if found.depth > elsewhere.depth:
-                elsewhere = found
+                elsewhere, between = found, at
             continue
-        if not says or not is_tool(found.s, found.here, True, beside, held):
+        if not says:
             return False, found, no_wedge()
-        best, wedge = found, at
+        agrees, found, at = _with_faces_there(found, at, beside, held)
+        if not agrees:
+            return False, found, no_wedge()
+        if found.depth > best.depth:
+            best, wedge = found, at
     if best.depth == 0.0 and elsewhere.depth > 0.0:
-        return False, elsewhere, no_wedge()
+        return _with_faces_there(elsewhere, between, beside, held)
     return True, best, wedge
+
+
+@inline
+def _with_faces_there(
+    found: Deepest, wedge: Wedge, beside: Beside, held: EdgeTables
+) -> tuple[bool, Deepest, Wedge]:
+    """Return the deepest place of a wedge whose faces are those of the tool at that place.
+
+    found : deepest place of a wedge, one face of which is exchanged for that of the tool until they
+    agree.  The first result says whether they do.
+    """
+    tables = borrowed(held)
+    surface = tables.grid.surface
+    for _ in range(_MOST_FACES):
+        agrees, t = is_tool(found.s, found.here, True, beside, held)
+        if agrees:
+            return True, found, wedge
+        normal = load(surface.pseudo_normals[t], 0)
+        level = dot(normal, load(surface.corners[t], 0))
+        wedge = exchanged(wedge, normal, level, beside)
+        says, found = deepest_in_wedge(wedge, beside.end_a, beside.end_b, tables.law.rounding)
+        if not says or found.depth == 0.0:
+            break
+    return False, found, wedge
 
 
 @inline
@@ -152,6 +186,6 @@ def may_be_deeper(e: int, so_far: Deepest, beside: Beside, held: EdgeTables) -> 
     tables = borrowed(held)
     at = wedge_at(e, beside, held)
     says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
-    if not says or so_far.depth == 0.0:
-        return True
-    return found.depth > so_far.depth and closest_edge(found.s, beside, held) == e
+    if says and found.depth <= so_far.depth:
+        return False
+    return so_far.depth == 0.0 or closest_edge(found.s, beside, held) == e

@@ -120,6 +120,16 @@ def wedge_along(
 
 
 @inline
+def exchanged(wedge: Wedge, normal: Vec3, level: float, beside: Beside) -> Wedge:
+    """Return a wedge in which the face whose normal is closer to a given one gives way to that."""
+    a, u, kept = beside.a, beside.u, wedge.one
+    level_kept = wedge.depth_one + dot(wedge.one, a)
+    if dot(normal, wedge.one) > dot(normal, wedge.two):
+        kept, level_kept = wedge.two, wedge.depth_two + dot(wedge.two, a)
+    return wedge_along(a, u, kept, normal, level_kept, level)
+
+
+@inline
 def place_in_wedge(s: float, wedge: Wedge, radius: float) -> Place:
     """Return how deep the place s of the film's edge is below the wedge, rounded by a radius."""
     g_one = wedge.depth_one + s * wedge.rise_one
