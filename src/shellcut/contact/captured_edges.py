@@ -78,23 +78,19 @@ def wedge_at(e: int, beside: Beside, held: EdgeTables) -> Wedge:
 
 
 @inline
-def is_tool(
-    s: float, here: Place, both: bool, beside: Beside, held: EdgeTables
-) -> tuple[bool, int]:
+def is_tool(s: float, here: Place, beside: Beside, held: EdgeTables) -> tuple[bool, int]:
     """Return whether the tool is as deep at the place s of an edge of the film as a wedge says.
 
-    here : what that says.  both : whether both its faces bound the depth there, else one does.  The
-    second result is the closest triangle.
+    here : what that says, both faces of the wedge bounding the depth.  The second result is the
+    closest triangle.
     """
     tables = borrowed(held)
     radius, grid = tables.law.rounding, tables.grid
     z = add_scaled(add_scaled(beside.a, s, beside.u), min(here.depth - radius, 0.0), here.out)
     found, t, _, q, ahead = closest_of_side(z, beside.side, grid)
-    depth, normal = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
+    depth, _ = face_depth(z, q, load(grid.surface.pseudo_normals[t], 0))
     touches = found and abs(depth - max(here.depth, radius)) <= AGREES * radius
-    if both:
-        return touches and ahead <= AGREES * radius, t
-    return touches and dot(normal, here.out) > _SAME, t
+    return touches and ahead <= AGREES * radius, t
 
 
 @inline
@@ -119,7 +115,7 @@ def place_on(s: float, beside: Beside, held: EdgeTables) -> Place:
     wedge = wedge_at(closest_edge(s, beside, held), beside, held)
     here = place_in_wedge(s, wedge, tables.law.rounding)
     both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
-    if wedge.known and here.inside and is_tool(s, here, both, beside, held)[0]:
+    if wedge.known and here.inside and both and is_tool(s, here, beside, held)[0]:
         return here
     return place_at(add_scaled(beside.a, s, beside.u), beside.side, held)
 
@@ -168,7 +164,7 @@ def _with_faces_there(
     tables = borrowed(held)
     surface = tables.grid.surface
     for _ in range(_MOST_FACES):
-        agrees, t = is_tool(found.s, found.here, True, beside, held)
+        agrees, t = is_tool(found.s, found.here, beside, held)
         if agrees:
             return True, found, wedge
         normal = load(surface.pseudo_normals[t], 0)

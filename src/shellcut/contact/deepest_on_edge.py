@@ -245,6 +245,6 @@ def press_of(
     if not wedge.known or press.stored == 0.0:
         return press
     here = place_in_wedge(press.s, wedge, tables.law.rounding)
-    if is_tool(press.s, here, True, beside, held)[0]:
+    if is_tool(press.s, here, beside, held)[0]:
         return press
     return press_on(found, offset, beside, no_wedge(), held)
