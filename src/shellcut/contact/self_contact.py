@@ -113,7 +113,7 @@ class SelfContact:
         self._rings: Ints = np.zeros(0, np.int64)
         self._film_nodes: Ints = np.zeros(0, np.int64)
         self._x_then = np.zeros((0, 3))
-        self._walked = 0.0
+        self._walked, self._walk_to = 0.0, 0.0
         self._look_at = 0
         self.tables: SelfContactTables | None = None
         """What the kernel takes, anew with each search."""
@@ -164,7 +164,7 @@ class SelfContact:
         """Whether the pairs may lack one that touches before the next look."""
         if not self._known.is_of(state):
             return True
-        waits = self._walked <= 0.5 * self._margin  # by nodes that are listed, at each step
+        waits = self._walked <= self._walk_to  # by nodes that are listed, at each step
         if waits and 0 < state.step < self._look_at:  # before the run film may be put anywhere
             return False
         n = state.node
@@ -172,6 +172,8 @@ class SelfContact:
         left, step = 0.5 * self._margin - way, state.dt * speed
         if left < _LEAST_STEPS * step:
             return True
+        # The way walked counts motion back and forth, too.
+        self._walk_to = self._walked + left
         steps = _MOST_STEPS if left > _FASTER * _MOST_STEPS * step else left / (_FASTER * step)
         self._look_at = state.step + max(int(steps), _LEAST_STEPS)
         return False
@@ -188,7 +190,8 @@ class SelfContact:
         if before is not None:
             _take_over(before.pairs, before.memory, pairs, memory, state)
         self._known.take(state)
-        self._x_then, self._walked = n.x[: n.count].copy(), 0.0
+        self._x_then = n.x[: n.count].copy()
+        self._walked, self._walk_to = 0.0, 0.5 * self._margin
         self._look_at = state.step + _LEAST_STEPS
         self.n_search += 1
         last = None if self.tables is None else self.tables.presses
@@ -253,6 +256,7 @@ class SelfContact:
             "revision": self._known.revision,
             "x_then": self._x_then,
             "walked": self._walked,
+            "walk_to": self._walk_to,
             "look_at": self._look_at,
             "forces": self.forces._asdict(),
             "deepest": self.deepest,
@@ -274,7 +278,7 @@ class SelfContact:
         self._choose_points(state)
         self._known.restore(saved["revision"], state)
         self._x_then, self._walked = saved["x_then"].copy(), saved["walked"]
-        self._look_at = saved["look_at"]
+        self._walk_to, self._look_at = saved["walk_to"], saved["look_at"]
         self.forces, self.deepest = SelfContactForces(**saved["forces"]), saved["deepest"]
         self.n_looked, self.n_search = saved["n_looked"], saved["n_search"]
         if "pairs" not in saved:
