@@ -117,13 +117,13 @@ _NONE = Pairs(np.zeros(0, np.int64), *(np.zeros(1, np.int64),) * 2, np.zeros(0, 
 
 
 def _in_sheets(points: Ints, found: Ints) -> Pairs:
-    """Return pairs from rows (place of the point, sheet, row), in the order of the points."""
-    point, sheet, row = found[np.lexsort((found[:, 2], found[:, 1], found[:, 0]))].T
+    """Return pairs from rows (place of the point, sheet, row), which ascend."""
+    point, sheet, row = found.T
     new = np.flatnonzero(np.diff(point, prepend=-1) | np.diff(sheet, prepend=-1))
     at = point[new]
-    listed, first_sheet = np.unique(at, return_index=True)
+    first_sheet = np.flatnonzero(np.diff(at, prepend=-1))
     return Pairs(
-        node=points[listed],
+        node=points[at[first_sheet]],
         first_sheet=np.append(first_sheet, at.size),
         first_pair=np.append(new, point.size),
         row=np.ascontiguousarray(row),
@@ -243,7 +243,8 @@ def _find(
 ) -> int:
     """Write (place of the point, sheet, row) of every pair to found : (n, 3); return their number.
 
-    The number is right also where there is no room for all. first, rows : of the cells.
+    They ascend. The number is right also where there is no room for all.  first, rows : of the
+    cells.
     """
     x, quads, at, n_at = film.x, film.quads, film.at, film.n_at
     stamp = np.full(x.shape[0], -1, np.int64)  # point whose rings a node is in
@@ -300,6 +301,17 @@ def _find(
             while leader[one] != one:
                 one = leader[one]
             if count < found.shape[0]:
-                found[count, 0], found[count, 1], found[count, 2] = i, one, partner[k]
+                _insert(found, count, i, one, partner[k])
             count += 1
     return count
+
+
+@inline
+def _insert(found: Ints, count: int, point: int, sheet: int, row: int) -> None:
+    """Put a pair behind the others of its point and sheet; rows come in ascending order."""
+    place = count
+    while place > 0 and found[place - 1, 0] == point and found[place - 1, 1] > sheet:
+        for c in range(3):
+            found[place, c] = found[place - 1, c]
+        place -= 1
+    found[place, 0], found[place, 1], found[place, 2] = point, sheet, row

@@ -304,7 +304,12 @@ def _take_over(old: Pairs, was: Memory, new: Pairs, memory: Memory, state: State
         return
     n_row, n = len(state.quad.nodes), state.node
     of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
-    key = old.node_of_sheet[of_old] * n_row + old.row
+    # There is nothing to remember of sheets that nothing has come close to, most of them.
+    met = np.flatnonzero(was.met[of_old])
+    if not met.size:
+        return
+    of_old = of_old[met]
+    key = old.node_of_sheet[of_old] * n_row + old.row[met]
     point = new.node_of_sheet[of_new]
     fresh = np.setdiff1d(new.node, old.node)
     for node in fresh.tolist():

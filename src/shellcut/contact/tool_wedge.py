@@ -28,7 +28,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from shellcut.arrays import Vec3
-from shellcut.numerics.jit import always_inline, inline
+from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import combine, dot
 
 AGREES = 1e-6
@@ -101,7 +101,7 @@ def no_wedge() -> Wedge:
     return Wedge(False, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@always_inline
+@inline
 def wedge_along(
     a: Vec3, u: Vec3, one: Vec3, two: Vec3, level_one: float, level_two: float
 ) -> Wedge:
