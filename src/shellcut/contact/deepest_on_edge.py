@@ -70,14 +70,16 @@ class Press(NamedTuple):
 
 
 @inline
-def deepest_in_tool(begin: float, beside: Beside, held: EdgeTables) -> Deepest:
-    """Return the deepest place of an edge in the whole tool, searched around one and from others.
+def deepest_in_tool(begin: float, last: float, beside: Beside, held: EdgeTables) -> Deepest:
+    """Return the deepest place of an edge in the whole tool, searched around some places.
 
-    begin : the first place; the others are closest to the captured edges of the tool.
+    begin, last : the first places; the others are closest to the captured edges of the tool.
     """
     tables = borrowed(held)
     edges = tables.edges
     best = deepest_on(begin, Deepest(0.0, 0.0, beside.end_a), beside, held)
+    if last != begin:
+        best = deepest_on(last, best, beside, held)
     for i in range(beside.n_captured):
         e = tables.captured[i]
         if may_be_deeper(e, best, beside, held):
@@ -242,9 +244,11 @@ def press_of(
     """Return what an edge presses with over its stiffness, in a wedge if the tool is as deep."""
     tables = borrowed(held)
     press = press_on(found, offset, beside, wedge, held)
-    if not wedge.known or press.stored == 0.0:
+    if not wedge.known:
         return press
-    here = place_in_wedge(press.s, wedge, tables.law.rounding)
-    if is_tool(press.s, here, beside, held)[0]:
-        return press
+    # In the wedge the energy may rise up to the end of the edge, where other faces bound the tool.
+    if press.stored > 0.0:
+        here = place_in_wedge(press.s, wedge, tables.law.rounding)
+        if is_tool(press.s, here, beside, held)[0]:
+            return press
     return press_on(found, offset, beside, no_wedge(), held)

@@ -104,7 +104,9 @@ def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
     beside = Beside(a, u, side, end_a, end_b, n)
     trusted, deepest, wedge = deepest_of_wedges(beside, held)
     if not trusted:
-        deepest, wedge = deepest_in_tool(deepest.s, beside, held), no_wedge()
+        # Where it was deepest before it may be again, between edges that turn too little.
+        last = tables.memory.place[i] if tables.memory.depth[i] > 0.0 else deepest.s
+        deepest, wedge = deepest_in_tool(deepest.s, last, beside, held), no_wedge()
     if deepest.depth > 0.0:
         free = 0.0
     body = tables.edges.body[closest_edge(deepest.s, beside, held)]
@@ -190,7 +192,7 @@ def add_edge_forces(
         if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
         memory.offset[i] = min(memory.offset[i], g)
-        memory.depth[i], memory.stored[i] = g, 0.0
+        memory.depth[i], memory.place[i], memory.stored[i] = g, look.deepest.s, 0.0
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
         if g > memory.offset[i]:

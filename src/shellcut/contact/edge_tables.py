@@ -99,6 +99,8 @@ class EdgeMemory(NamedTuple):
     """Side of the blade that it keeps while it is deeper than its chord."""
     depth: Annotated[Floats, "(n_film,)"]
     """How much deeper than its chord it goes into the tool [mm]."""
+    place: Annotated[Floats, "(n_film,)"]
+    """Where that is, from 0 at one end to 1 at the other."""
     offset: Annotated[Floats, "(n_film,)"]
     """Part of that which does not press [mm]."""
     stored: Annotated[Floats, "(n_film,)"]
@@ -109,8 +111,8 @@ class EdgeMemory(NamedTuple):
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
-        until, depth, offset, stored = np.zeros((4, n))
-        return cls(until, np.zeros(n, np.int64), depth, offset, stored, np.zeros((n, 2, 3)))
+        until, depth, place, offset, stored = np.zeros((5, n))
+        return cls(until, np.zeros(n, np.int64), depth, place, offset, stored, np.zeros((n, 2, 3)))
 
 
 class EdgePresses(NamedTuple):
