@@ -2,9 +2,7 @@
 
 Their wedges (:mod:`.tool_wedge`) are looked at first. One look at the whole tool shows whether it
 is as deep as the wedge at a place: if the ball that rounds it there touches both faces and no other
-comes closer. On an edge of many short facets the deepest place of a wedge mostly lies at another
-edge: the wedge of that one says better how deep it is there. Where wedges say so of each other, the
-deepest place lies between them, and is searched in the tool (:mod:`.deepest_on_edge`).
+comes closer.
 """
 
 from __future__ import annotations
@@ -27,7 +25,6 @@ from .tool_wedge import (
     Wedge,
     deepest_in_wedge,
     exchanged,
-    no_wedge,
     place_in_wedge,
     wedge_along,
 )
@@ -121,39 +118,7 @@ def place_on(s: float, beside: Beside, held: EdgeTables) -> Place:
 
 
 @inline
-def deepest_of_wedges(beside: Beside, held: EdgeTables) -> tuple[bool, Deepest, Wedge]:
-    """Return the place of an edge of the film that is deepest in the captured wedges, and which.
-
-    The first result says whether the tool is as deep there; if not, the place is where to begin.
-    """
-    tables = borrowed(held)
-    radius = tables.law.rounding
-    best, wedge = Deepest(0.0, 0.0, beside.end_a), no_wedge()
-    elsewhere, between = best, wedge
-    for i in range(beside.n_captured):
-        e = tables.captured[i]
-        at = wedge_at(e, beside, held)
-        says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, radius)
-        if says and found.depth <= best.depth:
-            continue
-        if closest_edge(found.s, beside, held) != e:
-            if found.depth > elsewhere.depth:
-                elsewhere, between = found, at
-            continue
-        if not says:
-            return False, found, no_wedge()
-        agrees, found, at = _with_faces_there(found, at, beside, held)
-        if not agrees:
-            return False, found, no_wedge()
-        if found.depth > best.depth:
-            best, wedge = found, at
-    if best.depth == 0.0 and elsewhere.depth > 0.0:
-        return _with_faces_there(elsewhere, between, beside, held)
-    return True, best, wedge
-
-
-@inline
-def _with_faces_there(
+def with_faces_there(
     found: Deepest, wedge: Wedge, beside: Beside, held: EdgeTables
 ) -> tuple[bool, Deepest, Wedge]:
     """Return the deepest place of a wedge whose faces are those of the tool at that place.
@@ -177,11 +142,14 @@ def _with_faces_there(
 
 
 @inline
-def may_be_deeper(e: int, so_far: Deepest, beside: Beside, held: EdgeTables) -> bool:
-    """Return whether an edge of the film may be deeper at an edge of the tool than elsewhere."""
+def may_be_deep_at(e: int, so_far: Deepest, beside: Beside, held: EdgeTables) -> bool:
+    """Return whether an edge of the film may be deeper than its chord at an edge of the tool.
+
+    so_far : the deepest place of other searches.
+    """
     tables = borrowed(held)
     at = wedge_at(e, beside, held)
     says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
-    if says and found.depth <= so_far.depth:
+    if says and found.depth == 0.0:
         return False
     return so_far.depth == 0.0 or closest_edge(found.s, beside, held) == e

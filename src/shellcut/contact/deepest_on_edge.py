@@ -28,12 +28,12 @@ from typing import NamedTuple
 from shellcut.arrays import Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import combine, dot, load, norm
+from shellcut.numerics.vec3 import combine, dot, norm
 
-from .captured_edges import closest_along, is_tool, may_be_deeper, place_on
+from .captured_edges import place_on
 from .edge_tables import EdgeTables
 from .settings import smoothed, smoothed_integral
-from .tool_wedge import Beside, Deepest, Place, Wedge, no_wedge, place_in_wedge
+from .tool_wedge import Beside, Deepest, Place, Wedge, place_in_wedge
 
 _MOST_STEPS = 60
 
@@ -70,35 +70,23 @@ class Press(NamedTuple):
 
 
 @inline
-def deepest_in_tool(begin: float, last: float, beside: Beside, held: EdgeTables) -> Deepest:
-    """Return the deepest place of an edge in the whole tool, searched around some places.
-
-    begin, last : the first places; the others are closest to the captured edges of the tool.
-    """
-    tables = borrowed(held)
-    edges = tables.edges
-    best = deepest_on(begin, Deepest(0.0, 0.0, beside.end_a), beside, held)
-    if last != begin:
-        best = deepest_on(last, best, beside, held)
-    for i in range(beside.n_captured):
-        e = tables.captured[i]
-        if may_be_deeper(e, best, beside, held):
-            s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
-            best = deepest_on(s, best, beside, held)
-    return best
+def no_press(found: Deepest) -> Press:
+    """Return that of an edge that does not press."""
+    return Press(0.0, found.s, found.here.out, 0.0, 0.0, 0.0)
 
 
 @inline
-def deepest_on(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> Deepest:
-    """Return the deepest place of an edge around one of its places in the tool.
+def hill_around(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> Deepest:
+    """Return the deepest place of an edge, beside its chord, around one of its places.
 
-    at : that place, between 0 and 1.  so_far : the deepest of another search, which is returned if
-    it is deeper.
+    at : that place, between 0 and 1.  so_far : the deepest of other searches.  The result has no
+    depth where that place is not in the tool, or on the hill of the one that is known.
     """
+    none = Deepest(0.0, at, beside.end_a)
     u, end_a, end_b = beside.u, beside.end_a, beside.end_b
     here = place_on(at, beside, held)
     if not here.inside:
-        return so_far
+        return none
     rise = end_b.depth - end_a.depth
     flat = _LEVEL * norm(u)
     # The largest value lies between lo and hi; what is known of both of them: depth, slope, way.
@@ -108,7 +96,7 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> 
     # Around one convex edge the depth is concave: from here it rises to the place that is known.
     lower = here.depth - end_a.depth - at * rise <= so_far.depth
     if so_far.depth > 0.0 and lower and slope * (so_far.s - at) >= 0.0:
-        return so_far
+        return none
     slope_lo = -dot(end_a.out, u) - rise if end_a.inside else 0.0
     slope_hi = -dot(end_b.out, u) - rise if end_b.inside else 0.0
     for turn in range(_MOST_STEPS):
@@ -140,8 +128,8 @@ def deepest_on(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> 
     if not best.inside or (other.inside and other.depth - rise * hi > best.depth - rise * lo):
         best, s = at_hi, hi
     g = best.depth - (1.0 - s) * end_a.depth - s * end_b.depth
-    if g <= so_far.depth or not best.inside:
-        return so_far
+    if g <= 0.0 or not best.inside:
+        return none
     return Deepest(g, s, best)
 
 
@@ -182,7 +170,7 @@ def press_on(
     here = up = found.here
     presses, slope = _slope(here, u, offset, rise, g_m)
     slope_up = slope
-    none = Press(0.0, s, here.out, 0.0, 0.0, 0.0)
+    none = no_press(found)
     if not presses:
         return none
     # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
@@ -235,20 +223,3 @@ def press_on(
     from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
     from_b = s_up * smoothed(end_b.depth, g_m)
     return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)
-
-
-@inline
-def press_of(
-    found: Deepest, offset: float, beside: Beside, wedge: Wedge, held: EdgeTables
-) -> Press:
-    """Return what an edge presses with over its stiffness, in a wedge if the tool is as deep."""
-    tables = borrowed(held)
-    press = press_on(found, offset, beside, wedge, held)
-    if not wedge.known:
-        return press
-    # In the wedge the energy may rise up to the end of the edge, where other faces bound the tool.
-    if press.stored > 0.0:
-        here = place_in_wedge(press.s, wedge, tables.law.rounding)
-        if is_tool(press.s, here, beside, held)[0]:
-            return press
-    return press_on(found, offset, beside, no_wedge(), held)

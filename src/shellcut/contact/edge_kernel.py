@@ -13,12 +13,12 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .captured_edges import closest_along, closest_edge, deepest_of_wedges, place_at
-from .deepest_on_edge import deepest_in_tool, press_of
+from .captured_edges import closest_along, closest_edge, place_at
+from .edge_hills import Hills, hills_of, no_hills
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
-from .tool_wedge import Beside, Deepest, Place, Wedge, no_wedge
+from .tool_wedge import Beside, Place
 
 STIFFNESS = 0.25
 """Stiffness of an edge of the film over that of the softer node at its ends."""
@@ -32,14 +32,10 @@ NO_SIDE = 2
 
 
 class Look(NamedTuple):
-    """Where an edge of the film is deepest beside its chord."""
+    """What is seen of an edge of the film."""
 
     beside: Beside
-    deepest: Deepest
-    wedge: Wedge
-    """That stands for the tool, if it is known."""
-    body: int
-    """Tooth there."""
+    hills: Hills
     free: float
     """Until it has gone so far together with the tool it touches no edge of that [mm]."""
 
@@ -90,7 +86,7 @@ def _ends(i: int, pose: Pose, held: EdgeTables) -> tuple[Vec3, Vec3]:
 
 @inline
 def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
-    """Return where the i-th edge of the film is deepest beside its chord, and how far it may go."""
+    """Return where and how the i-th edge of the film presses, and how far it may go."""
     tables = borrowed(held)
     a, b = _ends(i, pose, held)
     u, size = sub(b, a), _size_of(i, tables.pairs, tables.nodes)
@@ -99,18 +95,13 @@ def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
     n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, held)
     if n == 0:
         beside = Beside(a, u, side, nowhere, nowhere, 0)
-        return Look(beside, Deepest(0.0, 0.0, nowhere), no_wedge(), 0, free)
+        return Look(beside, no_hills(beside), free)
     end_a, end_b = _end(i, 0, a, side, held), _end(i, 1, b, side, held)
-    beside = Beside(a, u, side, end_a, end_b, n)
-    trusted, deepest, wedge = deepest_of_wedges(beside, held)
-    if not trusted:
-        # Where it was deepest before it may be again, between edges that turn too little.
-        last = tables.memory.place[i] if tables.memory.depth[i] > 0.0 else deepest.s
-        deepest, wedge = deepest_in_tool(deepest.s, last, beside, held), no_wedge()
-    if deepest.depth > 0.0:
-        free = 0.0
-    body = tables.edges.body[closest_edge(deepest.s, beside, held)]
-    return Look(beside, deepest, wedge, body, free)
+    beside, memory = Beside(a, u, side, end_a, end_b, n), tables.memory
+    # Where it was deepest before it may be again, between edges that turn too little to be listed.
+    last = memory.place[i] if memory.depth[i] > 0.0 else -1.0
+    hills = hills_of(last, memory.offset[i], beside, held)
+    return Look(beside, hills, 0.0 if hills.deepest.depth > 0.0 else free)
 
 
 @inline
@@ -184,15 +175,16 @@ def add_edge_forces(
             continue
         work += _half_work(i, dt, held)
         look = _look(i, walked, pose, held)
-        g = look.deepest.depth
+        g = look.hills.deepest.depth
         memory.until[i] = walked + look.free
         change, had = g - memory.depth[i], memory.stored[i]
         way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
         if change > law.noticed + 2.0 * way:
             memory.offset[i] += change
+            look = _look(i, walked, pose, held)
         memory.offset[i] = min(memory.offset[i], g)
-        memory.depth[i], memory.place[i], memory.stored[i] = g, look.deepest.s, 0.0
+        memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
         memory.force[i] = 0.0
         presses.pressure[i] = 0.0
         if g > memory.offset[i]:
@@ -212,10 +204,10 @@ def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Float
     """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
     tables = borrowed(held)
     memory, presses, beside = tables.memory, tables.presses, look.beside
-    offset, body = memory.offset[i], look.body
-    found = press_of(look.deepest, offset, beside, look.wedge, held)
+    found = look.hills.press
     if found.stored == 0.0:
         return
+    body = tables.edges.body[closest_edge(found.s, beside, held)]
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
     memory.stored[i] = k * found.stored
     s, by = found.s, found.pressure
