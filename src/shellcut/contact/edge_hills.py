@@ -72,13 +72,8 @@ def hills_of(last: float, offset: float, beside: Beside, held: EdgeTables) -> Hi
     hills = _with_hill(begin, no_wedge(), offset, no_hills(beside), beside, held)
     if last >= 0.0:
         hills = _with_hill(last, no_wedge(), offset, hills, beside, held)
-    tables = borrowed(held)
-    edges = tables.edges
-    for i in range(beside.n_captured):
-        e = tables.captured[i]
-        if may_be_deep_at(e, hills.deepest, beside, held):
-            s, _ = closest_along(beside.a, beside.u, load(edges.start, e), load(edges.way, e))
-            hills = _with_hill(s, no_wedge(), offset, hills, beside, held)
+    for k in range(1, 8):
+        hills = _with_hill(0.125 * k, no_wedge(), offset, hills, beside, held)
     return hills
 
 
