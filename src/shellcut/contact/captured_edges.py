@@ -139,17 +139,3 @@ def with_faces_there(
         if not says or found.depth == 0.0:
             break
     return False, found, wedge
-
-
-@inline
-def may_be_deep_at(e: int, so_far: Deepest, beside: Beside, held: EdgeTables) -> bool:
-    """Return whether an edge of the film may be deeper than its chord at an edge of the tool.
-
-    so_far : the deepest place of other searches.
-    """
-    tables = borrowed(held)
-    at = wedge_at(e, beside, held)
-    says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
-    if says and found.depth == 0.0:
-        return False
-    return so_far.depth == 0.0 or closest_edge(found.s, beside, held) == e

@@ -9,7 +9,8 @@ turns.
 The wedges at the captured edges of the tool come first (:mod:`.captured_edges`). On an edge of many
 short facets the deepest place of a wedge mostly lies at another edge: the wedge of that one says
 better how deep it is there. Where wedges say so of each other, or a wedge is deeper than the tool
-at an end of the film's edge, the tool itself is searched (:mod:`.deepest_on_edge`).
+at an end of the film's edge, the tool itself is searched, all along the edge
+(:mod:`.deepest_on_edge`).
 """
 
 from __future__ import annotations
@@ -18,13 +19,10 @@ from typing import NamedTuple
 
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import load
 
 from .captured_edges import (
-    closest_along,
     closest_edge,
     is_tool,
-    may_be_deep_at,
     wedge_at,
     with_faces_there,
 )
@@ -38,6 +36,10 @@ from .tool_wedge import (
     no_wedge,
     place_in_wedge,
 )
+
+_PARTS = 8
+"""Of an edge of the film; hills are looked for from where these meet. With four a run of the
+opening test misses twice the energy, where hills take turns."""
 
 
 class Hills(NamedTuple):
@@ -69,11 +71,11 @@ def hills_of(last: float, offset: float, beside: Beside, held: EdgeTables) -> Hi
     if hills.known:
         return hills
     begin = hills.deepest.s
-    hills = _with_hill(begin, no_wedge(), offset, no_hills(beside), beside, held)
+    hills = _with_hill(begin, offset, no_hills(beside), beside, held)
     if last >= 0.0:
-        hills = _with_hill(last, no_wedge(), offset, hills, beside, held)
-    for k in range(1, 8):
-        hills = _with_hill(0.125 * k, no_wedge(), offset, hills, beside, held)
+        hills = _with_hill(last, offset, hills, beside, held)
+    for k in range(1, _PARTS):
+        hills = _with_hill(k / _PARTS, offset, hills, beside, held)
     return hills
 
 
@@ -125,14 +127,12 @@ def _with_wedge(
 
 
 @inline
-def _with_hill(
-    at: float, wedge: Wedge, offset: float, so_far: Hills, beside: Beside, held: EdgeTables
-) -> Hills:
+def _with_hill(at: float, offset: float, so_far: Hills, beside: Beside, held: EdgeTables) -> Hills:
     """Return hills with the one around a place of the edge."""
     found = hill_around(at, so_far.deepest, beside, held)
     if found.depth == 0.0:
         return so_far
-    return _higher(found, press_on(found, offset, beside, wedge, held), so_far)
+    return _higher(found, press_on(found, offset, beside, no_wedge(), held), so_far)
 
 
 @inline
