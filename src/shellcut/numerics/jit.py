@@ -21,6 +21,7 @@ functions this cannot happen.
 
 from __future__ import annotations
 
+import functools
 import gc
 import os
 from collections.abc import Callable, Iterator
@@ -47,8 +48,8 @@ _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "no_cfunc_wrapper": True,
 }
-_INLINED: dict[str, Any] = {
-    "forceinline": True,
+# Without Numba's wrapper for calls from Python, too, and compiled as part of the kernel only.
+_WITHIN_KERNELS: dict[str, Any] = {
     "no_cpython_wrapper": True,
     "pipeline_class": InlinedCompiler,
     **_OPTIONS,
@@ -167,10 +168,19 @@ def _checked(call: Callable[..., R]) -> Callable[..., R]:
 def inline(function: Callable[P, R]) -> Callable[P, R]:
     """Compile scalar arithmetic that only kernels call; LLVM may inline it into them.
 
-    Not cached by itself: it is part of cached kernels.
+    Not cached by itself: it is part of cached kernels. They take a second version, compiled as part
+    of each kernel; the first is compiled if Python calls it.
     """
-    compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
-    return compiled
+    compiled: Any = nb.njit(**_OPTIONS)(function)
+
+    @functools.cache
+    def within() -> Any:
+        return nb.njit(**_WITHIN_KERNELS)(function)
+
+    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
+        compiled.get_call_template = _for_all_numbers(lambda *call: within().get_call_template(*call))
+        compiled.get_overload = lambda signature: within().get_overload(signature)
+    return cast("Callable[P, R]", compiled)
 
 
 def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
@@ -178,7 +188,7 @@ def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
 
     For one formula that kernels need for a number and NumPy for a whole array.
     """
-    shared: Callable[P, R] = register_jitable(**_OPTIONS)(function)
+    shared: Callable[P, R] = register_jitable(**_WITHIN_KERNELS)(function)
     return shared
 
 
@@ -191,7 +201,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    return _for_kernels_only(nb.njit(**_INLINED)(function), function)
+    return _for_kernels_only(nb.njit(forceinline=True, **_WITHIN_KERNELS)(function), function)
 
 
 def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]:
@@ -227,7 +237,8 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     their own, and a kernel with several calls compiles faster. The function begins with
     :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
     """
-    return _for_kernels_only(nb.njit(**{**_INLINED, "forceinline": False})(function), function)
+    # Said, or Numba takes it from the function that is compiled with a call of this one.
+    return _for_kernels_only(nb.njit(forceinline=False, **_WITHIN_KERNELS)(function), function)
 
 
 def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
