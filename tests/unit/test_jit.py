@@ -12,7 +12,7 @@ import pytest
 
 import shellcut
 from shellcut.numerics import jit as _jit
-from shellcut.numerics.jit import BoundOnce, always_inline, bound, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, bound, inline, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -91,6 +91,25 @@ def test_python_is_told_that_a_function_is_only_for_kernels():
         with pytest.raises(TypeError, match="_tripled is inlined into kernels, Python cannot call"):
             _tripled(2.0)
         assert _tripled_sum(np.array([2.0])) == 6.0
+
+
+@inline
+def _halved(number):
+    return 0.5 * number
+
+
+@kernel
+def _halved_sum(numbers):
+    return _halved(numbers.sum())
+
+
+def test_what_kernels_call_is_compiled_by_itself_only_for_python():
+    assert _halved_sum(np.array([2.0, 4.0])) == 3.0
+    if hasattr(_halved, "overloads"):
+        assert not _halved.overloads
+    assert [_halved(6.0), _halved(number=6)] == [3.0, 3.0]
+    if hasattr(_halved, "overloads"):
+        assert len(_halved.overloads) == 2
 
 
 @always_inline

@@ -178,7 +178,8 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
         return nb.njit(**_WITHIN_KERNELS)(function)
 
     if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        compiled.get_call_template = _for_all_numbers(lambda *call: within().get_call_template(*call))
+        template = _for_all_numbers(lambda *kinds: within().get_call_template(*kinds))
+        compiled.get_call_template = template
         compiled.get_overload = lambda signature: within().get_overload(signature)
     return cast("Callable[P, R]", compiled)
 
@@ -221,11 +222,11 @@ def _for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
     be compiled twice. The value is put in when LLVM inlines the function.
     """
 
+    of_any_value: Any = types.unliteral
+
     def template_for_all(arguments: Any, named: Any) -> Any:
-        return template(
-            tuple(types.unliteral(kind) for kind in arguments),
-            {name: types.unliteral(kind) for name, kind in named.items()},
-        )
+        by_name = {name: of_any_value(kind) for name, kind in named.items()}
+        return template(tuple(map(of_any_value, arguments)), by_name)
 
     return template_for_all
 
