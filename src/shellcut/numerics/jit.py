@@ -221,7 +221,6 @@ def _for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
     For Numba 0 and 1 in the source are of two types, and a function that is called with each would
     be compiled twice. The value is put in when LLVM inlines the function.
     """
-
     of_any_value: Any = types.unliteral
 
     def template_for_all(arguments: Any, named: Any) -> Any:
