@@ -91,7 +91,7 @@ class Press(NamedTuple):
     """What it takes from that of b, s f(D_b) [mm]."""
 
 
-@inline
+@always_inline
 def place_at(p: Vec3, side: int, tables: EdgeTables) -> Place:
     """Return how deep a point of the body frame is below the rounded surface of a side."""
     tables = borrowed(tables)

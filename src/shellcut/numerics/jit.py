@@ -178,8 +178,7 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
         return nb.njit(**_WITHIN_KERNELS)(function)
 
     if hasattr(compiled, "get_call_template"):  # else Numba is switched off
-        template = _for_all_numbers(lambda *kinds: within().get_call_template(*kinds))
-        compiled.get_call_template = template
+        compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
         compiled.get_overload = lambda signature: within().get_overload(signature)
     return cast("Callable[P, R]", compiled)
 
@@ -202,7 +201,10 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    return _for_kernels_only(nb.njit(forceinline=True, **_WITHIN_KERNELS)(function), function)
+    compiled: Any = nb.njit(forceinline=True, **_WITHIN_KERNELS)(function)
+    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
+        compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
+    return _for_kernels_only(compiled, function)
 
 
 def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]:
@@ -211,7 +213,6 @@ def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]
 
     if hasattr(compiled, "_insert"):  # no machine code is found for a call from Python
         compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
-        compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return cast("Callable[P, R]", compiled)
 
 
@@ -219,7 +220,8 @@ def _for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap what compiles a function for a call: once for an integer, whatever its value.
 
     For Numba 0 and 1 in the source are of two types, and a function that is called with each would
-    be compiled twice. The value is put in when LLVM inlines the function.
+    be compiled twice. The value is put in when LLVM inlines the function; where it may not inline
+    it, a version for each value is faster.
     """
     of_any_value: Any = types.unliteral
 
