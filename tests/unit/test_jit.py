@@ -1,6 +1,7 @@
 """How kernels are compiled."""
 
 import ast
+import gc
 import importlib
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 import shellcut
 from shellcut.numerics import jit as _jit
-from shellcut.numerics.jit import BoundOnce, always_inline, bound, kernel
+from shellcut.numerics.jit import BoundOnce, always_inline, bound, inline, kernel
 
 SOURCES = Path(shellcut.__file__).parent
 
@@ -90,6 +91,70 @@ def test_python_is_told_that_a_function_is_only_for_kernels():
         with pytest.raises(TypeError, match="_tripled is inlined into kernels, Python cannot call"):
             _tripled(2.0)
         assert _tripled_sum(np.array([2.0])) == 6.0
+
+
+@inline
+def _halved(number):
+    return 0.5 * number
+
+
+@kernel
+def _halved_sum(numbers):
+    return _halved(numbers.sum())
+
+
+def test_what_kernels_call_is_compiled_by_itself_only_for_python():
+    assert _halved_sum(np.array([2.0, 4.0])) == 3.0
+    if hasattr(_halved, "overloads"):
+        assert not _halved.overloads
+    assert [_halved(6.0), _halved(number=6)] == [3.0, 3.0]
+    if hasattr(_halved, "overloads"):
+        assert len(_halved.overloads) == 2
+
+
+@always_inline
+def _from(numbers, first):
+    return numbers[first] + numbers[first + 1]
+
+
+@kernel
+def _pairs(numbers):
+    return _from(numbers, 0) + _from(numbers, 1) + _from(numbers, numbers.size - 2)
+
+
+def test_a_function_is_compiled_once_whatever_number_it_is_given():
+    numbers = np.array([1.0, 2.0, 4.0, 8.0])
+    assert _pairs(numbers) == 3.0 + 6.0 + 12.0
+    if hasattr(_from, "overloads"):
+        assert len(_from.overloads) <= 1  # none if the kernel was in the cache
+
+
+@kernel
+def _doubled(number):
+    return 2.0 * number
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_no_garbage_is_looked_for_while_a_kernel_is_compiled(monkeypatch, before):
+    if not hasattr(_doubled, "compile"):
+        pytest.skip("nothing is compiled")
+    looked = []
+
+    def compile_(types):
+        looked.append(gc.isenabled())
+        raise TypeError("it cannot be compiled")
+
+    compile_uncollected = _jit._uncollected(compile_)
+    was = gc.isenabled()
+    monkeypatch.setattr(_doubled, "compile", compile_uncollected)
+    try:
+        (gc.enable if before else gc.disable)()
+        with pytest.raises(TypeError, match="it cannot be compiled"):
+            bound(_doubled, 1.0)
+        assert looked == [False]
+        assert gc.isenabled() is before
+    finally:
+        (gc.enable if was else gc.disable)()
 
 
 _OF_A_VERSION = """

@@ -413,6 +413,10 @@ def test_laws_are_known_by_name_and_refused_with_a_sentence():
             PointLaw("mine", other, other, four, turning=turning)
     with pytest.raises(ValueError, match="a history must have numbers for the first to lead"):
         PointLaw("mine", other, other, ("a",), first_leads=True)
+    with pytest.raises(ValueError, match="an elastic law has no history, 'mine' names"):
+        PointLaw("mine", other, other, ("a",), elastic=True)
+    its_own = PointLaw("mine", other, other, elastic=True)
+    assert its_own.frozen is its_own
     with pytest.raises(ValueError, match="material must be a Material, such as Elastic, got 3"):
         Layer(3, 0.1)
 

@@ -57,8 +57,7 @@ def _thickness_stretch(p: Floats, strain: Vector, history: History) -> Number:
 def _law(oriented: bool) -> PointLaw:
     name = "orthotropic Hencky" if oriented else "Hencky"
     stress = _any_stress if oriented else _isotropic_stress
-    frozen = register(PointLaw(f"{name}, frozen", stress, _thickness_stretch, oriented=oriented))
-    return register(PointLaw(name, stress, _thickness_stretch, oriented=oriented, frozen=frozen))
+    return register(PointLaw(name, stress, _thickness_stretch, oriented=oriented, elastic=True))
 
 
 def elastic_row(elastic: Elastic | Orthotropic) -> Floats:

@@ -65,6 +65,9 @@ class PointLaw:
         Whether all history numbers are zero where the first is not above zero. Then the others are
         read only where it is: most of a film has never yielded, and to read five numbers of every
         point would take a third of its time.
+    elastic : bool
+        Whether the law is its own frozen law, which is then not given: it has no flow, though its
+        stress is not linear. Kernels for it are compiled once.
     """
 
     name: str
@@ -77,6 +80,7 @@ class PointLaw:
     frozen: PointLaw | None = None
     turning: tuple[int, ...] = ()
     first_leads: bool = False
+    elastic: bool = False
     digest: str = field(init=False, default="")
     """Digest of all fields, and of the sources (:mod:`shellcut.material.source_digest`)."""
 
@@ -88,7 +92,11 @@ class PointLaw:
             problems.append(f"a linear law has no history, {self.name!r} names {self.history}")
         if len(set(self.history)) < len(self.history):
             problems.append(f"history names must differ, {self.name!r} has {self.history}")
-        if self.frozen is not None and self.frozen.history != self.history:
+        if self.elastic and self.history:
+            problems.append(f"an elastic law has no history, {self.name!r} names {self.history}")
+        if self.elastic:
+            object.__setattr__(self, "frozen", self)
+        elif self.frozen is not None and self.frozen.history != self.history:
             problems.append(
                 f"the frozen law of {self.name!r} must have its history, {self.history}, got "
                 f"{self.frozen.history}"

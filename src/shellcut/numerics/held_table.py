@@ -17,7 +17,8 @@ from typing import Any, TypeVar, cast
 import numba as nb
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import types
+from numba.core.registry import cpu_target
 from numba.extending import NativeValue, intrinsic, typeof_impl, unbox
 
 from .borrowed import HeldType, without_owner
@@ -75,10 +76,17 @@ class Holder:
         kind = nb.typeof(table)
         if self._kind is None:
             check_tables([table])
-            self._kind, self._size = kind, bound(_size, plain)(plain)
+            self._kind, self._size = kind, _size_of(plain)
             self._lay_out = bound(_lay_out, plain, np.zeros(0, np.uint8))
         if kind != self._kind:
             raise TypeError(f"a table was given with other types: {kind} after {self._kind}")
+
+
+def _size_of(plain: Any) -> int:
+    """Return the bytes that a table takes in a kernel [1]."""
+    context = cpu_target.target_context
+    size: int = context.get_abi_sizeof(context.get_value_type(nb.typeof(plain)))
+    return size
 
 
 def _looks(value: Any) -> Any:
@@ -123,22 +131,6 @@ def _write(_typing, table, memory):
         return context.get_dummy_value()
 
     return types.void(table, memory), code
-
-
-@intrinsic
-def _size_of(_typing, table):
-    def code(context, builder, signature, _arguments):
-        size = context.get_abi_sizeof(context.get_value_type(signature.args[0]))
-        return cgutils.intp_t(size)
-
-    return types.intp(table), code
-
-
-@kernel
-def _size(table: Any) -> int:
-    """Return the bytes that a table takes [1]."""
-    size: int = _size_of(table)
-    return size
 
 
 @kernel

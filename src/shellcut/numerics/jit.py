@@ -21,13 +21,15 @@ functions this cannot happen.
 
 from __future__ import annotations
 
+import functools
+import gc
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba as nb
-from numba.core import event
+from numba.core import event, types
 from numba.extending import register_jitable
 
 from .inlined_code import InlinedCompiler
@@ -46,8 +48,8 @@ _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "no_cfunc_wrapper": True,
 }
-_INLINED: dict[str, Any] = {
-    "forceinline": True,
+# Without Numba's wrapper for calls from Python, too, and compiled as part of the kernel only.
+_WITHIN_KERNELS: dict[str, Any] = {
     "no_cpython_wrapper": True,
     "pipeline_class": InlinedCompiler,
     **_OPTIONS,
@@ -58,7 +60,7 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
     compiled: Any = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
-        compiled.compile = _despite_an_older_cache(compiled, compiled.compile)
+        compiled.compile = _uncollected(_despite_an_older_cache(compiled, compiled.compile))
     return cast("Callable[P, R]", compiled)
 
 
@@ -80,6 +82,25 @@ def _despite_an_older_cache(compiled: Any, compile_: Callable[..., Any]) -> Call
             return compile_(types)
 
     return compile_anew
+
+
+def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a compilation so that Python looks for no garbage meanwhile.
+
+    Numba makes objects by the million and keeps most of them until the kernel is compiled. The
+    collector would go through them again and again: a fifth of the time.
+    """
+
+    def compile_uncollected(types: object) -> Any:
+        if not gc.isenabled():
+            return compile_(types)
+        gc.disable()
+        try:
+            return compile_(types)
+        finally:
+            gc.enable()
+
+    return compile_uncollected
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:
@@ -147,10 +168,19 @@ def _checked(call: Callable[..., R]) -> Callable[..., R]:
 def inline(function: Callable[P, R]) -> Callable[P, R]:
     """Compile scalar arithmetic that only kernels call; LLVM may inline it into them.
 
-    Not cached by itself: it is part of cached kernels.
+    Not cached by itself: it is part of cached kernels. They take a second version, compiled as part
+    of each kernel; the first is compiled if Python calls it.
     """
-    compiled: Callable[P, R] = nb.njit(**_OPTIONS)(function)
-    return compiled
+    compiled: Any = nb.njit(**_OPTIONS)(function)
+
+    @functools.cache
+    def within() -> Any:
+        return nb.njit(**_WITHIN_KERNELS)(function)
+
+    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
+        compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
+        compiled.get_overload = lambda signature: within().get_overload(signature)
+    return cast("Callable[P, R]", compiled)
 
 
 def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
@@ -158,7 +188,7 @@ def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
 
     For one formula that kernels need for a number and NumPy for a whole array.
     """
-    shared: Callable[P, R] = register_jitable(**_OPTIONS)(function)
+    shared: Callable[P, R] = register_jitable(**_WITHIN_KERNELS)(function)
     return shared
 
 
@@ -171,7 +201,10 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    return _for_kernels_only(nb.njit(**_INLINED)(function), function)
+    compiled: Any = nb.njit(forceinline=True, **_WITHIN_KERNELS)(function)
+    if hasattr(compiled, "get_call_template"):  # else Numba is switched off
+        compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
+    return _for_kernels_only(compiled, function)
 
 
 def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]:
@@ -183,6 +216,22 @@ def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]
     return cast("Callable[P, R]", compiled)
 
 
+def _for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap what compiles a function for a call: once for an integer, whatever its value.
+
+    For Numba 0 and 1 in the source are of two types, and a function that is called with each would
+    be compiled twice. The value is put in when LLVM inlines the function; where it may not inline
+    it, a version for each value is faster.
+    """
+    of_any_value: Any = types.unliteral
+
+    def template_for_all(arguments: Any, named: Any) -> Any:
+        by_name = {name: of_any_value(kind) for name, kind in named.items()}
+        return template(tuple(map(of_any_value, arguments)), by_name)
+
+    return template_for_all
+
+
 def apart(function: Callable[P, R]) -> Callable[P, R]:
     """Compile arithmetic that kernels call, compiled once for all calls within a kernel.
 
@@ -190,7 +239,8 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     their own, and a kernel with several calls compiles faster. The function begins with
     :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
     """
-    return _for_kernels_only(nb.njit(**{**_INLINED, "forceinline": False})(function), function)
+    # Said, or Numba takes it from the function that is compiled with a call of this one.
+    return _for_kernels_only(nb.njit(forceinline=False, **_WITHIN_KERNELS)(function), function)
 
 
 def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
