@@ -6,8 +6,8 @@ it ends (:mod:`.film_edges`) has the potential
 
     k max over s of  Phi(D(p(s))) - (1 - s) Phi(D_a) - s Phi(D_b),      Phi = ∫f,
 
-the most energy that it has over what its ends are felt to have (:mod:`.deepest_on_edge`), with f of
-the nodes' contact. As s is where that is largest, the forces are, with the ways out n at s and n_a,
+the most energy that it has over what its ends are felt to have (:mod:`.edge_hills`), with f of the
+nodes' contact. As s is where that is largest, the forces are, with the ways out n at s and n_a,
 n_b at ends that are in the tool,
 
     on a:  k (1 - s) (f(D) n - f(D_a) n_a),      on b:  k s (f(D) n - f(D_b) n_b),
