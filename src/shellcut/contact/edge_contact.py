@@ -212,7 +212,7 @@ class EdgeContact:
             pairs=pairs,
             memory=memory,
             presses=EdgePresses.none(len(pairs.node)),
-            captured=np.empty(len(self._edges.start), np.int64),
+            captured=np.zeros(len(self._edges.start), np.int64),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
         )
         self.held = self._hold(self.tables)

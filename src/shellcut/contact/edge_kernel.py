@@ -196,6 +196,7 @@ def add_edge_forces(
             work += _half_work(i, dt, held)
         if -change > law.noticed + 2.0 * way:  # its side is another one now
             absorbed += had - memory.stored[i]
+    tables.captured[:] = 0  # tables are compared after a restart
     return work, stored, absorbed, n_touching, deepest, walked
 
 
