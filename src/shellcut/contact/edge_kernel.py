@@ -101,7 +101,12 @@ def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
     # Where it was deepest before it may be again, between edges that turn too little to be listed.
     last = memory.place[i] if memory.depth[i] > 0.0 else -1.0
     hills = hills_of(last, memory.offset[i], beside, held)
-    return Look(beside, hills, 0.0 if hills.deepest.depth > 0.0 else free)
+    if hills.deepest.depth > 0.0:
+        free = 0.0
+    # Closer to the other side than to its own the blade goes through it.
+    if side != 0 and hills.deepest.here.depth > tables.law.tool_half_thickness:
+        hills = no_hills(beside)
+    return Look(beside, hills, free)
 
 
 @inline
