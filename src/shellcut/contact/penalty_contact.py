@@ -8,27 +8,25 @@ and f are in :mod:`shellcut.contact.settings`. Friction on the faces is a term o
 *Search.* Global: the nodes near a tooth are listed now and then
 (:mod:`shellcut.contact.near_nodes`). Local: a listed node looks up the closest triangles of its
 cell in a grid fixed to the tool. The result is valid until the node has moved a certain distance
-relative to the tool. Outside, this is the distance from the surface: until then the node cannot
-touch it and is skipped. Inside, it is half of the amount by which the other triangles are farther
-than the closest: until then that one stays the closest.
+relative to the tool: outside, the distance from the surface, until which it cannot touch and is
+skipped; inside, half of the amount by which other triangles are farther than the closest.
 
 *Depth and normal* are those of the tool with its convex edges rounded, so that the force is
 continuous, the gradient of a potential (:mod:`shellcut.tool.rounded_depth`).
 
 *Which face.* A blade's two flanks are a few hundredths of a millimetre apart near the edge, and a
 node created inside the wedge by a split would take the nearer one, with a loaded spring. So a node
-keeps a side, +1 or -1 by the flank labels of the tool, chosen at its first contact: on or near the
+keeps a side, +1 or -1 by the flank labels of the tool, chosen at its first contact: near the
 mid-plane (``_UNDECIDED``) from its own quads, if they clearly lie beside the blade; else from the
-nearest face. It is forgotten when the node has left the tool. So a blade that runs well beside the
-mesh line leaves both flanks of the cut on one side of it: pushing one across would give the film
-energy not matched by work of the tool.
+nearest face. It is forgotten when the node has left the tool. So a blade well beside the mesh line
+leaves both flanks of the cut on one side of it: pushing one across would give the film energy.
 
 *Jumps.* When the depth grows by more than node and tool have moved in the step, as after a split
 that assigns a node to the other flank, the excess is not loaded: it goes into an offset, which
 decays. The decay loads the spring without motion and gives the film the energy to push the node
-out, which is not work of the tool; it has its own entry in the ledger, summed by increments. Growth
-by motion is no jump: a node that flies into a face is stopped by it however deep it goes in a step,
-and rebounds with no more energy than it came with.
+out, which is not work of the tool; it has an entry in the ledger, summed by increments. Growth by
+motion is no jump: a node that flies into a face is stopped however deep it goes in a step, and
+rebounds with no more energy than it came with.
 """
 
 from __future__ import annotations
@@ -68,18 +66,17 @@ from .settings import (
     smoothed_integral,
 )
 
-# Margin of the list of near nodes, over the median edge length sqrt(quad area). Nodes within half
-# of it count with their contact stiffness in the time step; the list lasts until that is used up.
+# Margin of the list of near nodes, over the median edge length. Nodes within half of it count with
+# their stiffness in the time step; the list lasts until that is used up.
 _MARGIN = 2.2
 
-# The quads of a node lie clearly beside the blade when their mean centre is farther from the
-# mid-plane than this fraction of the local edge length.
+# Of the local edge length: quads whose mean centre is farther from the mid-plane lie beside it.
 _CLEARLY_BESIDE = 0.15
 
 # Subtracted from distances, far above their round-off: fraction of the tool's farthest coordinate.
 _ROUND_OFF = 1e-10
 
-# Distance from the crack's plane, in local edge lengths, up to which quads decide a node's side.
+# Of the local edge length: up to there from the crack's plane quads decide a node's side.
 _UNDECIDED = 0.1
 
 
@@ -150,7 +147,7 @@ class PenaltyContact:
         )
         """The nodes of the last global search."""
         self.lookups = Lookups.none_yet(self.near.ids)
-        """What the last step has found of these nodes, anew with each list."""
+        """What is known of these nodes."""
         self._pose: Pose | None = None
         self.tables: ContactTables | None = None
         """What the kernel takes, anew with each list."""
@@ -400,8 +397,8 @@ def _add_contact_forces(
 ) -> tuple[float, float, float, int, float]:
     """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
 
-    Writes the look-ups, and the contact fields of these nodes. Returns the work on the nodes over
-    the last step, stored and absorbed energy, the number of nodes inside and the largest depth.
+    Writes the look-ups and these nodes' contact fields. Returns the work on the nodes over the last
+    step, stored and absorbed energy, the number of nodes inside and the largest depth.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
