@@ -29,8 +29,9 @@ step when they have walked a quarter of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have, and keeps it while it is deeper
 than its chord. Where they have different ones, or it is closer to the other side than to its own,
-the blade goes through the film there: it does not press. If it gets deeper than its chord by more than twice what its ends and the tool have moved (a
-split makes new edges), that part is an offset of D, which does not press and goes as they part.
+the blade goes through the film there: it does not press. If it gets deeper than its chord by more
+than twice what its ends and the tool have moved (a split makes new edges), that part is an offset
+of D, which does not press and goes as they part.
 
 *Splits.* An edge whose end has split along edges of the mesh goes on as the edge of the twin: what
 is kept of it stays. A cut through quads that gives an end a new node begins anew.
