@@ -19,7 +19,7 @@ has a kink instead, and is most above the chord at that.
 
 The faces end, and others may cut the wedge off. A convex tool is then no deeper than its wedge
 says, so a place that is deepest in the wedge, and as deep in the tool, is deepest in the tool: one
-look at the whole tool shows whether the wedge may be taken for it (:mod:`.edge_kernel`).
+look at the whole tool shows whether the wedge may be taken for it (:mod:`.captured_edges`).
 """
 
 from __future__ import annotations
