@@ -16,6 +16,7 @@ import pytest
 
 import shellcut.recording.checkpoint
 import shellcut.recording.recorder
+import shellcut.recording.unfelt_penetration
 from notched_strip import cutting
 from open_files import is_open
 from shellcut.fracture.candidate_splits import partings_of
@@ -671,9 +672,14 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     whole, part = tmp_path / "whole", tmp_path / "part"
     # Deepest at the first frame: the summary of both parts shall know.
     monkeypatch.setattr(
-        shellcut.recording.recorder,
+        shellcut.recording.unfelt_penetration,
         "missed_penetration",
         lambda _, state, *__: (1, 1.0 / (1 + state.step)),
+    )
+    monkeypatch.setattr(
+        shellcut.recording.unfelt_penetration.FlankPenetration,
+        "largest",
+        lambda _, state, __: 2.0 / (1 + state.step),
     )
     Case("cut", cutting(), 8e-6).run(whole, **records)
     first = cutting()
@@ -694,6 +700,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
     assert (part / "history.csv").read_bytes() == (whole / "history.csv").read_bytes()
     assert summary_of(part)["unfelt_penetration_mm"] == 1.0
+    assert summary_of(part)["unfelt_film_edge_mm"] == 2.0
     assert 500.0 < summary_of(part)["pictures_s"] < 600.0
     # As if killed at its end: summed up, and nothing is drawn once more that was drawn there.
     (part / "summary.json").unlink()

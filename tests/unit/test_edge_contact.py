@@ -1,5 +1,7 @@
 """Edges of the film against edges of the tool."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from shellcut.contact.film_outline import FilmOutline
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
+from shellcut.recording.unfelt_penetration import UnfeltPenetration
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
 from shellcut.tool.pose import Pose
@@ -307,6 +310,7 @@ def test_a_rim_pushed_between_nodes_is_felt():
         edge = sim.pose.to_space(sim.tool.vertices)[:, 0].max()
         s = (0.3 - a[1]) / (b[1] - a[1])
         deepest[on] = edge - ((1.0 - s) * a + s * b)[0]
+        unfelt = UnfeltPenetration(sim).now().film_edges
         book = sim.close_ledger()
         if on:
             pressed = sum(t.forces.wrench[0, 0] for t in sim.tool_terms)
@@ -314,8 +318,15 @@ def test_a_rim_pushed_between_nodes_is_felt():
             # It gives back all that it takes, and the works of both sides are booked.
             assert book.contact_work == pytest.approx(book.contact_stored, rel=1e-4)
             assert abs(book.imbalance) < 1e-6 * book.tool_work
+            assert unfelt == 0.0
         else:
             assert book.tool_work == 0.0  # it goes through the rim, and nothing feels it
+            r, ends = sim.contact.law.rounding, sim.pose.to_body(n.x[rim])
+            looked = [k / 8 for k in range(1, 8)]
+            seen = [(1.0 - t) * p + t * q for p, q in pairwise(ends) for t in looked]
+            depths = [depth_at(p, sim.tool, r)[0] for p in seen]
+            assert unfelt == pytest.approx(max(depths), rel=1e-12)  # the same, but for round-off
+            assert unfelt > 0.5 * sim.material.thickness
     assert deepest[False] > 0.13
     assert deepest[True] < 0.5 * sim.material.thickness
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shellcut.recording.recorder
+import shellcut.recording.unfelt_penetration
 import shellcut.results.frame_writer
 import shellcut.view.progress
 from notched_strip import cutting
@@ -23,6 +24,7 @@ from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_summary import run_summary
 from shellcut.recording.tool_resistance import Resistance
+from shellcut.recording.unfelt_penetration import Unfelt
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history
 from shellcut.results.run_results import read
@@ -202,7 +204,9 @@ def test_figures_that_are_not_finite_are_left_out(tmp_path):
     sim.run(END, [recorder, StopWhen(lambda: sim.state.step >= 3)])
     history, _ = read_history(tmp_path / "history.csv")
     sim.ledger.tool_work, sim.ledger.damping_mass = np.inf, np.nan
-    figures = run_summary(sim, recorder.resistance, history, stepping=1.0, drawing=0.0, unfelt=0.0)
+    figures = run_summary(
+        sim, recorder.resistance, history, stepping=1.0, drawing=0.0, unfelt=Unfelt()
+    )
     assert not {"tool_work_Nmm", "damping_Nmm"} & figures.keys()
     assert figures["n_step"] == 3
 
@@ -218,7 +222,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     energies = ("tool_work", "cohesive_work", "imbalance", "kinetic_translation")
     columns = (*energies, "kinetic_rotation", "time", "angle", "torque", "axial_force")
     history = dict.fromkeys(columns, angle) | edge_columns([edge(angle)] * 4)
-    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=0.0)
+    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=Unfelt())
     # The mean of the identity; its growth a radian.
     low, high = figures["window_from_deg"], figures["window_to_deg"]
     assert 25.0 < low < high < 75.0
@@ -226,7 +230,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     assert figures["dW_dtheta_Nmm"] == pytest.approx(np.degrees(1.0), rel=1e-9)
     assert (figures["torque_peak_Nmm"], figures["torque_peak_at_deg"]) == (80.0, 80.0)
     history["torque"] = 0.96 - 5.0 * np.sin(np.radians(angle))
-    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=0.0)
+    figures = run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=Unfelt())
     assert figures["torque_peak_Nmm"] == history["torque"][-1] < -3.9
 
 
@@ -273,7 +277,7 @@ def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, m
         looked.append(state.step)
         return 1, 1e-3 * state.step
 
-    monkeypatch.setattr(shellcut.recording.recorder, "missed_penetration", depth)
+    monkeypatch.setattr(shellcut.recording.unfelt_penetration, "missed_penetration", depth)
     histories = []
     for n_frame in (1, 7, 400):
         looked.clear()

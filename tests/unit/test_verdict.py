@@ -37,6 +37,17 @@ def test_figures_at_their_limits_hold():
     assert [line.kind for line in verdict(summary)] == ["good"] * 3 + ["note"]
 
 
+def test_flanks_in_the_tool_unfelt_are_noted_and_what_to_do():
+    def noted(depth):
+        lines = verdict({"unfelt_film_edge_mm": depth, "film_half_thickness_mm": 0.037})
+        return [line.text for line in lines if "film_edges = True" in line.text]
+
+    assert noted(0.037) == []
+    (text,) = noted(0.098)
+    assert "0.098 mm" in text
+    assert "0.037 mm" in text
+
+
 def test_what_contact_gives_and_what_it_holds_are_judged_apart():
     def judged(**contact):
         lines = verdict({"tool_work_Nmm": 100.0, **contact})

@@ -57,7 +57,7 @@ from shellcut.tool.rounded_depth import ConvexNeighbours
 from .contact_tables import ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
 from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTables, ToolEdges
-from .film_edges import open_edges
+from .film_edges import open_edges, rows_at
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
 from .press_forces import PressForces
@@ -135,6 +135,15 @@ class EdgeContact:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
         return {"contact_stored": self.forces.stored}
 
+    @property
+    def largest_unfelt(self) -> float:
+        """Largest depth beyond the chord that does not press, at the last evaluation [mm]."""
+        if self.tables is None:
+            return 0.0
+        memory = self.tables.memory
+        unfelt = np.where(memory.stored > 0.0, memory.offset, memory.depth)
+        return float(unfelt.max(initial=0.0))
+
     def saved(self) -> dict[str, Any]:
         """Return the list, what is kept of its edges, and the last forces."""
         if self.tables is None:
@@ -163,7 +172,8 @@ class EdgeContact:
 
     def _renew(self, state: State, pose: Pose) -> tuple[float, float]:
         """List the pairs anew; return the work and the energy of edges that have gone [N·mm]."""
-        ends = open_edges(state, self._outline.of(state), self._rows_near(state))
+        rows = rows_at(state, self._contact.near.ids)
+        ends = open_edges(state, self._outline.of(state), rows)
         reach = self._contact.near.half_margin + float(self._edges.reach.max(initial=0.0))
         first, room = np.zeros(len(ends) + 1, np.int64), _ROOM
         while True:
@@ -190,15 +200,6 @@ class EdgeContact:
         self._walked = self._looked_at = 0.0
         self._lay_out(state, pairs, memory)
         return gone
-
-    def _rows_near(self, state: State) -> Ints:
-        """Return the quads and copies at the nodes near the tool, ascending."""
-        near = np.zeros(state.node.count, np.bool_)
-        near[self._contact.near.ids] = True
-        f = state.flank
-        tied = f.nodes[: f.count][near[f.node[: f.count]]]
-        near[tied] = True
-        return np.flatnonzero(near[state.quads].any(axis=1))
 
     def _lay_out(self, state: State, pairs: EdgePairs, memory: EdgeMemory) -> None:
         """Build the kernels' tables, valid until the list is made anew."""

@@ -45,6 +45,15 @@ def open_edges(state: State, outline: Outline, rows: Ints) -> Ints:
     return np.asarray(found[found[:, 0] != found[:, 1]])
 
 
+def rows_at(state: State, nodes: Ints) -> Ints:
+    """Return the quads and copies at some nodes and flank points, ascending."""
+    at = np.zeros(state.node.count, np.bool_)
+    at[nodes] = True
+    f = state.flank
+    at[f.nodes[: f.count][at[f.node[: f.count]]]] = True
+    return np.flatnonzero(at[state.quads].any(axis=1))
+
+
 def _one_of_each_place(state: State) -> Ints:
     """Return for each node the first of those at its place that are tied to the same two nodes."""
     f, first = state.flank, np.arange(state.node.count)

@@ -22,8 +22,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shellcut.checks import ModelCheck, check_model
-from shellcut.contact.missed_penetration import ToolWires, missed_penetration
-from shellcut.contact.point_contact import felt_nodes
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
@@ -44,6 +42,7 @@ from .run_options import RunOptions
 from .run_summary import run_summary
 from .schedule import Schedule
 from .status_line import status_line
+from .unfelt_penetration import Unfelt, UnfeltPenetration
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -150,7 +149,7 @@ class Recorder:
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
         self._progress = self._make_progress(chosen.log) if chosen.progress else None
-        self._wires = None if sim.tool is None else ToolWires(sim.tool)
+        self._unfelt = UnfeltPenetration(sim)
         self._checkpoint_every = (
             np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
         )
@@ -212,10 +211,8 @@ class Recorder:
         if schedule.row_due(now):
             self._files.history.append({column: value for column, _, value in self._row()})
             schedule.row_time = now
-        if schedule.look_due(now) and self._wires is not None:
-            felt = felt_nodes(sim.tool_terms)
-            _, schedule.unfelt = missed_penetration(self._wires, sim.state, sim.pose, felt)
-            schedule.largest_unfelt = max(schedule.largest_unfelt, schedule.unfelt)
+        if schedule.look_due(now):
+            schedule.note_unfelt(self._unfelt.now())
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)
         if frame_due or picture_due:
@@ -411,7 +408,7 @@ class Recorder:
             results.history,
             stepping=self._wall() - self._schedule.drawing,
             drawing=self._schedule.drawing,
-            unfelt=self._schedule.largest_unfelt,
+            unfelt=Unfelt(self._schedule.largest_unfelt, self._schedule.largest_unfelt_edge),
         )
         figures |= cut_evidence(self._sim, self._check.sweep)
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)

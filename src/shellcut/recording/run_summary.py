@@ -14,6 +14,7 @@ from shellcut.results.steady_window import steady_figures
 from shellcut.state.pieces import Pieces
 
 from .resistance import AnyResistance
+from .unfelt_penetration import Unfelt
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -26,7 +27,7 @@ def run_summary(
     *,
     stepping: float,
     drawing: float,
-    unfelt: float,
+    unfelt: Unfelt,
 ) -> dict[str, float | str]:
     """Return the figures by name; counts are integers, reasons are texts.
 
@@ -42,8 +43,8 @@ def run_summary(
         Its history.
     stepping, drawing : float
         Wall time without and for the pictures [s].
-    unfelt : float
-        Largest penetration between nodes, which nodal contact misses [mm].
+    unfelt : Unfelt
+        Largest penetration that no contact feels.
     """
     s, r = sim.state, resistance
     figures = {
@@ -97,7 +98,7 @@ def _of_energies(sim: Simulation) -> dict[str, float]:
     }
 
 
-def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
+def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
     """Return the figures of contact and of cables that meet the tool, none without a tool."""
     s, ledger = sim.state, sim.ledger
     if sim.contact is None:
@@ -110,7 +111,9 @@ def _of_the_tool(sim: Simulation, unfelt: float) -> dict[str, float]:
         "n_cable_jointed": sim.cables.n_joint_made,
         "deepest_penetration_mm": sim.contact.deepest,
         "tool_half_thickness_mm": sim.contact.law.tool_half_thickness,
-        "unfelt_penetration_mm": unfelt,
+        "unfelt_penetration_mm": unfelt.quads,
+        "unfelt_film_edge_mm": unfelt.film_edges,
+        "film_half_thickness_mm": 0.5 * sim.material.thickness,
         "largest_overshoot_mm": s.cable.overshoot[: s.n_cable].max(initial=0.0),
     }
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from shellcut.numerics.trigger import Trigger
 
+from .unfelt_penetration import Unfelt
+
 _N_LOOK = 100
 """Measurements of the penetration between nodes over a run; independent of the output intervals,
 because the verdict uses the result."""
@@ -45,6 +47,8 @@ class Schedule:
     """Penetration between nodes, which nodal contact misses, when last measured [mm]."""
     largest_unfelt: float = 0.0
     """Its largest value so far [mm]."""
+    largest_unfelt_edge: float = 0.0
+    """That of edges of the film in the tool so far [mm]."""
     wall: float = 0.0
     """Wall time up to the checkpoint [s]."""
     drawing: float = 0.0
@@ -64,6 +68,12 @@ class Schedule:
         """Whether anything is due; asking does not change that."""
         triggers = (self.row_due, self.frame_due, self.picture_due, self.look_due)
         return any(one is not None and time >= one.next for one in triggers)
+
+    def note_unfelt(self, found: Unfelt) -> None:
+        """Take down what has just been measured of penetration that no contact feels."""
+        self.unfelt = found.quads
+        self.largest_unfelt = max(self.largest_unfelt, found.quads)
+        self.largest_unfelt_edge = max(self.largest_unfelt_edge, found.film_edges)
 
     def copy(self) -> Schedule:
         """Return an independent copy."""

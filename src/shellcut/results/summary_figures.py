@@ -63,6 +63,7 @@ LABELS = {
     "self_contact_deepest_mm": "deepest point of the film in the film",
     "n_self_contact_looked": "looks at points for contact of the film with itself",
     "unfelt_penetration_mm": "deepest tool between nodes, without contact",
+    "unfelt_film_edge_mm": "deepest edge of the film in the tool, without contact",
     "largest_overshoot_mm": "largest overshoot of the edge past a cable",
     "n_recovery_borrowed": "stresses taken from a neighbour's patch",
 }
@@ -71,7 +72,7 @@ LABELS = {
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
 _ELSEWHERE |= {"overshoot_rel", "cables_rel", "n_split_off_path", "off_path_mm", "share_done"}
-_ELSEWHERE |= {"resistance", "no_window", "crack_path"}
+_ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path"}
 _ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
 
 

@@ -275,6 +275,18 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
     )
 
 
+def _unfelt_edges(figures: Figures) -> Iterator[Line]:
+    depth = figures.get("unfelt_film_edge_mm", 0.0)
+    limit = figures.get("film_half_thickness_mm", float("nan"))
+    if depth > limit:
+        yield Line(
+            "note",
+            f"Rims or flanks of the film go {depth:.3g} mm into the tool between their nodes, "
+            f"unfelt, more than half of its thickness ({limit:.3g} mm): with "
+            "Contact.film_edges = True the tool pushes them aside, or use a finer film near it.",
+        )
+
+
 def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         yield Line(
@@ -373,6 +385,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _self_contact,
     _penetration,
     _unfelt,
+    _unfelt_edges,
     _nothing_cut,
     _off_path,
     _overshoot,

@@ -1,0 +1,55 @@
+"""What a run reports of the tool in the film where no contact feels it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from shellcut.contact.edge_contact import EdgeContact
+from shellcut.contact.flank_penetration import FlankPenetration
+from shellcut.contact.missed_penetration import ToolWires, missed_penetration
+from shellcut.contact.point_contact import felt_nodes
+
+if TYPE_CHECKING:
+    from shellcut.contact.film_outline import Part
+    from shellcut.simulation.simulation import Simulation
+
+
+class Unfelt(NamedTuple):
+    """Depths that no contact feels [mm]."""
+
+    quads: float = 0.0
+    """Of the tool's edges in quads, between nodes."""
+    film_edges: float = 0.0
+    """Of edges of the film in the tool, beyond the chord of their nodes."""
+
+
+class UnfeltPenetration:
+    """Measures what is unfelt in a run.
+
+    Parameters
+    ----------
+    sim : Simulation
+        The run; without a tool nothing is unfelt.
+    """
+
+    def __init__(self, sim: Simulation) -> None:
+        self._sim = sim
+        self._wires = self._flanks = None
+        if sim.tool is not None and sim.contact is not None:
+            edges = next((t for t in sim.tool_terms if isinstance(t, EdgeContact)), None)
+            self._wires = ToolWires(sim.tool)
+            self._flanks = FlankPenetration(sim.contact, edges, self._polygon)
+
+    def now(self) -> Unfelt:
+        """Return the largest depths at t_n."""
+        if self._wires is None or self._flanks is None:
+            return Unfelt()
+        sim = self._sim
+        felt = felt_nodes(sim.tool_terms)
+        _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt)
+        return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
+
+    def _polygon(self, row: int) -> Part:
+        cracks = self._sim.cracks
+        assert cracks is not None  # without cracks no row is cut
+        return cracks.cuts.topology.polygon(row)
