@@ -153,9 +153,11 @@ LARGE = Sheet(6.0, -18.0, 33.0, -19.8, 7.8, size=0.6, speed=700.0, thickness=0.0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("moved", [0.0, 0.2])
-def test_force_and_way_of_a_long_tear(moved):
-    sheet = LARGE._replace(moved=moved)
+@pytest.mark.parametrize(
+    ("size", "moved", "stage_off"), [(0.6, 0.0, 0.03), (0.6, 0.2, 0.05), (0.4, 0.2, 0.03)]
+)
+def test_force_and_way_of_a_long_tear(size, moved, stage_off):
+    sheet = LARGE._replace(size=size, moved=moved)
     sim, ends = pulled(sheet)
     crack, apart, work = torn(sim, ends, 16.0)
     found, expected = path(sim), expected_path(sheet, 18.0)
@@ -166,11 +168,12 @@ def test_force_and_way_of_a_long_tear(moved):
         tip = np.array([np.interp(start + 1.5, ways, column) for column in found.T])
         unit = TEARING * sheet.thickness * best(sheet, tip)[1]
         ratios.append(np.polyfit(apart[stage], work[stage], 1)[0] / unit)
-    # Theory without bending (2 per cent), quads that snap and damping (1): measured 1.7 and 2.6. A
-    # stage holds five edges, after each of which the force falls and rises: measured up to 3.8.
+    # Theory without bending (2 per cent), quads that snap and damping (1): measured 1.7, 2.6 and
+    # 1.1. A stage holds five edges of 0.6 mm, after each of which the force falls and rises:
+    # measured up to 3.8 on moved quads, on those of 0.4 mm 2.7.
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
-    assert ratios == pytest.approx(np.ones(4), abs=0.05)
-    # Discretisation: half an edge in 12 mm; measured 0.38 and 0.18.
+    assert ratios == pytest.approx(np.ones(4), abs=stage_off)
+    # Discretisation: half an edge in 12 mm; measured 0.38, 0.18 and 0.18.
     assert largest_miss(found[ways < 12.0], expected) < 0.5 * sheet.size
     until = found[-1, 0]
     assert chord(found, until) == pytest.approx(chord(expected, until), abs=2.0)
