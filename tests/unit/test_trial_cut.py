@@ -33,7 +33,7 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     assert np.isclose(tip.s, rise) or np.isclose(1.0 - tip.s, rise)
 
 
-def test_a_tear_counts_the_force_across_the_sheet_but_no_pressure():
+def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what_opens_it():
     """A trial cut of a sheet at rest, with forces on the flanks given by its quads' strains."""
     mesh = rectangle(5.0, 4.0, size=SIZE)
     film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
@@ -47,10 +47,17 @@ def test_a_tear_counts_the_force_across_the_sheet_but_no_pressure():
     tip.length = SIZE
     segment = free._path.segment_from(sim.state, tip, tip.heading)
 
-    def measures(stretch, shear):
+    # Corners of the upper copy behind the tip that no other part of the film has.
+    ((_, (lower, upper)), *_) = free._trial.pairs(sim.state, segment)
+    parent, quads = sim.state.quad.parent, sim.state.quads
+    behind = next((a, b) for a in lower.rows for b in upper.rows if a < b and parent[b] == a)
+    raised = np.setdiff1d(quads[behind[1]], [*quads[behind[0]], *quads[segment.row]])
+
+    def measures(stretch, shear, opened=0.0):
         n.x[: n.count] = n.X[: n.count]
         n.x[: n.count, 1] *= 1.0 + stretch
         n.x[: n.count, 2] += shear * n.X[: n.count, 1]
+        n.x[raised, 2] += opened
         trial = free._trial
         return (
             measure(sim.state, tip, segment) for measure in (trial.measure, trial.measure_of_tear)
@@ -63,6 +70,14 @@ def test_a_tear_counts_the_force_across_the_sheet_but_no_pressure():
     across = shear * 1.002 / sc.CohesiveLaw().strength
     # Kinematics: forces by the small shear in space, of the relative size of the strains.
     assert np.sqrt(tear**2 - plain**2) == pytest.approx(across, rel=0.01)
-    plain, tear = measures(-0.002, 0.001)
+    pressed = -0.0002
+    plain, tear = measures(pressed, 0.001)
     assert plain < 0.0
     assert tear == 0.0
+    _, closing = measures(pressed, 0.001, opened=-1e-7)
+    assert closing == 0.0
+    _, opening = measures(pressed, 0.001, opened=1e-7)
+    assert opening == pytest.approx(across + plain, rel=0.01)  # kinematics, as above
+    assert opening > 0.1 * across
+    _, squeezed = measures(-0.002, 0.001, opened=1e-7)
+    assert squeezed == 0.0

@@ -154,10 +154,11 @@ LARGE = Sheet(6.0, -18.0, 33.0, -19.8, 7.8, size=0.6, speed=700.0, thickness=0.0
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("size", "moved", "stage_off"), [(0.6, 0.0, 0.03), (0.6, 0.2, 0.05), (0.4, 0.2, 0.03)]
+    ("size", "moved", "slower", "stage_off"),
+    [(0.6, 0.0, 1.0, 0.03), (0.6, 0.2, 1.0, 0.05), (0.4, 0.2, 1.0, 0.03), (0.6, 0.2, 2.0, 0.15)],
 )
-def test_force_and_way_of_a_long_tear(size, moved, stage_off):
-    sheet = LARGE._replace(size=size, moved=moved)
+def test_force_and_way_of_a_long_tear(size, moved, slower, stage_off):
+    sheet = LARGE._replace(size=size, moved=moved, speed=LARGE.speed / slower)
     sim, ends = pulled(sheet)
     crack, apart, work = torn(sim, ends, 16.0)
     found, expected = path(sim), expected_path(sheet, 18.0)
@@ -170,8 +171,9 @@ def test_force_and_way_of_a_long_tear(size, moved, stage_off):
         ratios.append(np.polyfit(apart[stage], work[stage], 1)[0] / unit)
     # Theory without bending (2 per cent), quads that snap and damping (1): measured 1.7, 2.6 and
     # 1.1. A stage holds five edges of 0.6 mm, after each of which the force falls and rises:
-    # measured up to 3.8 on moved quads, on those of 0.4 mm 2.7.
-    assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
+    # measured up to 3.8 on moved quads, on those of 0.4 mm 2.7. At half the speed one tip is
+    # pressed, and torn late: 12 in that stage (32, where it has to wait until nothing presses).
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.03 if slower == 1.0 else 0.05)
     assert ratios == pytest.approx(np.ones(4), abs=stage_off)
     # Discretisation: half an edge in 12 mm; measured 0.38, 0.18 and 0.18.
     assert largest_miss(found[ways < 12.0], expected) < 0.5 * sheet.size

@@ -9,12 +9,21 @@ of the two flanks at the place P of the tip, and that of a pair of unit forces t
 N_a being the shape functions at P. The force F_c = d / kappa would keep the flanks together; it is
 the force that the new cables take over. Its measure is F_c · m / (sigma_F h (L_in + L_out) / 2)
 with the normal m from the minus to the plus side and the lengths of the segments before and behind
-the tip; the cut is due at 1. A crack that no blade drives may open out of the plane, and its cables
-pull whichever way it opens: the measure is |F_c| over the same, as long as F_c · m >= 0. In front
-of a process zone that bends, the flanks press on each other and the force across the sheet turns
-round, as under a beam on an elastic bed; a tip that took this for a pull would run away from its
-crack. At a node it is the nodal force parted between the two sides
-(:mod:`shellcut.fracture.criterion`).
+the tip; the cut is due at 1.
+
+A crack that no blade drives may open out of the plane, and its cables pull whichever way it opens:
+the measure is |F_c| over the same, if F_c · m >= 0. In front of a process zone that bends, the
+flanks press on each other and the force across the sheet turns round, as under a beam on an elastic
+bed; a tip that took this for a pull would run away from its crack. But where a film tears out of
+its plane F_c · m is small, and its sign a matter of the mesh: a tip that had to wait for it would
+be torn by three times the force. So flanks that are pressed, F_c · m < 0, hold the tip only if F_c
+does not open the crack the way the copies of the quad behind have parted. If it does, the pressure
+is taken off the force along the flanks, as in a crack that is sheared under pressure
+([CamachoOrtiz1996]):
+
+    sqrt(|F_c|² - (F_c · m)²) - |F_c · m|      in place of |F_c|.
+
+At a node F_c is the nodal force parted between the two sides (:mod:`shellcut.fracture.criterion`).
 
 Which corners and cables are on either side is a matter of the topology and of which side or corner
 of the row the segment leads to (:meth:`TrialCut.pairs`); forces, positions and the shares of the
@@ -23,6 +32,7 @@ two parts change with every step. :mod:`.trial_sums` takes the same sums for man
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +113,8 @@ class TrialCut:
 
     def measure(self, state: State, tip: Tip, segment: Segment) -> float:
         """Return F_c · m over what the cables would carry; a driven cut is due at 1."""
-        force = self._force(state, segment)
+        pairs = self.pairs(state, segment)
+        force = self._force(state, segment, pairs)
         if force is None:
             return -np.inf
         m, length = _across(state, segment)
@@ -114,12 +125,17 @@ class TrialCut:
         return 0.0 if self._held_behind else tip.length
 
     def measure_of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
-        """Return |F_c| over what the cables would carry, 0 under pressure; a tear is due at 1."""
-        force = self._force(state, segment)
+        """Return |F_c| over what the cables would carry; less if it presses. A tear is due at 1."""
+        pairs = self.pairs(state, segment)
+        force = self._force(state, segment, pairs)
         if force is None:
             return -np.inf
         m, length = _across(state, segment)
-        pull = float(np.linalg.norm(force)) if force @ m >= 0.0 else 0.0
+        across, pull = float(force @ m), float(np.linalg.norm(force))
+        if across < 0.0:
+            along = sqrt(max(pull * pull - across * across, 0.0))
+            opens = force @ _parted_behind(state, segment, pairs) > 0.0
+            pull = max(along + across, 0.0) if opens else 0.0
         before, after = self._factors(state, tip, segment)
         return pull / (self.carried * 0.5 * (before * self.behind(tip) + after * length))
 
@@ -133,11 +149,11 @@ class TrialCut:
         before, after = self._anisotropy.factors(ways, corner_normals(X)).tolist()
         return before, after
 
-    def _force(self, state: State, segment: Segment) -> Floats | None:
+    def _force(self, state: State, segment: Segment, pairs: list[Pair]) -> Floats | None:
         """Return F_c [N], shape (3,); None if the cut would part nothing at the tip."""
         shares = np.array([1.0, *self._shares(state, segment)])
         d, kappa = np.zeros(3), 0.0
-        for weight, sides in self.pairs(state, segment):
+        for weight, sides in pairs:
             for sign, side in zip((-1.0, 1.0), sides, strict=True):
                 part = shares[side.part]
                 mass = float(part @ self.corner_mass(side))
@@ -246,3 +262,18 @@ def _across(state: State, segment: Segment) -> tuple[Floats, float]:
     start, stop = (np.array(shape_functions(p)) for p in (segment.entry, segment.exit))
     m = np.cross(start @ state.node.t[nodes], (stop - start) @ state.node.x[nodes])
     return m / np.linalg.norm(m), float(np.linalg.norm((stop - start) @ state.node.X[nodes]))
+
+
+def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
+    """Return how far the copies of the quad behind the tip have parted [mm], shape (3,).
+
+    From the minus to the plus side, the mean of their corners; zero behind a tip that came along a
+    side of the mesh.
+    """
+    parted, parent = np.zeros(3), state.quad.parent
+    for weight, (minus, plus) in pairs:
+        for a in minus.rows[minus.rows != segment.row].tolist():
+            for b in plus.rows[parent[plus.rows] == parent[a]].tolist():
+                apart = state.node.x[state.quads[b]] - state.node.x[state.quads[a]]
+                parted += weight * apart.mean(axis=0)
+    return parted
