@@ -33,7 +33,7 @@ class Row:
     what : str
         What is done.
     seconds : float
-        Time limit of the row; 0 for one that is to come.
+        Time limit of the row.
     limit : str
         Other limits, checked by the row itself.
     needs : tuple of str
@@ -51,8 +51,6 @@ class Row:
 
     def outcome(self, user: User) -> Outcome:
         """Do it, against the clock."""
-        if not self.seconds:
-            return Outcome("-", "later")
         start = time.perf_counter()
         try:
             for need in self.needs:

@@ -1,13 +1,13 @@
 """Acceptance: the first fifteen minutes of a user, in a fresh environment without a display.
 
-    python tests/acceptance/run.py                   # three to five minutes; 1.5 GB on disk
+    python tests/acceptance/run.py                   # five to seven minutes; 1.5 GB on disk
     python tests/acceptance/run.py --only 7 8        # some rows, with what they need
     python tests/acceptance/run.py --keep DIR        # leave everything in DIR to be looked at
 
 Needs Python and an index of packages, nothing else: it builds the wheel, installs it with the extra
 ``plot`` into a virtual environment of its own, and goes through what a user does, row by row, each
 against its limits. VTK, PyVista and pandas are installed for the rows that need them, after those
-that must do without. Rows that are to come are shown as ``later``. Ends with 1 if a row fails.
+that must do without. Ends with 1 if a row fails.
 
 What ``DIR/commands.log`` holds: every command, what it said, its exit code and its time.
 """
@@ -60,9 +60,8 @@ def main() -> int:
                 print(outcomes[number].reason, file=sys.stderr, flush=True)
     print(_table(outcomes))
     n_failed = sum(outcome.verdict == "FAILED" for outcome in outcomes.values())
-    n_later = sum(outcome.verdict == "later" for outcome in outcomes.values())
     print(
-        f"\n{len(outcomes) - n_failed - n_later} passed, {n_failed} failed, {n_later} later, "
+        f"\n{len(outcomes) - n_failed} passed, {n_failed} failed, "
         f"in {time.perf_counter() - start:.0f} s"
     )
     return 1 if n_failed else 0
