@@ -91,6 +91,14 @@ class FilmTangents:
             resultants, moduli = self._differentiated(frozen, quads, area, history, 0.0)
         return self._made(stressed_tangents, present, quads, resultants, moduli)
 
+    def damping(self, present: PointQuads, quads: Ints) -> Floats:
+        """Return Bᵀ H B of some quads, which the damping acts with, shape (n, 20, 20).
+
+        H is that of the elastic moduli, at every stretch, whatever law gives the stress.
+        """
+        none = np.zeros((quads.size, N_STRAIN))
+        return self._made(stressed_tangents, present, quads, none, _NO_MODULI)
+
     def add_product(
         self,
         present: PointQuads,

@@ -27,6 +27,12 @@ tensor (½ [E/(1 - nu²) + G] = 0.74 E for nu = 0.3). Hence omega² |V|² >= a |
 All this also holds for nonlinear laws: the evaluated stiffness is that of the moduli C with the
 law's own stresses, and C bounds its tangent.
 
+*What is damped.* Stiffness damping acts with Bᵀ H B, H being that of the elastic moduli. On the
+film of a linear law that is K without the pre-stress, and K is taken for it. Other laws soften
+where H does not: on a quad of a film of Hencky's law that is twice as long it is the stiffer by a
+factor of two, more where it is drawn out further. So it is evaluated for itself, and grows no
+faster than omega².
+
 Bending strains have the same moduli times h²/12, which the rotary inertia m h²/12 or more
 outweighs, and shear strains have G or less. Epsilon is the largest principal strain and theta the
 sum of the angle bent from the centre to a corner, the shear, and the spread of the strains over the
@@ -76,6 +82,8 @@ class _Evaluations(NamedTuple):
     """Strains of the evaluations; row 0 is the reference."""
     evaluated: Annotated[Floats, "(n_quad,)"]
     """omega² at the evaluation [1/s²]."""
+    damped: Annotated[Floats, "(n_quad,)"]
+    """That of the stiffness which is damped."""
 
 
 class QuadFrequencies:
@@ -92,6 +100,8 @@ class QuadFrequencies:
         shape (n, 4) each.
     tangents : callable
         Takes x, t and quad ids; returns their stiffness, shape (n, 20, 20).
+    damping : callable, optional
+        Likewise, the stiffness that is damped, if it is another one.
     """
 
     def __init__(
@@ -100,8 +110,10 @@ class QuadFrequencies:
         material: ShellMaterial,
         shares: Shares,
         tangents: Tangents,
+        damping: Tangents | None = None,
     ) -> None:
-        self._mesh, self._shares, self._tangents = mesh, shares, tangents
+        self._mesh, self._shares = mesh, shares
+        self._tangents, self._damping = tangents, damping
         self.reference = Surface.of(mesh)
         """Of every quad and copy."""
         self._by_stretch, self._by_turn = growth_rates(material)
@@ -109,19 +121,24 @@ class QuadFrequencies:
         # reference, where all are evaluated first.
         self._row: Ints = np.zeros(mesh.n_quad, np.int32)
         self._strain = np.zeros((1, N_STRAIN))
-        self._evaluated = self._at_rest()
+        self._evaluated, self._evaluated_damped = self._at_rest()
         self.squared = self._evaluated.copy()
         """Bound of omega² of each quad at the last :meth:`follow` [1/s²], shape (n_quad,)."""
+        self.damped = self._evaluated_damped.copy()
+        """Likewise, of the stiffness that is damped."""
 
     def follow(self, x: Floats, t: Floats, quads: Ints) -> None:
         """Update the bounds to the present positions and directors, without an evaluation."""
         _follow(
             reference=self.reference,
             present=Surface(x, t, quads),
-            known=_Evaluations(self._row, self._strain, self._evaluated),
+            known=_Evaluations(
+                self._row, self._strain, self._evaluated, self._evaluated_damped
+            ),
             by_stretch=self._by_stretch,
             by_turn=self._by_turn,
             squared=self.squared,
+            damped=self.damped,
         )
 
     def evaluate(self, x: Floats, t: Floats, quads: Ints, which: Ints) -> None:
@@ -136,8 +153,9 @@ class QuadFrequencies:
             row=self._row,
             strain=self._strain,
         )
-        self._evaluated[which] = self._bounds(x, t, which)
-        self.squared[which] = self._evaluated[which]
+        squared, damped = self._bounds(x, t, which)
+        self._evaluated[which] = self.squared[which] = squared
+        self._evaluated_damped[which] = self.damped[which] = damped
 
     def cut(self, row: int, growth: Floats) -> None:
         """Take the two parts of a row that has been cut; the new one comes after all others.
@@ -152,7 +170,7 @@ class QuadFrequencies:
             its omega² grows as much.
         """
         self._row = np.append(self._row, np.int32(0))
-        for name in ("_evaluated", "squared"):
+        for name in ("_evaluated", "squared", "_evaluated_damped", "damped"):
             before = getattr(self, name)
             after = np.append(before, growth[1] * before[row])
             after[row] *= growth[0]
@@ -163,8 +181,8 @@ class QuadFrequencies:
 
     def drop(self, rows: Ints) -> None:
         """Take rows that are out of the run for ones so soft that they never limit the step."""
-        self._evaluated[rows] *= _SOFT
-        self.squared[rows] *= _SOFT
+        for bounds in (self._evaluated, self.squared, self._evaluated_damped, self.damped):
+            bounds[rows] *= _SOFT
 
     def saved(self) -> dict[str, Any]:
         """Return the last evaluations: the bounds depend on when each was made."""
@@ -173,27 +191,39 @@ class QuadFrequencies:
             "strain": self._strain,
             "evaluated": self._evaluated,
             "squared": self.squared,
+            "evaluated_damped": self._evaluated_damped,
+            "damped": self.damped,
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._row, self._strain = saved["row"].copy(), saved["strain"].copy()
         self._evaluated, self.squared = saved["evaluated"].copy(), saved["squared"].copy()
+        self._evaluated_damped = saved["evaluated_damped"].copy()
+        self.damped = saved["damped"].copy()
 
-    def _at_rest(self) -> Floats:
+    def _at_rest(self) -> tuple[Floats, Floats]:
         first, same = _classes(self._mesh)
         # In the layout of a state's arrays, so that the kernel is not compiled for a second one.
         x, t = np.asfortranarray(self._mesh.nodes), np.asfortranarray(self._mesh.directors)
-        return self._bounds(x, t, first)[same]
+        squared, damped = self._bounds(x, t, first)
+        return squared[same], damped[same]
 
-    def _bounds(self, x: Floats, t: Floats, which: Ints) -> Floats:
+    def _bounds(self, x: Floats, t: Floats, which: Ints) -> tuple[Floats, Floats]:
+        """Return the bounds of omega² of some quads, and those of what is damped [1/s²]."""
+        squared = self._bounds_of(self._tangents, x, t, which)
+        if self._damping is None:
+            return squared, squared
+        return squared, self._bounds_of(self._damping, x, t, which)
+
+    def _bounds_of(self, stiffness: Tangents, x: Floats, t: Floats, which: Ints) -> Floats:
         squared = np.empty(which.size)
         # In pieces: one stiffness takes 3.2 kB.
         for begin in range(0, which.size, _PIECE):
             piece = which[begin : begin + _PIECE]
             mass, inertia = self._shares(piece)
             bound_largest_eigenvalues(
-                tangent=self._tangents(x, t, piece),
+                tangent=stiffness(x, t, piece),
                 mass=mass,
                 inertia=inertia,
                 squared=squared[begin : begin + _PIECE],
@@ -283,8 +313,9 @@ def _follow(
     by_stretch: float,
     by_turn: float,
     squared: Floats,
+    damped: Floats,
 ) -> None:
-    """Write squared : (n_quad,), evaluated times the square of the growth since."""
+    """Write squared and damped : (n_quad,), evaluated times the square of the growth since."""
     reference, present, known = borrowed(reference), borrowed(present), borrowed(known)
     m, s = np.empty(N_STRAIN), np.empty(N_STRAIN)
     for e in range(present.quads.shape[0]):
@@ -293,7 +324,8 @@ def _follow(
         for k in range(N_STRAIN):
             s[k] -= m[k] + known.strain[known.row[e], k]
         stretch, turned = change_of_shape(reference.x, reference.quads, e, s)
-        squared[e] = known.evaluated[e] * (1.0 + by_stretch * stretch + by_turn * turned) ** 2
+        growth = (1.0 + by_stretch * stretch + by_turn * turned) ** 2
+        squared[e], damped[e] = known.evaluated[e] * growth, known.damped[e] * growth
 
 
 @inline

@@ -123,7 +123,14 @@ class MITC4Shell:
         )
         self._tangents = FilmTangents(self._places, self._point_output)
         self._history = self._history_at_rest()
-        self.frequencies = QuadFrequencies(mesh, material, self.corner_shares, self._tangent_bounds)
+        apart = self.has_points and damping_beta > 0.0
+        self.frequencies = QuadFrequencies(
+            mesh,
+            material,
+            self.corner_shares,
+            self._tangent_bounds,
+            self._damped_stiffness if apart else None,
+        )
         """Bounds of the largest frequency of each quad."""
         self.dropped = DroppedQuads(self._places, self._present, self.frequencies, damping_beta)
         """Takes quads out of the run."""
@@ -444,3 +451,7 @@ class MITC4Shell:
         """Return bounds of the tangents of some quads for the time step, shape (n, 20, 20)."""
         present = self._present.at(x, t)
         return self._tangents.bound(present, quads, self.area[quads], self._history)
+
+    def _damped_stiffness(self, x: Floats, t: Floats, quads: Ints) -> Floats:
+        """Return the stiffness of some quads that damping acts with, shape (n, 20, 20)."""
+        return self._tangents.damping(self._present.at(x, t), quads)

@@ -2,16 +2,18 @@
 
 With stiffness damping lagging half a step, a vector u grows unless, for every u,
 
-    dt² uᵀ(K + K_c)u + 2 dt beta uᵀK u <= 4 uᵀM u,
+    dt² uᵀ(K + K_c)u + 2 dt beta uᵀK_d u <= 4 uᵀM u,
 
 K being the tangent of the shells (pre-stress counted), K_c that of contact and cables, which are
-not damped. With omega_e² the largest eigenvalue of a quad's own stiffness on its share of the mass
-and omega_c² the largest K_c / m of its nodes, the sum over quads gives the sufficient condition
+not damped, and K_d the stiffness that is: that of the elastic moduli. With omega_e² and omega_d²
+the largest eigenvalues of a quad's own K and K_d on its share of the mass and omega_c² the largest
+K_c / m of its nodes, the sum over quads gives the sufficient condition
 
-    dt <= [-beta omega_e² + sqrt((beta omega_e²)² + 4 omega²)] / omega²,
+    dt <= [-beta omega_d² + sqrt((beta omega_d²)² + 4 omega²)] / omega²,
     omega² = omega_e² + omega_c²,
 
-for the worst quad; without contact it is the known 2/omega (sqrt(1 + xi²) - xi), xi = beta omega/2.
+for the worst quad. A linear film's omega_d is omega_e; then, without contact, it is the known
+2/omega (sqrt(1 + xi²) - xi), xi = beta omega/2.
 On squares the bound omega_e is some 12 % above the exact frequency of the assembly.
 
 omega_e is a bound that grows with the change of shape since a quad was last evaluated
@@ -137,7 +139,8 @@ class StableStep:
             Saying what makes the step so short.
         """
         with np.errstate(all="ignore"):
-            ratio = 0.5 * self._shell.damping_beta * math.sqrt(self._stiffest())
+            damped = float(self._shell.frequencies.damped.max())
+            ratio = 0.5 * self._shell.damping_beta * math.sqrt(damped)
         if not ratio <= _MOST_DAMPING:
             raise ValueError(
                 f"damping_beta must damp the stiffest quad {_MOST_DAMPING:,.0f} times critically "
@@ -152,10 +155,10 @@ class StableStep:
         """Return what sets the step, in words with numbers: a model's nonsense shows in them."""
         if self.stepping.fixed is not None:
             return f"Stepping.fixed is {self.stepping.fixed:.4g} s"
-        squared = self._stiffest()
+        stiffest = [int(self._shell.frequencies.squared.argmax())]
         with np.errstate(all="ignore"):
-            undamped = 2.0 / np.sqrt(squared)
-            damped = self._steps(np.array([squared]), np.zeros(1))[0]
+            undamped = 2.0 / np.sqrt(self._shell.frequencies.squared[stiffest])[0]
+            damped = self._steps(np.array(stiffest), np.zeros(1))[0]
         said = (
             f"the stiffest quad alone asks for {undamped:.4g} s (edge length, thickness, modulus "
             "and density set it)"
@@ -163,9 +166,6 @@ class StableStep:
         if self._shell.damping_beta > 0.0:
             said += f", with damping_beta = {self._shell.damping_beta:.4g} s for {damped:.4g} s"
         return said + "; is one of them in another unit?"
-
-    def _stiffest(self) -> float:
-        return float(self._shell.frequencies.squared.max())
 
     def largest_safe(self, state: State) -> float:
         """Return the safe step without the safety factor [s]; nothing of this look is kept."""
@@ -201,10 +201,10 @@ class StableStep:
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
-        omega_e2 = self._shell.frequencies.squared
+        every = np.arange(self._shell.frequencies.squared.size)
         held, omega_c2 = self._held_quads(state)
-        free = self._steps(omega_e2, np.zeros(omega_e2.size)).min()
-        return float(min(free, self._steps(omega_e2[held], omega_c2).min(initial=np.inf)))
+        free = self._steps(every, np.zeros(every.size)).min()
+        return float(min(free, self._steps(held, omega_c2).min(initial=np.inf)))
 
     def _look_at_all(self, state: State) -> float:
         n, frequencies = state.node, self._shell.frequencies
@@ -214,8 +214,9 @@ class StableStep:
         omega_c2 = np.zeros(self._known.size)
         held, of_held = self._held_quads(state)
         omega_c2[held] = of_held
-        bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
-        self._free = float(self._steps(frequencies.squared, np.zeros(omega_c2.size)).min())
+        every = np.arange(omega_c2.size)
+        bound = self._settle(state, every, omega_c2)
+        self._free = float(self._steps(every, np.zeros(every.size)).min())
         return bound
 
     def _look_at_held(self, state: State) -> float:
@@ -223,9 +224,8 @@ class StableStep:
 
     def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
         """Return the safe step of some quads [s], those that limit it being evaluated."""
-        frequencies = self._shell.frequencies
         known = self._known[quads]
-        steps = self._steps(frequencies.squared[quads], omega_c2)
+        steps = self._steps(quads, omega_c2)
         while True:
             tight = _TIGHT * steps[known].min(initial=np.inf)
             open_ = np.flatnonzero(~known & (steps < tight))
@@ -233,13 +233,14 @@ class StableStep:
                 return float(steps.min(initial=np.inf))
             worst = open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]
             self._shell.evaluate_frequencies(state, quads[worst])
-            steps[worst] = self._steps(frequencies.squared[quads[worst]], omega_c2[worst])
+            steps[worst] = self._steps(quads[worst], omega_c2[worst])
             known[worst] = self._known[quads[worst]] = True
 
-    def _steps(self, omega_e2: Floats, omega_c2: Floats) -> Floats:
+    def _steps(self, quads: Ints, omega_c2: Floats) -> Floats:
         """Return the largest safe step of single quads [s]."""
-        damped = self._shell.damping_beta * omega_e2
-        total = omega_e2 + omega_c2
+        frequencies = self._shell.frequencies
+        damped = self._shell.damping_beta * frequencies.damped[quads]
+        total = frequencies.squared[quads] + omega_c2
         return np.asarray((np.sqrt(damped**2 + 4.0 * total) - damped) / total)
 
     def _held_quads(self, state: State) -> tuple[Ints, Floats]:
