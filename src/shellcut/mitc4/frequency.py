@@ -132,9 +132,7 @@ class QuadFrequencies:
         _follow(
             reference=self.reference,
             present=Surface(x, t, quads),
-            known=_Evaluations(
-                self._row, self._strain, self._evaluated, self._evaluated_damped
-            ),
+            known=_Evaluations(self._row, self._strain, self._evaluated, self._evaluated_damped),
             by_stretch=self._by_stretch,
             by_turn=self._by_turn,
             squared=self.squared,
