@@ -109,11 +109,12 @@ def place_on(s: float, beside: Beside, held: EdgeTables) -> Place:
     As :func:`place_at`; the wedge that is closest saves most of the search.
     """
     tables = borrowed(held)
-    wedge = wedge_at(closest_edge(s, beside, held), beside, held)
-    here = place_in_wedge(s, wedge, tables.law.rounding)
-    both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
-    if wedge.known and here.inside and both and is_tool(s, here, beside, held)[0]:
-        return here
+    if beside.n_captured > 0:
+        wedge = wedge_at(closest_edge(s, beside, held), beside, held)
+        here = place_in_wedge(s, wedge, tables.law.rounding)
+        both = max(dot(here.out, wedge.one), dot(here.out, wedge.two)) < _SAME
+        if wedge.known and here.inside and both and is_tool(s, here, beside, held)[0]:
+            return here
     return place_at(add_scaled(beside.a, s, beside.u), beside.side, held)
 
 

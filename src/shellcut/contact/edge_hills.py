@@ -51,13 +51,17 @@ class Hills(NamedTuple):
     """Place that is deepest beside the chord."""
     press: Press
     """The largest, over the stiffness of the edge."""
+    one: bool
+    """Whether both are of one hill."""
+    wedge: Wedge
+    """In which that lies, known if it stands for the tool there."""
 
 
 @inline
 def no_hills(beside: Beside) -> Hills:
     """Return those of an edge that is nowhere deeper than its chord."""
     nowhere = Deepest(0.0, 0.0, beside.end_a)
-    return Hills(True, nowhere, no_press(nowhere))
+    return Hills(True, nowhere, no_press(nowhere), True, no_wedge())
 
 
 @inline
@@ -99,11 +103,11 @@ def _of_wedges(offset: float, beside: Beside, held: EdgeTables) -> Hills:
         if says:
             known, hills = _with_wedge(found, at, offset, hills, beside, held)
         if not known:
-            return Hills(False, found, hills.press)
+            return Hills(False, found, hills.press, False, no_wedge())
     if hills.deepest.depth == 0.0 and elsewhere.depth > 0.0:
         known, hills = _with_wedge(elsewhere, between, offset, hills, beside, held)
         if not known:
-            return Hills(False, elsewhere, hills.press)
+            return Hills(False, elsewhere, hills.press, False, no_wedge())
     return hills
 
 
@@ -122,8 +126,9 @@ def _with_wedge(
         agrees, _ = is_tool(press.s, here, beside, held)
     if not agrees:
         # In the wedge the energy may rise up to the end of the edge, or where other faces are.
-        press = press_on(found, offset, beside, no_wedge(), held)
-    return True, _higher(found, press, so_far)
+        wedge = no_wedge()
+        press = press_on(found, offset, beside, wedge, held)
+    return True, _higher(found, press, wedge, so_far)
 
 
 @inline
@@ -132,11 +137,15 @@ def _with_hill(at: float, offset: float, so_far: Hills, beside: Beside, held: Ed
     found = hill_around(at, so_far.deepest, beside, held)
     if found.depth == 0.0:
         return so_far
-    return _higher(found, press_on(found, offset, beside, no_wedge(), held), so_far)
+    press = press_on(found, offset, beside, no_wedge(), held)
+    return _higher(found, press, no_wedge(), so_far)
 
 
 @inline
-def _higher(found: Deepest, press: Press, so_far: Hills) -> Hills:
-    deepest = found if found.depth > so_far.deepest.depth else so_far.deepest
-    most = press if press.stored > so_far.press.stored else so_far.press
-    return Hills(True, deepest, most)
+def _higher(found: Deepest, press: Press, wedge: Wedge, so_far: Hills) -> Hills:
+    deeper = found.depth > so_far.deepest.depth
+    stronger = press.stored > so_far.press.stored
+    deepest = found if deeper else so_far.deepest
+    most = press if stronger else so_far.press
+    one = (deeper and stronger) if (deeper or stronger) else so_far.one
+    return Hills(True, deepest, most, one, wedge if stronger else so_far.wedge)

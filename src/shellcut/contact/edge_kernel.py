@@ -13,9 +13,10 @@ from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .captured_edges import closest_along, closest_edge, place_at
+from .captured_edges import closest_along, place_at
 from .edge_hills import Hills, hills_of, no_hills
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
+from .followed_edge import follow, followed_hill, is_followed
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
 from .tool_wedge import Beside, Place
@@ -85,19 +86,31 @@ def _ends(i: int, pose: Pose, held: EdgeTables) -> tuple[Vec3, Vec3]:
 
 
 @inline
-def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
-    """Return where and how the i-th edge of the film presses, and how far it may go."""
+def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> Look:
+    """Return where and how the i-th edge of the film presses, and how far it may go.
+
+    jump : change of its depth that needs a look at the whole tool [mm].
+    """
     tables = borrowed(held)
+    memory = tables.memory
     a, b = _ends(i, pose, held)
-    u, size = sub(b, a), _size_of(i, tables.pairs, tables.nodes)
+    u, before = sub(b, a), memory.side[i]
     one_side, side = _side_of(i, held)
-    nowhere = Place(False, 0.0, a)
+    if one_side and side == before and is_followed(i, held):
+        beside = Beside(a, u, side, _end(i, 0, a, side, held), _end(i, 1, b, side, held), 0)
+        hills = followed_hill(i, beside, held)
+        steady = abs(hills.deepest.depth - memory.depth[i]) <= jump
+        through = side != 0 and hills.deepest.here.depth > tables.law.tool_half_thickness
+        if hills.press.stored > 0.0 and steady and not through:
+            return Look(beside, hills, 0.0)
+    nowhere, size = Place(False, 0.0, a), _size_of(i, tables.pairs, tables.nodes)
     n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, held)
     if n == 0:
         beside = Beside(a, u, side, nowhere, nowhere, 0)
+        follow(i, no_hills(beside), beside, held)
         return Look(beside, no_hills(beside), free)
     end_a, end_b = _end(i, 0, a, side, held), _end(i, 1, b, side, held)
-    beside, memory = Beside(a, u, side, end_a, end_b, n), tables.memory
+    beside = Beside(a, u, side, end_a, end_b, n)
     # Where it was deepest before it may be again, between edges that turn too little to be listed.
     last = memory.place[i] if memory.depth[i] > 0.0 else -1.0
     hills = hills_of(last, memory.offset[i], beside, held)
@@ -106,6 +119,7 @@ def _look(i: int, walked: float, pose: Pose, held: EdgeTables) -> Look:
     # Closer to the other side than to its own the blade goes through it.
     if side != 0 and hills.deepest.here.depth > tables.law.tool_half_thickness:
         hills = no_hills(beside)
+    follow(i, hills, beside, held)
     return Look(beside, hills, free)
 
 
@@ -179,15 +193,17 @@ def add_edge_forces(
         if walked < memory.until[i]:
             continue
         work += _half_work(i, dt, held)
-        look = _look(i, walked, pose, held)
+        way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
+        memory.way[i] += way
+        # The chord moves against the edge by as much again: up to twice the way of film and tool.
+        jump = law.noticed + 2.0 * way
+        look = _look(i, walked, jump, pose, held)
         g = look.hills.deepest.depth
         memory.until[i] = walked + look.free
         change, had = g - memory.depth[i], memory.stored[i]
-        way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
-        # The chord moves against the edge by as much again: up to twice the way of film and tool.
-        if change > law.noticed + 2.0 * way:
+        if change > jump:
             memory.offset[i] += change
-            look = _look(i, walked, pose, held)
+            look = _look(i, walked, jump, pose, held)
         memory.offset[i] = min(memory.offset[i], g)
         memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
         memory.force[i] = 0.0
@@ -199,7 +215,7 @@ def add_edge_forces(
             deepest = max(deepest, g - memory.offset[i])
             stored += memory.stored[i]
             work += _half_work(i, dt, held)
-        if -change > law.noticed + 2.0 * way:  # its side is another one now
+        if -change > jump:  # its side is another one now
             absorbed += had - memory.stored[i]
     tables.captured[:] = 0  # tables are compared after a restart
     return work, stored, absorbed, n_touching, deepest, walked
@@ -213,7 +229,7 @@ def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Float
     found = look.hills.press
     if found.stored == 0.0:
         return
-    body = tables.edges.body[closest_edge(found.s, beside, held)]
+    body = memory.body[i]
     k = edge_stiffness(i, tables.pairs, tables.nodes, tables.law)
     memory.stored[i] = k * found.stored
     s, by = found.s, found.pressure

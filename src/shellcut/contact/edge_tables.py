@@ -107,12 +107,28 @@ class EdgeMemory(NamedTuple):
     """Penalty energy [N·mm]."""
     force: Annotated[Floats, "(n_film, 2, 3)"]
     """On its ends [N]."""
+    follows: Annotated[Ints, "(n_film,)"]
+    """What its hill is followed in until all of the tool is searched again, see
+    :mod:`.followed_edge`."""
+    way: Annotated[Floats, "(n_film,)"]
+    """Way of film and tool since then [mm]."""
+    body: Annotated[Ints, "(n_film,)"]
+    """Tooth on which it presses."""
+    normal: Annotated[Floats, "(n_film, 2, 3)"]
+    """Outward normals of the faces whose wedge is followed, in the body frame."""
+    level: Annotated[Floats, "(n_film, 2)"]
+    """Their product with points of the faces [mm]."""
 
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
-        until, depth, place, offset, stored = np.zeros((5, n))
-        return cls(until, np.zeros(n, np.int64), depth, place, offset, stored, np.zeros((n, 2, 3)))
+        until, depth, place, offset, stored, way = np.zeros((6, n))
+        side, follows, body = np.zeros((3, n), np.int64)
+        force, normal = np.zeros((2, n, 2, 3))
+        level = np.zeros((n, 2))
+        return cls(
+            until, side, depth, place, offset, stored, force, follows, way, body, normal, level
+        )
 
 
 class EdgePresses(NamedTuple):

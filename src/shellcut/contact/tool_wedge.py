@@ -61,7 +61,8 @@ class Beside(NamedTuple):
     end_a: Place
     end_b: Place
     n_captured: int
-    """Number of edges of the tool that it may touch, see ``EdgeTables.captured``."""
+    """Number of edges of the tool that it may touch, see ``EdgeTables.captured``; 0 where they are
+    not asked for."""
 
 
 class Deepest(NamedTuple):
