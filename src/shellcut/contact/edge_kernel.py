@@ -16,7 +16,7 @@ from shellcut.tool.pose import Pose, to_body, turn
 from .captured_edges import closest_along, place_at
 from .edge_hills import Hills, hills_of, no_hills
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
-from .followed_edge import follow, followed_hill, is_followed
+from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
 from .tool_wedge import Beside, Place
@@ -107,7 +107,7 @@ def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> L
     n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, held)
     if n == 0:
         beside = Beside(a, u, side, nowhere, nowhere, 0)
-        follow(i, no_hills(beside), beside, held)
+        follow(i, no_hills(beside), free, beside, held)
         return Look(beside, no_hills(beside), free)
     end_a, end_b = _end(i, 0, a, side, held), _end(i, 1, b, side, held)
     beside = Beside(a, u, side, end_a, end_b, n)
@@ -119,7 +119,7 @@ def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> L
     # Closer to the other side than to its own the blade goes through it.
     if side != 0 and hills.deepest.here.depth > tables.law.tool_half_thickness:
         hills = no_hills(beside)
-    follow(i, hills, beside, held)
+    follow(i, hills, free, beside, held)
     return Look(beside, hills, free)
 
 
@@ -192,11 +192,13 @@ def add_edge_forces(
     for i in range(pairs.node.shape[0]):
         if walked < memory.until[i]:
             continue
-        work += _half_work(i, dt, held)
         way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         memory.way[i] += way
+        if is_idle(i, held):
+            continue
+        work += _half_work(i, dt, held)
         # The chord moves against the edge by as much again: up to twice the way of film and tool.
-        jump = law.noticed + 2.0 * way
+        jump = law.noticed + 2.0 * (memory.way[i] if memory.follows[i] == NO_HILL else way)
         look = _look(i, walked, jump, pose, held)
         g = look.hills.deepest.depth
         memory.until[i] = walked + look.free

@@ -23,11 +23,25 @@ from .edge_hills import Hills, no_hills
 from .edge_tables import EdgeTables
 from .tool_wedge import Beside, deepest_in_wedge, no_wedge, wedge_along
 
-FOLLOWED = 1e9
+FOLLOWED = 0.1
 """Way of film and tool after which all hills of an edge are looked for again, over the rounding
 radius."""
 
+IDLE = 0.03
+"""Likewise, for an edge that is near one of the tool but has no hill."""
+
 _NOTHING, _WEDGE, _TOOL = 0, 1, 2
+NO_HILL = 3
+"""Stands for a hill that an edge near the tool did not have when it was looked at."""
+
+
+@inline
+def is_idle(i: int, held: EdgeTables) -> bool:
+    """Return whether the i-th edge is near one of the tool, has no hill, and has hardly moved."""
+    tables = borrowed(held)
+    memory = tables.memory
+    idle: bool = memory.way[i] <= IDLE * tables.law.rounding
+    return idle and memory.follows[i] == NO_HILL
 
 
 @inline
@@ -36,16 +50,20 @@ def is_followed(i: int, held: EdgeTables) -> bool:
     tables = borrowed(held)
     memory = tables.memory
     followed: bool = memory.way[i] <= FOLLOWED * tables.law.rounding
-    return followed and memory.follows[i] != _NOTHING
+    return followed and (memory.follows[i] == _WEDGE or memory.follows[i] == _TOOL)
 
 
 @inline
-def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
-    """Write down the hill of the i-th edge that has been found among all, to follow it."""
+def follow(i: int, hills: Hills, free: float, beside: Beside, held: EdgeTables) -> None:
+    """Write down the hill of the i-th edge that has been found among all, to follow it.
+
+    free : way until it may touch [mm].
+    """
     tables = borrowed(held)
     memory, wedge = tables.memory, hills.wedge
     memory.way[i], memory.follows[i] = 0.0, _NOTHING
     if hills.press.stored == 0.0:
+        memory.follows[i] = NO_HILL
         return
     memory.body[i] = tables.edges.body[closest_edge(hills.press.s, beside, held)]
     if not hills.one:

@@ -53,7 +53,7 @@ from .settings import Contact
 _RINGS = 2
 
 # Margin of the search over the median edge length: it lasts for some ten or a hundred steps.
-_MARGIN = 0.5
+_MARGIN = 0.75
 
 # Steps between two looks at how far all nodes have moved since the search: at least, at most, and
 # by which factor nodes may become faster where there are more than the least. Film at rest may be
