@@ -13,6 +13,7 @@ from notched_strip import cutting
 from shellcut.contact.captured_edges import place_at
 from shellcut.contact.film_edges import open_edges
 from shellcut.contact.film_outline import FilmOutline
+from shellcut.contact.followed_edge import NO_HILL
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
@@ -335,10 +336,12 @@ def test_waiting_misses_nothing():
     waits, looks = pushed(), pushed()
     waited = 0
     while waits.motion.coordinate(waits.state.time) < 0.04:
-        waits.step()
         if term(looks).tables is not None:
             term(looks).tables.memory.until[:] = 0.0
             term(looks).tables.pairs.until[:] = 0.0
+            for sim in (waits, looks):  # nothing is followed, nor idle
+                term(sim).tables.memory.way[:] = np.inf
+        waits.step()
         looks.step()
         memory = term(waits).tables.memory
         waited += int((memory.until > term(waits)._walked).sum())
@@ -346,6 +349,29 @@ def test_waiting_misses_nothing():
     assert waited > waits.state.step
     assert term(waits).forces.n_touching == 1
     np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
+
+
+def test_a_followed_hill_presses_as_the_highest_of_all():
+    follows, searches = pushed(), pushed()
+    followed = rested = 0
+    while follows.motion.coordinate(follows.state.time) < 0.04:
+        follows.step()
+        if term(searches).tables is not None:
+            term(searches).tables.memory.way[:] = np.inf
+        searches.step()
+        memory = term(follows).tables.memory
+        followed += int(((memory.stored > 0.0) & (memory.way > 0.0)).sum())
+        rested += int(((memory.follows == NO_HILL) & (memory.way > 0.0)).sum())
+    assert followed > 20
+    assert rested > 0
+    # Touch is found later by 0.03 of the radius at most, where f has a thousandth of its slope; the
+    # hill is the same one from then on.
+    stored = term(searches).forces.stored
+    assert stored > 0.0
+    np.testing.assert_allclose(term(follows).forces.stored, stored, rtol=1e-3)
+    work = searches.ledger.tool_work
+    np.testing.assert_allclose(follows.ledger.tool_work, work, rtol=1e-3)
+    assert abs(follows.close_ledger().imbalance) < 1e-5 * work
 
 
 def ends_by_place(state, outline):

@@ -46,7 +46,7 @@ _FLAT, _CLOSE = 1e-8, 1e-9
 _LEVEL, _NEAR = 1e-3, 1e-5
 
 # Of the rounding radius: the first step uphill; the next are twice as long each.
-_FIRST_STEP = 0.1
+FIRST_STEP = 0.1
 
 # Of the edge's length: closer to an end the end feels it all.
 _AT_END = 1e-6
@@ -134,7 +134,7 @@ def hill_around(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) ->
 
 
 @inline
-def _place_on(s: float, beside: Beside, wedge: Wedge, held: EdgeTables) -> Place:
+def place_along(s: float, beside: Beside, wedge: Wedge, held: EdgeTables) -> Place:
     """Return how deep the place s of an edge is, in the wedge if that stands for the tool."""
     tables = borrowed(held)
     if wedge.known:
@@ -153,7 +153,12 @@ def _slope(here: Place, u: Vec3, offset: float, rise: float, g_m: float) -> tupl
 
 @inline
 def press_on(
-    found: Deepest, offset: float, beside: Beside, wedge: Wedge, held: EdgeTables
+    found: Deepest,
+    offset: float,
+    beside: Beside,
+    wedge: Wedge,
+    held: EdgeTables,
+    first_step: float = FIRST_STEP,
 ) -> Press:
     """Return what an edge presses with where its energy over that of its ends is largest.
 
@@ -174,7 +179,7 @@ def press_on(
     if not presses:
         return none
     # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
-    step = _FIRST_STEP * tables.law.rounding / norm(u)
+    step = first_step * tables.law.rounding / norm(u)
     step = step if slope > 0.0 else -step
     while presses and slope * step > 0.0 and abs(slope) > flat:
         s_up, up, slope_up = s, here, slope
@@ -183,7 +188,7 @@ def press_on(
             return none
         s += min(abs(step), 0.5 * left) * (1.0 if step > 0.0 else -1.0)
         step *= 2.0
-        here = _place_on(s, beside, wedge, held)
+        here = place_along(s, beside, wedge, held)
         presses, slope = _slope(here, u, offset, rise, g_m)
     s_down, down, slope_down = s, here, slope
     beyond = not presses
@@ -196,7 +201,7 @@ def press_on(
         s = 0.5 * (s_up + s_down)
         if not beyond:
             s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
-        here = _place_on(s, beside, wedge, held)
+        here = place_along(s, beside, wedge, held)
         presses, slope = _slope(here, u, offset, rise, g_m)
         if presses and abs(slope) <= flat:
             s_up = s_down = s

@@ -107,7 +107,7 @@ def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> L
     n, free = _capture(i, a, u, side if one_side else NO_SIDE, size, walked, held)
     if n == 0:
         beside = Beside(a, u, side, nowhere, nowhere, 0)
-        follow(i, no_hills(beside), free, beside, held)
+        follow(i, no_hills(beside), beside, held)
         return Look(beside, no_hills(beside), free)
     end_a, end_b = _end(i, 0, a, side, held), _end(i, 1, b, side, held)
     beside = Beside(a, u, side, end_a, end_b, n)
@@ -119,7 +119,7 @@ def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> L
     # Closer to the other side than to its own the blade goes through it.
     if side != 0 and hills.deepest.here.depth > tables.law.tool_half_thickness:
         hills = no_hills(beside)
-    follow(i, hills, free, beside, held)
+    follow(i, hills, beside, held)
     return Look(beside, hills, free)
 
 
@@ -240,6 +240,7 @@ def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Float
     _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, held, wrench)
     _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, held, wrench)
     presses.body[i], presses.place[i] = body, s
+    memory.press_place[i] = s
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
     store(presses.out, i, found.out)

@@ -112,6 +112,8 @@ class EdgeMemory(NamedTuple):
     :mod:`.followed_edge`."""
     way: Annotated[Floats, "(n_film,)"]
     """Way of film and tool since then [mm]."""
+    press_place: Annotated[Floats, "(n_film,)"]
+    """Where it presses, if it does, from 0 at one end to 1 at the other."""
     body: Annotated[Ints, "(n_film,)"]
     """Tooth on which it presses."""
     normal: Annotated[Floats, "(n_film, 2, 3)"]
@@ -122,12 +124,20 @@ class EdgeMemory(NamedTuple):
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
         """Return that of n edges that touch nothing."""
-        until, depth, place, offset, stored, way = np.zeros((6, n))
-        side, follows, body = np.zeros((3, n), np.int64)
-        force, normal = np.zeros((2, n, 2, 3))
-        level = np.zeros((n, 2))
         return cls(
-            until, side, depth, place, offset, stored, force, follows, way, body, normal, level
+            until=np.zeros(n),
+            side=np.zeros(n, np.int64),
+            depth=np.zeros(n),
+            place=np.zeros(n),
+            offset=np.zeros(n),
+            stored=np.zeros(n),
+            force=np.zeros((n, 2, 3)),
+            follows=np.zeros(n, np.int64),
+            way=np.zeros(n),
+            press_place=np.zeros(n),
+            body=np.zeros(n, np.int64),
+            normal=np.zeros((n, 2, 3)),
+            level=np.zeros((n, 2)),
         )
 
 

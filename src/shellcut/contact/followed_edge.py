@@ -1,14 +1,17 @@
 """An edge of the film that presses, followed from step to step, for kernels.
 
 All hills of an edge (:mod:`.edge_hills`) are looked for only when film and tool have moved by
-``FOLLOWED`` of the rounding radius since the last time, some ten steps. In between the highest
+``FOLLOWED`` of the rounding radius since the last time, some ten steps. In between the highest one
 follows the edge: in the wedge of the two faces at which it lay, taken for the tool without another
-look, or in the tool itself, from its last place. The energy stays that of a potential, so forces and
-work agree; where another hill or another face takes over in the meantime, it does so that much
-later. Faces join with equal slope, so the energy that is missed is of second order in the way.
+look, or in the tool itself, from its last place. What presses is still the gradient of an energy.
+Where another hill or another face takes over, it does so that much later; both have equal energies
+there, and faces join with equal slope, so little is missed.
 
-The edge is looked at wholly whenever its hill ends, its side is another, its depth jumps, or the
-list is made anew.
+An edge near the tool that does not press is looked at again when it has moved by ``IDLE`` of the
+radius. If it presses by then it is as deep as it has moved, and the force has hardly set in.
+
+A hill is looked for among all at once if it has ended, its edge is on another side of the blade,
+its depth jumps, or the list is new.
 """
 
 from __future__ import annotations
@@ -18,26 +21,31 @@ from shellcut.numerics.jit import inline
 from shellcut.numerics.vec3 import dot, load, store
 
 from .captured_edges import closest_edge
-from .deepest_on_edge import hill_around, press_on
+from .deepest_on_edge import hill_around, place_along, press_on
 from .edge_hills import Hills, no_hills
 from .edge_tables import EdgeTables
-from .tool_wedge import Beside, deepest_in_wedge, no_wedge, wedge_along
+from .tool_wedge import Beside, Deepest, deepest_in_wedge, no_wedge, wedge_along
 
 FOLLOWED = 0.1
 """Way of film and tool after which all hills of an edge are looked for again, over the rounding
 radius."""
 
 IDLE = 0.03
-"""Likewise, for an edge that is near one of the tool but has no hill."""
+"""Likewise, for an edge near the tool that does not press."""
 
+NEXT_STEP = 0.02
+"""First step along an edge from the place where it pressed last, over the rounding radius."""
+
+# What the hill of an edge is followed in.
 _NOTHING, _WEDGE, _TOOL = 0, 1, 2
+
 NO_HILL = 3
-"""Stands for a hill that an edge near the tool did not have when it was looked at."""
+"""Stands for the hill of an edge that did not press when all of the tool was searched."""
 
 
 @inline
 def is_idle(i: int, held: EdgeTables) -> bool:
-    """Return whether the i-th edge is near one of the tool, has no hill, and has hardly moved."""
+    """Return whether the i-th edge did not press when it was looked at, and has hardly moved."""
     tables = borrowed(held)
     memory = tables.memory
     idle: bool = memory.way[i] <= IDLE * tables.law.rounding
@@ -54,11 +62,8 @@ def is_followed(i: int, held: EdgeTables) -> bool:
 
 
 @inline
-def follow(i: int, hills: Hills, free: float, beside: Beside, held: EdgeTables) -> None:
-    """Write down the hill of the i-th edge that has been found among all, to follow it.
-
-    free : way until it may touch [mm].
-    """
+def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
+    """Write down the hill of the i-th edge that has been found among all, to follow it."""
     tables = borrowed(held)
     memory, wedge = tables.memory, hills.wedge
     memory.way[i], memory.follows[i] = 0.0, _NOTHING
@@ -77,7 +82,7 @@ def follow(i: int, hills: Hills, free: float, beside: Beside, held: EdgeTables) 
 
 @inline
 def followed_hill(i: int, beside: Beside, held: EdgeTables) -> Hills:
-    """Return the hill of the i-th edge that is followed; without energy if it has ended."""
+    """Return the hill of the i-th edge that is followed, without energy if it has ended."""
     tables = borrowed(held)
     memory, wedge = tables.memory, no_wedge()
     found = no_hills(beside).deepest
@@ -92,5 +97,7 @@ def followed_hill(i: int, beside: Beside, held: EdgeTables) -> Hills:
         found = hill_around(memory.place[i], found, beside, held)
     if found.depth == 0.0:
         return no_hills(beside)
-    press = press_on(found, memory.offset[i], beside, wedge, held)
+    s = memory.press_place[i]
+    begin = Deepest(found.depth, s, place_along(s, beside, wedge, held))
+    press = press_on(begin, memory.offset[i], beside, wedge, held, NEXT_STEP)
     return Hills(True, found, press, True, wedge)
