@@ -10,7 +10,8 @@ from naive import cases
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.mitc4.frequency import bound_largest_eigenvalues, growth_rates
+from shellcut.mitc4.eigenvalue_bound import bound_largest_eigenvalues
+from shellcut.mitc4.frequency import growth_rates
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 

@@ -34,6 +34,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats
 from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
 
 from .element import GAUSS, N_STRAIN, FlatModuli
 
@@ -79,6 +80,39 @@ def strain_map(xi: float, eta: float) -> Floats:
     B[6, 12:14] = 1.0, eta
     B[7, 14:16] = 1.0, xi
     return B / 16.0
+
+
+def reference_quads(
+    mesh: Mesh, material: ShellMaterial, at_a_time: int
+) -> tuple[Bools, Floats, Floats]:
+    """Return what the section knows of all quads of a film at rest.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The reference.
+    material : ShellMaterial
+        Layers.
+    at_a_time : int
+        Quads that are worked out together: bounds the memory.
+
+    Returns
+    -------
+    flat : ndarray of bool, shape (n_quad,)
+        Which have the four numbers of a flat quad's stiffness.
+    mass : ndarray, shape (n_quad, 4)
+        Share of each corner [t], as of :func:`lumped_mass`.
+    area : ndarray, shape (n_quad,)
+        Of the mid-surface [mm²].
+    """
+    n = mesh.n_quad
+    flat, mass, area = np.zeros(n, np.bool_), np.empty((n, 4)), np.empty(n)
+    for first in range(0, n, at_a_time):
+        some = slice(first, first + at_a_time)
+        X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
+        flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
+        mass[some], area[some] = lumped_mass(X, T, material)
+    return flat, mass, area
 
 
 def flat_quads(X: Floats, T: Floats) -> Bools:

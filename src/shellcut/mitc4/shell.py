@@ -33,7 +33,7 @@ from .point_forces import (
 from .point_output import PointOutput
 from .present_quads import PresentQuads
 from .quad_strains import LinearTables, PointStep, QuadStep
-from .section import flat_quads, lumped_mass
+from .section import reference_quads
 from .surface import Surface
 from .table_layout import BLOCKS_AT_A_TIME, build_tables
 from .thickness_points import PointTables
@@ -84,17 +84,12 @@ class MITC4Shell:
         self._workers = workers or Workers(mesh.n_quad)
         self._whole: Lane = SIXTEEN if precision == "single" else None
         self._lane: Lane = self._whole if by_lanes else 0
-        self.mass = np.empty((mesh.n_quad, 4))
+        at_a_time = BLOCKS_AT_A_TIME * block_width(self._whole)
+        flat, mass, area = reference_quads(mesh, material, at_a_time)
+        self.mass = mass
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
-        self.area = np.empty(mesh.n_quad)
+        self.area = area
         """Reference area of the quads [mm²], shape (n_quad,)."""
-        flat = np.zeros(mesh.n_quad, np.bool_)
-        step = BLOCKS_AT_A_TIME * block_width(self._whole)
-        for first in range(0, mesh.n_quad, step):
-            some = slice(first, first + step)
-            X, T = mesh.nodes[mesh.quads[some]], mesh.directors[mesh.quads[some]]
-            flat[some] = flat_quads(X, T) & (material.bending_ratio is not None)
-            self.mass[some], self.area[some] = lumped_mass(X, T, material)
         self._reference = Surface.of(mesh)
         blocks = build_blocks(mesh.nodes, mesh.quads, flat, block_width(self._whole))
         tables = build_tables(mesh, material, blocks, self._whole)
@@ -123,13 +118,10 @@ class MITC4Shell:
         )
         self._tangents = FilmTangents(self._places, self._point_output)
         self._history = self._history_at_rest()
-        apart = self.has_points and damping_beta > 0.0
+        # On the film of a linear law the tangent without its pre-stress is what is damped.
+        damped = self._damped_stiffness if self.has_points and damping_beta > 0.0 else None
         self.frequencies = QuadFrequencies(
-            mesh,
-            material,
-            self.corner_shares,
-            self._tangent_bounds,
-            self._damped_stiffness if apart else None,
+            mesh, material, self.corner_shares, self._tangent_bounds, damped
         )
         """Bounds of the largest frequency of each quad."""
         self.dropped = DroppedQuads(self._places, self._present, self.frequencies, damping_beta)
