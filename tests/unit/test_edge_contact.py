@@ -131,30 +131,53 @@ def edges_across_facets(rng, edges, n):
         yield at - s * along, at + (1.0 - s) * along, -inward
 
 
-def test_beside_facets_the_press_is_the_largest_of_the_whole_tool():
-    rng = np.random.default_rng(6)
+def edges_over_faces(rng, edges, n):
+    """Film edges of 0.9 mm a little below a face beside a sharp edge: they cross it elsewhere."""
+    sharp = np.flatnonzero(np.abs(np.einsum("ei,ei->e", *edges.normal.transpose(1, 0, 2))) < 0.99)
+    for e in rng.choice(sharp, n):
+        outward, along = edges.normal[e, rng.integers(2)], edges.along[e]
+        across = np.cross(outward, along / np.linalg.norm(along))
+        across *= np.sign(across @ -edges.normal[e].sum(axis=0))
+        at = edges.corner[e] + rng.uniform() * along + rng.uniform(0.0, 0.3) * across
+        at -= rng.uniform(0.005, 0.03) * outward
+        way = rng.normal() * across + rng.normal() * along + rng.normal(scale=0.02) * outward
+        way *= 0.9 / np.linalg.norm(way)
+        s = rng.uniform(0.2, 0.8)
+        yield at - s * way, at + (1.0 - s) * way, outward
+
+
+# Beside hollow facets a wedge may stand for the tool although another hill has a little more energy:
+# over faces up to a twentieth of it, or of k g_m². Before wedges that say nothing were noticed, one
+# of these edges did not press at all.
+@pytest.mark.parametrize(
+    ("laid", "hidden"), [(edges_across_facets, 1e-9), (edges_over_faces, 0.05)]
+)
+def test_beside_facets_the_press_is_the_largest_of_the_whole_tool(laid, hidden):
+    rng = np.random.default_rng(3)
     tooth = tooth_ring(n_teeth=1)
     sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])), tooth)
     t, far = term(sim), np.array([50.0, 0.0, 0.0])
     evaluated(sim)
     g_m, area = sim.contact.law.smoothing_depth, sim.state.node.contact_area[0]
     pressed, missed = 0, []
-    for a, b, outward in edges_across_facets(rng, t._edges, 60):
+    for a, b, outward in laid(rng, t._edges, 120):
         away = 5.0 * outward - far  # the other nodes of the quad are far from the tool
         place(sim, np.array([a - far, b - far, b + away, a + away]))
-        found = evaluated(sim)[2]
+        evaluated(sim)
+        itself = (np.sort(t.tables.pairs.node) == np.sort(sim.corners[:2])).all(axis=1)
+        stored = float(t.tables.memory.stored[itself].sum())
         depth = [
-            place_at(tuple(a + s * (b - a)), 0, t.tables).depth for s in np.linspace(0.0, 1.0, 401)
+            place_at(tuple(a + s * (b - a)), 0, t.tables).depth for s in np.linspace(0.0, 1.0, 801)
         ]
         energy = [smoothed_integral(d, g_m) for d in depth]
-        more = energy - np.linspace(energy[0], energy[-1], 401)
+        more = energy - np.linspace(energy[0], energy[-1], 801)
         wanted = max(more) * stiffness(sim, area)
         pressed += wanted > 0.0
-        missed.append((found.stored - wanted) / (stiffness(sim, area) * g_m**2))
+        missed.append((stored - wanted) / max(wanted, stiffness(sim, area) * g_m**2))
     assert pressed > 30
-    # Places 1 µm apart miss the top of a round of 37 µm by up to 1e-3 of g_m.
-    assert min(missed) > -1e-9
-    assert max(missed) < 2e-3
+    # Places 0.5 to 1 µm apart miss the top of an edge 50 µm deep by up to a hundredth of the energy.
+    assert min(missed) > -hidden
+    assert max(missed) < 1e-2
 
 
 def test_forces_are_minus_the_gradient_on_film_and_tool():

@@ -88,11 +88,12 @@ def _of_wedges(offset: float, beside: Beside, held: EdgeTables) -> Hills:
     """Return the highest hills that wedges show, or where to begin if they do not."""
     tables = borrowed(held)
     hills = no_hills(beside)
-    elsewhere, between = hills.deepest, no_wedge()
+    elsewhere, between, silent = hills.deepest, no_wedge(), beside.n_captured > 0
     for i in range(beside.n_captured):
         e = tables.captured[i]
         at = wedge_at(e, beside, held)
         says, found = deepest_in_wedge(at, beside.end_a, beside.end_b, tables.law.rounding)
+        silent &= not says
         if says and found.depth == 0.0:
             continue
         if closest_edge(found.s, beside, held) != e:
@@ -104,6 +105,9 @@ def _of_wedges(offset: float, beside: Beside, held: EdgeTables) -> Hills:
             known, hills = _with_wedge(found, at, offset, hills, beside, held)
         if not known:
             return Hills(False, found, hills.press, False, no_wedge())
+    if silent and hills.deepest.depth == 0.0 and elsewhere.depth == 0.0:
+        # All are deeper than the tool at an end: the edge may still lie in faces between them.
+        return Hills(False, elsewhere, hills.press, False, no_wedge())
     if hills.deepest.depth == 0.0 and elsewhere.depth > 0.0:
         known, hills = _with_wedge(elsewhere, between, offset, hills, beside, held)
         if not known:

@@ -26,11 +26,11 @@ from .edge_hills import Hills, no_hills
 from .edge_tables import EdgeTables
 from .tool_wedge import Beside, Deepest, deepest_in_wedge, no_wedge, wedge_along
 
-FOLLOWED = 0.1
+FOLLOWED = 0.3
 """Way of film and tool after which all hills of an edge are looked for again, over the rounding
 radius."""
 
-IDLE = 0.03
+IDLE = 0.1
 """Likewise, for an edge near the tool that does not press."""
 
 NEXT_STEP = 0.02
@@ -71,9 +71,7 @@ def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
         memory.follows[i] = NO_HILL
         return
     memory.body[i] = tables.edges.body[closest_edge(hills.press.s, beside, held)]
-    if not hills.one:
-        return
-    memory.follows[i] = _WEDGE if wedge.known else _TOOL
+    memory.follows[i] = _WEDGE if hills.one and wedge.known else _TOOL
     store(memory.normal[i], 0, wedge.one)
     store(memory.normal[i], 1, wedge.two)
     memory.level[i, 0] = wedge.depth_one + dot(wedge.one, beside.a)

@@ -1,0 +1,153 @@
+"""What contact costs: the opening test with its parts switched on, step by step in turns.
+
+    python tests/benchmarks/contact_cost.py --mesh M1 [--before CHECKOUT]
+
+Each configuration runs in a process of its own; all take turns of ``ROUND`` steps on one core, so
+that a machine whose speed drifts slows all alike. With ``--before`` the default configuration of
+another checkout of the library is one of them, and the one that the others are compared with.
+Prints for each the medians of the ratios of the rounds, the ratio of the sums of all rounds, and
+that of the numbers of steps of the whole cut if all ran to its end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import IO, Any
+
+ROUND = 50
+"""Steps of a turn: short beside the time in which the speed of a machine changes."""
+
+ANGLE = 95.0  # degrees
+
+OFF = {"tool_points": False}
+ALL: dict[str, Any] = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
+CONFIGURATIONS: dict[str, dict[str, Any]] = {
+    "faces only": OFF,
+    "default": {},
+    "film edges": {"film_edges": True},
+    "all but film edges": ALL | {"film_edges": False},
+    "all": ALL | {"film_edges": True},
+}
+BEFORE = "before"
+
+
+class Runner:
+    """A configuration in a process of its own."""
+
+    def __init__(self, mesh: str, settings: dict[str, Any], checkout: Path | None, core: int):
+        environment = dict(os.environ)
+        if checkout is not None:
+            environment["PYTHONPATH"] = str(checkout / "src")
+        self._process = subprocess.Popen(
+            [sys.executable, __file__, "--child", json.dumps([mesh, settings, core])],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=environment,
+        )
+        self.ask("ready")
+
+    def ask(self, what: str) -> Any:
+        """Send a line, return the answer."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(what + "\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+    def advance(self, n_step: int) -> tuple[float, float, int]:
+        """Run so many steps; return CPU and wall time [s] and the number of steps done."""
+        cpu, wall, done = self.ask(str(n_step))
+        return float(cpu), float(wall), int(done)
+
+    def close(self) -> None:
+        """End the process."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+
+def serve(mesh: str, settings: dict[str, Any], core: int, asked: IO[str]) -> None:
+    """Run a case as the parent asks for it, a line an order."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {core})
+    import shellcut
+
+    contact = shellcut.Contact(**settings)
+    case = shellcut.opening_test(mesh, angle_deg=ANGLE, contact=contact)
+    sim, until = case.simulation, case.duration
+    for line in asked:
+        n_step = int(line) if line.strip().isdigit() else 0
+        cpu, wall, done = time.process_time(), time.perf_counter(), 0
+        while done < n_step and sim.state.time < until:
+            sim.step()
+            done += 1
+        answer = time.process_time() - cpu, time.perf_counter() - wall, done
+        print(json.dumps(answer), flush=True)
+
+
+def measure(
+    mesh: str, begin: int, n_round: int, before: Path | None, names: list[str]
+) -> dict[str, list[tuple[float, float, int]]]:
+    """Return CPU time, wall time and steps of each round of each configuration."""
+    core = min(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
+    runners = {name: Runner(mesh, CONFIGURATIONS[name], None, core) for name in names}
+    if before is not None:
+        runners = {BEFORE: Runner(mesh, {}, before, core)} | runners
+    for runner in runners.values():
+        runner.advance(begin)
+    rounds: dict[str, list[tuple[float, float, int]]] = {name: [] for name in runners}
+    going = True
+    while going and (n_round == 0 or len(rounds[names[0]]) < n_round):
+        turn = {name: runner.advance(ROUND) for name, runner in runners.items()}
+        going = any(done for _, _, done in turn.values())
+        for name, found in turn.items():
+            rounds[name].append(found)
+    for runner in runners.values():
+        runner.close()
+    return rounds
+
+
+def table(rounds: dict[str, list[tuple[float, float, int]]]) -> str:
+    """Return the ratios over the first configuration as text."""
+    first = next(iter(rounds.values()))
+    lines = [
+        f"{'':20} {'CPU, median':>12} {'CPU, sum':>9} {'wall, median':>13} {'us a step':>10} "
+        f"{'steps':>7}"
+    ]
+    for name, found in rounds.items():
+        both = [(a, b) for a, b in zip(found, first, strict=True) if a[2] == b[2] == ROUND]
+        cpu = statistics.median(a[0] / b[0] for a, b in both)
+        wall = statistics.median(a[1] / b[1] for a, b in both)
+        total = sum(a[0] for a, _ in both) / sum(b[0] for _, b in both)
+        step = 1e6 * sum(a[0] for a, _ in both) / (ROUND * len(both))
+        n_step = sum(done for _, _, done in found)
+        lines.append(f"{name:20} {cpu:12.3f} {total:9.3f} {wall:13.3f} {step:10.1f} {n_step:7d}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--mesh", default="M1")
+    parser.add_argument("--before", type=Path, help="another checkout, its default as the base")
+    parser.add_argument("--begin", type=int, default=0, help="steps before the first round")
+    parser.add_argument("--rounds", type=int, default=0, help="rounds; 0: to the end of the cut")
+    parser.add_argument("--only", nargs="+", choices=list(CONFIGURATIONS), default=None)
+    parser.add_argument("--child", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.child:
+        serve(*json.loads(given.child), sys.stdin)
+        return
+    names = given.only or list(CONFIGURATIONS)
+    print(table(measure(given.mesh, given.begin, given.rounds, given.before, names)))
+
+
+if __name__ == "__main__":
+    main()
