@@ -5,8 +5,9 @@
 Each configuration runs in a process of its own; all take turns of ``ROUND`` steps on one core, so
 that a machine whose speed drifts slows all alike. With ``--before`` the default configuration of
 another checkout of the library is one of them, and the one that the others are compared with.
-Prints for each the medians of the ratios of the rounds, the ratio of the sums of all rounds, and
-that of the numbers of steps of the whole cut if all ran to its end.
+Prints for each the median of the ratios of its rounds to those of the first, the ratio of the sums,
+and how many steps it took. Sums leave out rounds in which a process took ``PAUSE`` times as long as
+usual: it compiled a kernel, or something else had the core.
 """
 
 from __future__ import annotations
@@ -14,15 +15,18 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import statistics
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
+
 ROUND = 50
 """Steps of a turn: short beside the time in which the speed of a machine changes."""
+
+PAUSE = 20.0
 
 ANGLE = 95.0  # degrees
 
@@ -117,19 +121,23 @@ def measure(
 
 def table(rounds: dict[str, list[tuple[float, float, int]]]) -> str:
     """Return the ratios over the first configuration as text."""
-    first = next(iter(rounds.values()))
+    cpu = np.array([[found[0] for found in of_one] for of_one in rounds.values()])
+    wall = np.array([[found[1] for found in of_one] for of_one in rounds.values()])
+    done = np.array([[found[2] for found in of_one] for of_one in rounds.values()])
+    whole = (done == ROUND).all(axis=0)
+    ratio = np.median(cpu[:, whole] / cpu[0, whole], axis=1)
+    of_wall = np.median(wall[:, whole] / wall[0, whole], axis=1)
+    usual = whole & (cpu <= PAUSE * np.median(cpu[:, whole], axis=1, keepdims=True)).all(axis=0)
+    total = cpu[:, usual].sum(axis=1)
+    step = 1e6 * total / (ROUND * np.count_nonzero(usual))
     lines = [
-        f"{'':20} {'CPU, median':>12} {'CPU, sum':>9} {'wall, median':>13} {'us a step':>10} "
-        f"{'steps':>7}"
+        f"{'':20} {'CPU, median':>12} {'CPU, sum':>9} {'wall':>6} {'us a step':>10} {'steps':>7}"
     ]
-    for name, found in rounds.items():
-        both = [(a, b) for a, b in zip(found, first, strict=True) if a[2] == b[2] == ROUND]
-        cpu = statistics.median(a[0] / b[0] for a, b in both)
-        wall = statistics.median(a[1] / b[1] for a, b in both)
-        total = sum(a[0] for a, _ in both) / sum(b[0] for _, b in both)
-        step = 1e6 * sum(a[0] for a, _ in both) / (ROUND * len(both))
-        n_step = sum(done for _, _, done in found)
-        lines.append(f"{name:20} {cpu:12.3f} {total:9.3f} {wall:13.3f} {step:10.1f} {n_step:7d}")
+    for k, name in enumerate(rounds):
+        lines.append(
+            f"{name:20} {ratio[k]:12.3f} {total[k] / total[0]:9.3f} {of_wall[k]:6.3f} "
+            f"{step[k]:10.1f} {done[k].sum():7d}"
+        )
     return "\n".join(lines)
 
 

@@ -146,9 +146,9 @@ def edges_over_faces(rng, edges, n):
         yield at - s * way, at + (1.0 - s) * way, outward
 
 
-# Beside hollow facets a wedge may stand for the tool although another hill has a little more energy:
-# over faces up to a twentieth of it, or of k g_m². Before wedges that say nothing were noticed, one
-# of these edges did not press at all.
+# Beside hollow facets a wedge may stand for the tool although another hill has a little more
+# energy: over faces up to a twentieth of it, or of k g_m². Before wedges that say nothing were
+# noticed, one of these edges did not press at all.
 @pytest.mark.parametrize(
     ("laid", "hidden"), [(edges_across_facets, 1e-9), (edges_over_faces, 0.05)]
 )
@@ -175,7 +175,7 @@ def test_beside_facets_the_press_is_the_largest_of_the_whole_tool(laid, hidden):
         pressed += wanted > 0.0
         missed.append((stored - wanted) / max(wanted, stiffness(sim, area) * g_m**2))
     assert pressed > 30
-    # Places 0.5 to 1 µm apart miss the top of an edge 50 µm deep by up to a hundredth of the energy.
+    # Places 0.5 to 1 µm apart miss the top, 50 µm deep, by up to a hundredth of the energy.
     assert min(missed) > -hidden
     assert max(missed) < 1e-2
 

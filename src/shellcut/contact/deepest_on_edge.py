@@ -39,11 +39,11 @@ _MOST_STEPS = 60
 
 # Of the edge's length, and for a slope of the depth at which the force has set in: slopes below it,
 # and brackets shorter than it, are the end of the search.
-_FLAT, _CLOSE = 1e-8, 1e-9
+FLAT, _CLOSE = 1e-8, 1e-9
 
 # Likewise, where only the depth and a place to begin are wanted: an error of 1e-3 in the slope is
 # one of 1e-6 in the depth over the radius of the round.
-_LEVEL, _NEAR = 1e-3, 1e-5
+LEVEL, _NEAR = 1e-3, 1e-5
 
 # Of the rounding radius: the first step uphill; the next are twice as long each.
 FIRST_STEP = 0.1
@@ -59,6 +59,8 @@ class Press(NamedTuple):
     """Energy [mm²], 0 if it does not press."""
     s: float
     """Where, from 0 at a to 1 at b."""
+    depth: float
+    """D there [mm]."""
     out: Vec3
     """Way out there, in the body frame; a unit vector, shorter where the slope jumps."""
     pressure: float
@@ -72,23 +74,33 @@ class Press(NamedTuple):
 @inline
 def no_press(found: Deepest) -> Press:
     """Return that of an edge that does not press."""
-    return Press(0.0, found.s, found.here.out, 0.0, 0.0, 0.0)
+    return Press(0.0, found.s, 0.0, found.here.out, 0.0, 0.0, 0.0)
 
 
 @inline
-def hill_around(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) -> Deepest:
+def hill_around(
+    at: float,
+    so_far: Deepest,
+    beside: Beside,
+    held: EdgeTables,
+    first_step: float = 0.0,
+    level: float = LEVEL,
+) -> Deepest:
     """Return the deepest place of an edge, beside its chord, around one of its places.
 
-    at : that place, between 0 and 1.  so_far : the deepest of other searches.  The result has no
-    depth where that place is not in the tool, or on the hill of the one that is known.
+    at : that place, between 0 and 1.  so_far : the deepest of other searches.  first_step : uphill
+    from there, over the rounding radius, if the deepest place is close; the next are four times as
+    long each.  level : slope that ends the search.  The result has no depth where that place is not
+    in the tool, or on the hill of the one that is known.
     """
+    tables = borrowed(held)
     none = Deepest(0.0, at, beside.end_a)
     u, end_a, end_b = beside.u, beside.end_a, beside.end_b
     here = place_on(at, beside, held)
     if not here.inside:
         return none
     rise = end_b.depth - end_a.depth
-    flat = _LEVEL * norm(u)
+    flat = level * norm(u)
     # The largest value lies between lo and hi; what is known of both of them: depth, slope, way.
     lo, hi, s = 0.0, 1.0, at
     at_lo, at_hi = end_a, end_b
@@ -99,6 +111,8 @@ def hill_around(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) ->
         return none
     slope_lo = -dot(end_a.out, u) - rise if end_a.inside else 0.0
     slope_hi = -dot(end_b.out, u) - rise if end_b.inside else 0.0
+    step = first_step * tables.law.rounding / norm(u)
+    step, uphill = step if slope > 0.0 else -step, step > 0.0
     for turn in range(_MOST_STEPS):
         if here.inside and abs(slope) <= flat:
             lo = hi = s
@@ -114,6 +128,13 @@ def hill_around(at: float, so_far: Deepest, beside: Beside, held: EdgeTables) ->
             lo, at_lo = s, here
         if hi - lo <= _NEAR:
             break
+        uphill = uphill and here.inside and slope * step > 0.0 and lo < s + step < hi
+        if uphill:
+            s += step
+            step *= 4.0
+            here = place_on(s, beside, held)
+            slope = -dot(here.out, u) - rise
+            continue
         s = 0.5 * (lo + hi)
         if at_lo.inside and at_hi.inside and slope_lo > 0.0 > slope_hi:
             # Where both tangents meet, the place of a kink; and by turns where the slope is zero.
@@ -159,18 +180,20 @@ def press_on(
     wedge: Wedge,
     held: EdgeTables,
     first_step: float = FIRST_STEP,
+    flat: float = FLAT,
 ) -> Press:
     """Return what an edge presses with where its energy over that of its ends is largest.
 
     found : its deepest place, where the search begins.  offset : what does not press there [mm].
-    wedge : stands for the tool if it is known.
+    wedge : stands for the tool if it is known.  first_step : uphill, over the rounding radius.
+    flat : slope that ends the search, of the energy over g_M and the edge's length.
     """
     tables = borrowed(held)
     u, end_a, end_b = beside.u, beside.end_a, beside.end_b
     g_m = tables.law.smoothing_depth
     of_a = smoothed_integral(end_a.depth, g_m)
     of_b = smoothed_integral(end_b.depth, g_m)
-    rise, flat = of_b - of_a, _FLAT * norm(u) * g_m
+    rise, level = of_b - of_a, flat * norm(u) * g_m
     s = s_up = found.s
     here = up = found.here
     presses, slope = _slope(here, u, offset, rise, g_m)
@@ -181,7 +204,7 @@ def press_on(
     # Uphill until it falls again; where it does not before the edge ends, the ends feel it all.
     step = first_step * tables.law.rounding / norm(u)
     step = step if slope > 0.0 else -step
-    while presses and slope * step > 0.0 and abs(slope) > flat:
+    while presses and slope * step > 0.0 and abs(slope) > level:
         s_up, up, slope_up = s, here, slope
         left = 1.0 - s if step > 0.0 else s
         if left <= _AT_END:
@@ -192,18 +215,18 @@ def press_on(
         presses, slope = _slope(here, u, offset, rise, g_m)
     s_down, down, slope_down = s, here, slope
     beyond = not presses
-    if presses and abs(slope) <= flat:
+    if presses and abs(slope) <= level:
         s_up, up, slope_up = s, here, slope
     kept = 0
     for _ in range(_MOST_STEPS):
-        if abs(s_up - s_down) <= _CLOSE:
+        if abs(s_up - s_down) <= _CLOSE * (flat / FLAT):
             break
         s = 0.5 * (s_up + s_down)
         if not beyond:
             s = s_up + (s_down - s_up) * slope_up / (slope_up - slope_down)
         here = place_along(s, beside, wedge, held)
         presses, slope = _slope(here, u, offset, rise, g_m)
-        if presses and abs(slope) <= flat:
+        if presses and abs(slope) <= level:
             s_up = s_down = s
             up = down = here
             break
@@ -227,4 +250,4 @@ def press_on(
         return none
     from_a = (1.0 - s_up) * smoothed(end_a.depth, g_m)
     from_b = s_up * smoothed(end_b.depth, g_m)
-    return Press(stored, s_up, out, smoothed(loaded, g_m), from_a, from_b)
+    return Press(stored, s_up, up.depth, out, smoothed(loaded, g_m), from_a, from_b)

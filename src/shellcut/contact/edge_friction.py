@@ -106,7 +106,7 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
         self._hold = Holder()
         self._call, self._let_go = BoundOnce(_add_edge_friction), BoundOnce(_let_go)
         self._none = np.zeros_like(edges.forces.wrench)
-        self.forces = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
+        self.forces = self._idle = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
         """Results of the last evaluation."""
 
     def add_forces(self, state: State, pose: Pose) -> FrictionForces:
@@ -115,6 +115,9 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
         work = lost = 0.0
         if self._of is not self._edges.tables:
             work, lost = self._take_list(state, before, pose)
+        elif not self._edges.forces.n_touching and self.forces.stored == 0.0:
+            self.forces = self._idle  # nothing presses, and no spring is held
+            return self.forces
         wrench = self._none.copy()
         found = self._call.code(
             pose, before, state.dt, self.coefficient, self._edges.held, self._held, wrench

@@ -41,6 +41,9 @@ _PARTS = 8
 """Of an edge of the film; hills are looked for from where these meet. With four a run of the
 opening test misses twice the energy, where hills take turns."""
 
+# Of the edge's length: what presses at places closer than this is one hill.
+_APART = 0.01
+
 
 class Hills(NamedTuple):
     """The highest of the hills of an edge of the film."""
@@ -55,13 +58,15 @@ class Hills(NamedTuple):
     """Whether both are of one hill."""
     wedge: Wedge
     """In which that lies, known if it stands for the tool there."""
+    second: float
+    """Energy of the next highest hill [mm²], 0 if none is known."""
 
 
 @inline
 def no_hills(beside: Beside) -> Hills:
     """Return those of an edge that is nowhere deeper than its chord."""
     nowhere = Deepest(0.0, 0.0, beside.end_a)
-    return Hills(True, nowhere, no_press(nowhere), True, no_wedge())
+    return Hills(True, nowhere, no_press(nowhere), True, no_wedge(), 0.0)
 
 
 @inline
@@ -104,14 +109,14 @@ def _of_wedges(offset: float, beside: Beside, held: EdgeTables) -> Hills:
         if says:
             known, hills = _with_wedge(found, at, offset, hills, beside, held)
         if not known:
-            return Hills(False, found, hills.press, False, no_wedge())
+            return Hills(False, found, hills.press, False, no_wedge(), 0.0)
     if silent and hills.deepest.depth == 0.0 and elsewhere.depth == 0.0:
         # All are deeper than the tool at an end: the edge may still lie in faces between them.
-        return Hills(False, elsewhere, hills.press, False, no_wedge())
+        return Hills(False, elsewhere, hills.press, False, no_wedge(), 0.0)
     if hills.deepest.depth == 0.0 and elsewhere.depth > 0.0:
         known, hills = _with_wedge(elsewhere, between, offset, hills, beside, held)
         if not known:
-            return Hills(False, elsewhere, hills.press, False, no_wedge())
+            return Hills(False, elsewhere, hills.press, False, no_wedge(), 0.0)
     return hills
 
 
@@ -152,4 +157,7 @@ def _higher(found: Deepest, press: Press, wedge: Wedge, so_far: Hills) -> Hills:
     deepest = found if deeper else so_far.deepest
     most = press if stronger else so_far.press
     one = (deeper and stronger) if (deeper or stronger) else so_far.one
-    return Hills(True, deepest, most, one, wedge if stronger else so_far.wedge)
+    lower = so_far.press if stronger else press
+    another = abs(lower.s - most.s) > _APART
+    second = max(so_far.second, lower.stored if another else 0.0)
+    return Hills(True, deepest, most, one, wedge if stronger else so_far.wedge, second)

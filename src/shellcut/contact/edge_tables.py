@@ -112,6 +112,8 @@ class EdgeMemory(NamedTuple):
     :mod:`.followed_edge`."""
     way: Annotated[Floats, "(n_film,)"]
     """Way of film and tool since then [mm]."""
+    reach: Annotated[Floats, "(n_film,)"]
+    """That for which its hill may be followed [mm]."""
     press_place: Annotated[Floats, "(n_film,)"]
     """Where it presses, if it does, from 0 at one end to 1 at the other."""
     body: Annotated[Ints, "(n_film,)"]
@@ -134,6 +136,7 @@ class EdgeMemory(NamedTuple):
             force=np.zeros((n, 2, 3)),
             follows=np.zeros(n, np.int64),
             way=np.zeros(n),
+            reach=np.zeros(n),
             press_place=np.zeros(n),
             body=np.zeros(n, np.int64),
             normal=np.zeros((n, 2, 3)),

@@ -87,12 +87,15 @@ class PointFriction(FrictionTerm[FrictionForces]):
         self._pose: Pose | None = None
         self._call = BoundOnce(_add_point_friction)
         self._none = np.zeros_like(points.forces.wrench)
-        self.forces = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
+        self.forces = self._idle = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
         """Results of the last evaluation."""
 
     def add_forces(self, state: State, pose: Pose) -> FrictionForces:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
+        if not self._points.forces.n_touching and self.forces.stored == 0.0:
+            self.forces = self._idle  # nothing presses, and no spring is held
+            return self.forces
         wrench = self._none.copy()
         found = self._call.code(
             pose, before, state.dt, self.coefficient, self._points.tables, self._held, wrench

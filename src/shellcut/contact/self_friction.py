@@ -72,6 +72,9 @@ class SelfFrictionForces(NamedTuple):
         entries["friction_dissipated"] += self.dissipated
 
 
+_IDLE = SelfFrictionForces(0.0, 0.0, 0.0, 0)
+
+
 class SelfFriction(FrictionTerm[SelfFrictionForces]):
     """Friction of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
 
@@ -101,6 +104,9 @@ class SelfFriction(FrictionTerm[SelfFrictionForces]):
         tables = self._contact.tables
         if tables is not None and self._of is not tables:
             self._take(tables, Presses.with_room(len(tables.presses.node), self._drags))
+        if tables is None or not (tables.presses.n[0] or self._drags.n[0]):
+            self.forces = _IDLE  # nothing presses, and nothing was held: the usual case
+            return self.forces
         held, before = self._contact.held, self.forces.stored
         work, stored, n_slipping = self._call.code(state.dt, self.coefficient, held, self._held)
         self.forces = SelfFrictionForces(work, stored, before - stored - work, n_slipping)

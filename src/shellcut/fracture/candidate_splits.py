@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallInts
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
@@ -252,6 +252,8 @@ class PartingTable:
         """F_c · m over what a cable would carry, sigma_F A_i; the split is due at 1."""
         self.chord = np.zeros(n)
         """Distance from where the crack would come to where it would go [mm]."""
+        self._admissible: Bools | None = None
+        self._cos_limit = 0.0
         self._held = _Held(
             force=self.force,
             direction=self.direction,
@@ -284,6 +286,16 @@ class PartingTable:
         largest = max((self.ways[k].cosine for k in ways), default=1.0)
         least = min(cos_limit, largest) - _SAME_TURN
         return [k for k in ways if self.ways[k].cosine >= least]
+
+    def nodes_due(self, cos_limit: float) -> list[int]:
+        """Return the nodes with an admissible parting whose measure has reached 1."""
+        if self._admissible is None or self._cos_limit != cos_limit:
+            self._admissible = np.zeros(len(self.ways), np.bool_)
+            for i in range(len(self.start) - 1):
+                self._admissible[self.admissible(i, cos_limit)] = True
+            self._cos_limit = cos_limit
+        due = np.flatnonzero((self.measure >= 1.0) & self._admissible)
+        return sorted({self.owner[k] for k in due.tolist()})
 
 
 def _both(ends: list[tuple[int, ...]]) -> Ints:

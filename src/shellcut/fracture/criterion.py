@@ -360,12 +360,11 @@ class SplitCriterion:
         # measure) would favour short edges.
         traction = table.pull / table.chord
         found = []
-        for i in sorted({table.owner[k] for k in np.flatnonzero(table.measure >= 1.0).tolist()}):
+        for i in table.nodes_due(self._cos_limit):
             ways = table.admissible(i, self._cos_limit)
-            if ways:
-                best = ways[int(np.argmax(traction[ways]))]
-                if table.measure[best] >= 1.0:
-                    found.append(self._split(table, best))
+            best = ways[int(np.argmax(traction[ways]))]
+            if table.measure[best] >= 1.0:
+                found.append(self._split(table, best))
         return found
 
     def _by_stress(self, state: State, nodes: list[int], tips: list[int]) -> list[Split]:
