@@ -80,6 +80,8 @@ def hills_of(last: float, offset: float, beside: Beside, held: EdgeTables) -> Hi
     if hills.known:
         return hills
     begin = hills.deepest.s
+    # Where the wedges do not say it, they save no look at the tool either.
+    beside = Beside(beside.a, beside.u, beside.side, beside.end_a, beside.end_b, 0)
     hills = _with_hill(begin, offset, no_hills(beside), beside, held)
     if last >= 0.0:
         hills = _with_hill(last, offset, hills, beside, held)

@@ -37,7 +37,7 @@ from .tool_wedge import (
     wedge_along,
 )
 
-FOLLOWED, LEAST = 0.1, 0.01
+FOLLOWED, LEAST = 0.3, 0.02
 """Largest and least way of film and tool after which all hills of an edge are looked for again,
 over the rounding radius: the least where the next highest hill is as high."""
 
