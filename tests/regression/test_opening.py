@@ -54,13 +54,15 @@ def test_quick(tmp_path):
     # Regression, within the 4.5 degrees between two nodes: 27.4 and 63.1.
     assert summary["window_from_deg"] == pytest.approx(27.4, abs=4.5)
     assert summary["window_to_deg"] == pytest.approx(63.1, abs=4.5)
-    # Regression: 145.5 on this coarse ring (0.82 mm nodes), 143.5 on M1.
-    assert summary["torque_plateau_Nmm"] == pytest.approx(144.5, rel=0.02)
+    # Regression: 141.3 on this coarse ring (0.82 mm nodes).
+    assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
+    # Discretisation: edges of the film press as soon as they are looked at; measured 0.030 mm.
+    assert summary["unfelt_film_edge_mm"] < 0.5 * 0.074
 
 
 def test_quick_in_single_precision(tmp_path):
     summary = check_opening("quick", tmp_path, precision="single")
-    assert summary["torque_plateau_Nmm"] == pytest.approx(144.5, rel=0.02)
+    assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
 
 
 def short_run(tmp_path, angle, *, teeth=4, pitch=12.0, faster=1.0):
@@ -79,16 +81,17 @@ def test_six_teeth_are_steady_until_their_cuts_come_near_each_other(tmp_path):
     assert 0.0 < tips < 1.2
     assert summary["window_to_deg"] < 46.0
     theory = steady_work_per_radian(n_teeth=6)
-    # Closed form; measured 0.997 over two spacings of the nodes.
-    assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.02)
-    # Regression: 212.7, of two spacings of 0.82 mm; 214.5 on M1.
+    # Closed form. Discretisation: the window is 1.8 spacings of the nodes, in each of which two
+    # cables break at once; measured 1.027, on M1 0.9999.
+    assert summary["dWcoh_dtheta_Nmm"] == pytest.approx(theory, rel=0.035)
+    # Regression: 213.2, of two spacings of 0.82 mm.
     assert summary["torque_plateau_Nmm"] == pytest.approx(213.5, rel=0.03)
 
 
 def test_twelve_teeth_are_steady_nowhere(tmp_path):
     # Twice as fast: the cuts, 30 degrees long, have met by then at any speed.
     summary, _ = short_run(tmp_path, 37.0, teeth=12, faster=2.0)
-    assert "to go to the next cut" in summary["no_window"]
+    assert "cutting edge 1" in summary["no_window"]
     assert not {"torque_plateau_Nmm", "dWcoh_dtheta_Nmm", "window_from_deg"} & summary.keys()
 
 

@@ -24,7 +24,18 @@ def bar(side=0.6, length=3.0):
     return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
 
 
-def pushed(contact=ON, at=0.3, direction=(1.0, 0.0, 0.0), **options):
+def round_bar(radius=1.0, length=3.0, n=60):
+    """A bar of n facets along z, one edge of which is at the origin; it lies in x < 0."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    section = radius * np.column_stack([np.cos(angle) - 1.0, np.sin(angle)])
+    ends = [np.column_stack([section, np.full(n, z)]) for z in (-0.5 * length, 0.5 * length)]
+    sides = [t for i in range(n) for j in [(i + 1) % n] for t in ((i, j, i + n), (j, j + n, i + n))]
+    caps = [(0, i + 1, i) for i in range(1, n - 1)]
+    caps += [(n, n + i, n + i + 1) for i in range(1, n - 1)]
+    return Tool.from_triangles(np.vstack(ends), sides + caps, edges=np.zeros((0, 2), int))
+
+
+def pushed(contact=ON, at=0.3, direction=(1.0, 0.0, 0.0), tool=None, **options):
     """A film of 1 mm quads, clamped on the right, and a bar that comes at its left rim."""
     mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
     left, right = mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max()
@@ -32,7 +43,7 @@ def pushed(contact=ON, at=0.3, direction=(1.0, 0.0, 0.0), **options):
         mesh,
         ShellMaterial.homogeneous(),
         supports=[Support.clamped(np.flatnonzero(np.isclose(mesh.nodes[:, 0], right)))],
-        tool=bar().translated((left - GAP, at, 0.0)),
+        tool=(tool or bar()).translated((left - GAP, at, 0.0)),
         motion=StraightMotion(direction, speed=2000.0, ramp=2e-5),
         contact=contact,
         **options,

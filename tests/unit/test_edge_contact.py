@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from film_and_bar import ON, bar, pushed
+from film_and_bar import ON, bar, pushed, round_bar
 from free_strip import cut_strip
 from naive.contact import smoothed
 from naive.edge_contact import deepest_on_edge, depth_at, press_of_edge, smoothed_integral
@@ -355,6 +355,22 @@ def test_a_rim_pushed_between_nodes_is_felt():
     assert deepest[True] < 0.5 * sim.material.thickness
 
 
+def test_a_round_bar_of_flat_facets_is_felt_between_nodes():
+    # Its edges turn by 6 deg only, but a chord of 1 mm may lie 0.125 mm deep in it.
+    unfelt = {}
+    for on in (False, True):
+        sim = pushed(Contact(film_edges=on), at=0.5, tool=round_bar())
+        measured = UnfeltPenetration(sim)
+        unfelt[on] = 0.0
+        while sim.motion.coordinate(sim.state.time) < 0.12:
+            sim.step()
+            if sim.state.step % 20 == 0:
+                unfelt[on] = max(unfelt[on], measured.now().film_edges)
+    assert unfelt[False] > 0.09
+    assert unfelt[True] < 0.1 * sim.material.thickness
+    assert abs(sim.close_ledger().imbalance) < 1e-5 * sim.ledger.tool_work
+
+
 def test_waiting_misses_nothing():
     waits, looks = pushed(), pushed()
     waited = 0
@@ -434,7 +450,7 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
 
 
 def test_off_there_is_no_term():
-    sim = pushed(Contact())
+    sim = pushed(Contact(film_edges=False))
     assert [t.name for t in sim.tool_terms] == ["contact", "points", "joints"]
 
 

@@ -381,9 +381,9 @@ def test_every_parameter_has_a_key_with_its_default(kind):
         default = kind.__dataclass_fields__[name].default
         wanted = parameters[parameter].default
         # The blade of the guillotine is made by the guillotine, a rectangle by its size or not, and
-        # the tears have their own films and laws.
+        # the tears have their own films and laws, the opening test and the bar their own contact.
         own = ("StripBlade", "Strip", "TornFilm", "TornLaw", "BrittleFilm", "BrittleLaw")
-        own += ("SoftContact",)
+        own += ("SoftContact", "OpeningContact")
         if kind.__name__ in own or wanted is inspect.Parameter.empty:
             continue
         assert default == wanted, name

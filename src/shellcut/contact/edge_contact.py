@@ -22,10 +22,11 @@ slope zero. The potential goes to zero as the tool's edge slides along the film'
 ends, where the node takes over, and as the film's edge turns until it lies on a face, on which D is
 linear and Phi convex.
 
-*Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that turn
-by more than 10 deg and do not cut; both are listed whenever the contact of the nodes lists those
-near. A pair is looked at again when film and tool may have come so near that they touch, and the
-step when they have walked a quarter of an edge.
+*Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that do
+not cut and turn by more than 10 deg, or less where a chord of the film's length may lie an eighth
+of the film's thickness deep under them, as on a round bar of facets; both are listed whenever the
+contact of the nodes lists those near. A pair is looked at again when film and tool may have come so
+near that they touch, and the step when they have walked a quarter of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have, and keeps it while it is deeper
 than its chord. Where they have different ones, or it is closer to the other side than to its own,
@@ -76,15 +77,19 @@ class EdgeContact:
     ----------
     contact : PenaltyContact
         Of the nodes, evaluated before this in every step.
+    edge_length : float
+        Of a typical quad [mm].
     part_of : Callable
         Returns the polygon of a row that is cut.
     """
 
-    def __init__(self, contact: PenaltyContact, part_of: Callable[[int], Part]) -> None:
+    def __init__(
+        self, contact: PenaltyContact, edge_length: float, part_of: Callable[[int], Part]
+    ) -> None:
         self.name = "edges"
         self._contact = contact
         tool = contact.tool
-        self._edges = ToolEdges.of(tool, contact.law.rounding)
+        self._edges = ToolEdges.of(tool, contact.law.rounding, edge_length)
         self._radius = float(np.linalg.norm(tool.vertices, axis=1).max())
         self._around = ConvexNeighbours.of(tool)
         self._outline = FilmOutline(part_of)
@@ -135,14 +140,13 @@ class EdgeContact:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
         return {"contact_stored": self.forces.stored}
 
-    @property
-    def largest_unfelt(self) -> float:
-        """Largest depth beyond the chord that does not press, at the last evaluation [mm]."""
+    def pressing(self) -> tuple[Ints, Floats]:
+        """Return the ends of the edges that press, (n, 2), and the depth that does not [mm]."""
         if self.tables is None:
-            return 0.0
+            return np.zeros((0, 2), np.int64), np.zeros(0)
         memory = self.tables.memory
-        unfelt = np.where(memory.stored > 0.0, memory.offset, memory.depth)
-        return float(unfelt.max(initial=0.0))
+        presses = memory.stored > 0.0
+        return self.tables.pairs.node[presses], memory.offset[presses]
 
     def saved(self) -> dict[str, Any]:
         """Return the list, what is kept of its edges, and the last forces."""

@@ -21,6 +21,25 @@ from .settings import PenaltyLaw
 _DEEPEST = 4.0
 
 
+# Likewise: flat edges between facets count where a chord of the film may lie so deep under them.
+_NOTICED = 0.25
+
+
+def _depth_of_chords(surface: Surface, length: float) -> Floats:
+    """Return how deep chords of a length may lie under each edge of a surface, (n_edge,) [mm].
+
+    Under one edge that turns by theta, length theta / 4; under facets of the width w, which turn by
+    theta from one to the next, length² theta / (8 w).
+    """
+    along = surface.vertices[surface.hi] - surface.vertices[surface.lo]
+    corners = surface.vertices[surface.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    twice_area = np.linalg.norm(normal, axis=1)
+    both = twice_area[surface.forward] + twice_area[surface.backward]
+    width = 0.5 * both / np.linalg.norm(along, axis=1)
+    return np.asarray(0.25 * length * surface.turn * np.minimum(1.0, 0.5 * length / width))
+
+
 class ToolEdges(NamedTuple):
     """Convex edges of the tool that do not cut, in its body frame."""
 
@@ -44,10 +63,15 @@ class ToolEdges(NamedTuple):
     """Tooth."""
 
     @classmethod
-    def of(cls, tool: Tool, rounding: float) -> ToolEdges:
-        """Return the edges of a tool whose convex edges are rounded by a radius [mm]."""
+    def of(cls, tool: Tool, rounding: float, film_edge: float) -> ToolEdges:
+        """Return the edges of a tool whose convex edges are rounded by a radius [mm].
+
+        film_edge : length of a typical edge of the film [mm].
+        """
         surface = Surface(tool.vertices, tool.triangles)
-        rows = np.flatnonzero((surface.turn > LEAST_TURN) & ~is_cutting(tool, surface))
+        felt = surface.turn > LEAST_TURN
+        felt |= _depth_of_chords(surface, film_edge) > _NOTICED * rounding
+        rows = np.flatnonzero(felt & ~is_cutting(tool, surface))
         one, two = surface.forward[rows], surface.backward[rows]
         start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
         normal = np.stack([surface.normals[one], surface.normals[two]], axis=1)

@@ -2,7 +2,8 @@
 
 A rim or a flank whose nodes lie beside a tooth may cross it between them. Contact of the nodes does
 not feel that, :mod:`.edge_contact` does if it is switched on. It is measured during a run, with or
-without, as what an edge is deeper than the chord of its ends (:mod:`.deepest_on_edge`).
+without, as what an edge is deeper than the chord of its ends (:mod:`.deepest_on_edge`); of an edge
+that presses, the part of it that does not.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class FlankPenetration:
     ) -> None:
         self._contact, self._edges = contact, edges
         self._outline = FilmOutline(part_of)
-        self._around = None if edges else ConvexNeighbours.of(contact.tool)
+        self._around = ConvexNeighbours.of(contact.tool)
         self._deepest = BoundOnce(_deepest_beside_chords)
 
     def largest(self, state: State, pose: Pose) -> float:
@@ -56,15 +57,18 @@ class FlankPenetration:
         Edges that the blade goes through are left out: those with ends on both sides of it, or
         deeper below their own side than half of the tool's thickness.
         """
-        if self._edges is not None:
-            return self._edges.largest_unfelt
-        contact = self._contact
+        contact, unfelt = self._contact, 0.0
         near = contact.near.ids
         ends = open_edges(state, self._outline.of(state), rows_at(state, near))
+        if self._edges is not None:
+            pressing, offset = self._edges.pressing()
+            unfelt = float(offset.max(initial=0.0))
+            count = state.node.count
+            ends = ends[~np.isin(ends @ (count, 1), pressing @ (count, 1))]
         sides, depths = state.node.contact_side[ends], state.node.contact_depth[ends]
         one_side = sides[:, 0] * sides[:, 1] >= 0
         side = np.where(sides[:, 0] != 0, sides[:, 0], sides[:, 1]).astype(np.int64)
-        return float(
+        found = float(
             self._deepest(
                 ends[one_side],
                 side[one_side],
@@ -77,6 +81,7 @@ class FlankPenetration:
                 contact.law.tool_half_thickness,
             )
         )
+        return max(unfelt, found)
 
 
 @kernel

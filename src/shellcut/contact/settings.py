@@ -104,7 +104,8 @@ class Contact:
         :mod:`shellcut.contact.point_contact`.
     film_edges : bool
         Whether rims and flanks of the film touch edges of the tool between their nodes, see
-        :mod:`shellcut.contact.edge_contact`.
+        :mod:`shellcut.contact.edge_contact`. The opening test has it on. Where it is off, how deep
+        they go in is measured, and the verdict of a run says so.
 
     Examples
     --------

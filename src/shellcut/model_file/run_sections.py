@@ -109,6 +109,15 @@ class ContactSection(Section):
     self_friction: float = key(number(), "Coulomb coefficient of film and film; 0 for none")
 
 
+@section("contact", of=Contact)
+class OpeningContact(ContactSection):
+    """Penalty contact with the tool, and of the film with itself."""
+
+    film_edges: bool = key(
+        flag, "whether rims and flanks touch the tool's edges between nodes", default=True
+    )
+
+
 @section("fracture", of=Fracture)
 class FractureSection(Section):
     """How cracks start and run."""

@@ -38,6 +38,7 @@ from .run_sections import (
     FractureSection,
     GravityLoad,
     MomentLoad,
+    OpeningContact,
     Output,
     PressureLoad,
     SupportSection,
@@ -67,14 +68,16 @@ from .trouser_sections import (
 Kinds = tuple[type[Section], ...]
 
 
-def _sections(membrane: Kinds, tool: Kinds, motion: Kinds) -> dict[str, Kinds]:
+def _sections(
+    membrane: Kinds, tool: Kinds, motion: Kinds, contact: Kinds = (ContactSection,)
+) -> dict[str, Kinds]:
     return {
         "membrane": membrane,
         "material": (Homogeneous, Laminate),
         "cohesive": (Cohesive,),
         "tool": tool,
         "motion": motion,
-        "contact": (ContactSection,),
+        "contact": contact,
         "fracture": (FractureSection,),
         "time": (Time,),
         "damping": (Damping,),
@@ -87,6 +90,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (OpeningDisc, FilmFile, Outline, DrawnFilm),
         (Teeth, ToolFile),
         (OpeningScrew,),
+        (OpeningContact,),
     ),
     "guillotine": _sections(
         (Strip, StripFile),

@@ -18,6 +18,7 @@ import math
 from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.contact.settings import Contact
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -60,6 +61,8 @@ def opening_test(
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``.
         Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
         path, as in the package's discs under the default teeth, and go through quads elsewhere.
+        The default ``contact`` is ``Contact(film_edges=True)``: flanks of the cuts cross the
+        teeth's bottom edges between their nodes.
 
     Returns
     -------
@@ -89,6 +92,7 @@ def opening_test(
         law=law,
         fracture=options.pop("fracture", None),
     )
+    options.setdefault("contact", Contact(film_edges=True))
     simulation = Simulation(
         way.mesh,
         section,

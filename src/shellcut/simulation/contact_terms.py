@@ -59,7 +59,7 @@ def contact_terms(
         if settings.friction > 0.0:
             terms.append(PointFriction(points, settings.friction))
     if settings.film_edges:
-        edges = EdgeContact(contact, part_of)
+        edges = EdgeContact(contact, edge_length, part_of)
         terms.append(edges)
         if settings.friction > 0.0:
             terms.append(EdgeFriction(edges, settings.friction))
