@@ -56,7 +56,7 @@ def test_quick(tmp_path):
     assert summary["window_to_deg"] == pytest.approx(63.1, abs=4.5)
     # Regression: 141.3 on this coarse ring (0.82 mm nodes).
     assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
-    # Discretisation: edges of the film press as soon as they are looked at; measured 0.030 mm.
+    # What goes in between nodes is felt; measured 0.030 mm.
     assert summary["unfelt_film_edge_mm"] < 0.5 * 0.074
 
 
