@@ -1,10 +1,11 @@
-"""What contact costs: the opening test with its parts switched on, step by step in turns.
+"""What contact costs: the opening test with its parts switched on, run by run in turns.
 
     python tests/benchmarks/contact_cost.py --mesh M1 [--before CHECKOUT]
 
 Each configuration runs in a process of its own; all take turns of ``ROUND`` steps on one core, so
-that a machine whose speed drifts slows all alike. With ``--before`` the default configuration of
-another checkout of the library is one of them, and the one that the others are compared with.
+that a machine whose speed drifts slows all alike. With ``--before`` the default contact of another
+checkout of the library is one of them, and the one that the others are compared with. The default
+of the opening test is *and film edges*.
 Prints for each the median of the ratios of its rounds to those of the first, the ratio of the sums,
 and how many steps it took. Sums leave out rounds in which a process took ``PAUSE`` times as long as
 usual: it compiled a kernel, or something else had the core.
@@ -33,9 +34,9 @@ ANGLE = 95.0  # degrees
 OFF = {"tool_points": False}
 ALL: dict[str, Any] = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
 CONFIGURATIONS: dict[str, dict[str, Any]] = {
-    "faces only": OFF,
-    "default": {},
-    "film edges": {"film_edges": True},
+    "faces": OFF,
+    "faces, points": {},
+    "and film edges": {"film_edges": True},
     "all but film edges": ALL | {"film_edges": False},
     "all": ALL | {"film_edges": True},
 }
