@@ -25,7 +25,7 @@ QUICK = {
         "--pitches",
         "12,20",
         "--angle",
-        "40",
+        "45",
         "--jobs=1",
     ],
     "shape_of_the_law": ["--angle", "40", "--laws", "2"],

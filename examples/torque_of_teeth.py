@@ -74,6 +74,8 @@ def main() -> None:
         values = {**found.plan.settings, **run.values}
         inclination = float(values["tool.edge_inclination_deg"])
         pitch = float(values["motion.pitch"])
+        if "torque_plateau_Nmm" not in figures:
+            raise SystemExit(f"run {run.number} is never steady: turn farther, with --angle")
         torque = float(figures["torque_plateau_Nmm"])
         rows.append((inclination, pitch, torque))
         print(f"{inclination:17g}{pitch:12g}{torque:15.1f}{theory(inclination, pitch):15.1f}")
