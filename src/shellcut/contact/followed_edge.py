@@ -97,7 +97,8 @@ def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
     memory.level[i, 1] = wedge.depth_two + dot(wedge.two, beside.a)
     memory.reach[i] = FOLLOWED * tables.law.rounding
     if hills.second > 0.0:
-        # A way w of film and tool changes a depth beside the chord by up to 2 w.
+        # A way w changes a depth beside the chord by up to 2 w; that both hills change so, against
+        # each other, is left to LEAST and to the next look.
         until = 0.5 * (hills.press.stored - hills.second) / hills.press.pressure
         memory.reach[i] = min(memory.reach[i], max(until, LEAST * tables.law.rounding))
 
