@@ -13,7 +13,7 @@ from notched_strip import cutting
 from shellcut.contact.captured_edges import place_at
 from shellcut.contact.film_edges import open_edges
 from shellcut.contact.film_outline import FilmOutline
-from shellcut.contact.followed_edge import NO_HILL
+from shellcut.contact.followed_edge import FOLLOWED, LEAST, NO_HILL
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
@@ -150,22 +150,23 @@ def edges_over_faces(rng, edges, n):
 # energy: over faces up to a twentieth of it, or of k g_m². Before wedges that say nothing were
 # noticed, one of these edges did not press at all.
 @pytest.mark.parametrize(
-    ("laid", "hidden"), [(edges_across_facets, 1e-9), (edges_over_faces, 0.05)]
+    ("laid", "hidden", "least"), [(edges_across_facets, 1e-9, 1.0), (edges_over_faces, 0.05, 0.5)]
 )
-def test_beside_facets_the_press_is_the_largest_of_the_whole_tool(laid, hidden):
+def test_beside_facets_the_press_is_the_largest_of_the_whole_tool(laid, hidden, least):
     rng = np.random.default_rng(3)
     tooth = tooth_ring(n_teeth=1)
     sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])), tooth)
     t, far = term(sim), np.array([50.0, 0.0, 0.0])
     evaluated(sim)
     g_m, area = sim.contact.law.smoothing_depth, sim.state.node.contact_area[0]
-    pressed, missed = 0, []
+    pressed, missed, reach = 0, [], []
     for a, b, outward in laid(rng, t._edges, 120):
         away = 5.0 * outward - far  # the other nodes of the quad are far from the tool
         place(sim, np.array([a - far, b - far, b + away, a + away]))
         evaluated(sim)
         itself = (np.sort(t.tables.pairs.node) == np.sort(sim.corners[:2])).all(axis=1)
         stored = float(t.tables.memory.stored[itself].sum())
+        reach += t.tables.memory.reach[t.tables.memory.stored > 0.0].tolist()
         depth = [
             place_at(tuple(a + s * (b - a)), 0, t.tables).depth for s in np.linspace(0.0, 1.0, 801)
         ]
@@ -178,6 +179,10 @@ def test_beside_facets_the_press_is_the_largest_of_the_whole_tool(laid, hidden):
     # Places 0.5 to 1 µm apart miss the top, 50 µm deep, by up to a hundredth of the energy.
     assert min(missed) > -hidden
     assert max(missed) < 1e-2
+    # It is followed for less where the next highest hill is close: over faces it sometimes is.
+    over = np.array(reach) / sim.contact.law.rounding
+    assert LEAST <= over.min() <= least * FOLLOWED
+    assert over.max() == pytest.approx(FOLLOWED)
 
 
 def test_forces_are_minus_the_gradient_on_film_and_tool():
