@@ -126,7 +126,7 @@ def hill_around(
             hi, at_hi = s, here
         else:
             lo, at_lo = s, here
-        if hi - lo <= _NEAR:
+        if hi - lo <= _NEAR or _falls_from_end(lo, hi, at_lo, at_hi, slope_lo, slope_hi):
             break
         uphill = uphill and here.inside and slope * step > 0.0 and lo < s + step < hi
         if uphill:
@@ -152,6 +152,19 @@ def hill_around(
     if g <= 0.0 or not best.inside:
         return none
     return Deepest(g, s, best)
+
+
+@inline
+def _falls_from_end(
+    lo: float, hi: float, at_lo: Place, at_hi: Place, slope_lo: float, slope_hi: float
+) -> bool:
+    """Return whether a concave depth that is largest between lo and hi is so at an end of the edge.
+
+    Beside a hollow flank it may rise again: other places are asked for that.
+    """
+    at_a = lo == 0.0 and at_lo.inside and slope_lo <= 0.0 and at_hi.inside
+    at_b = hi == 1.0 and at_hi.inside and slope_hi >= 0.0 and at_lo.inside
+    return at_a or at_b
 
 
 @inline

@@ -30,6 +30,9 @@ def stiffer_by(coefficient: float) -> float:
 
 
 class _Pressing(Protocol):
+    @property
+    def n_search(self) -> int: ...
+
     def stiffness(self, state: State) -> tuple[Ints, Floats]: ...
 
 
@@ -61,8 +64,8 @@ class FrictionTerm(Generic[_Forces]):
 
     @property
     def n_search(self) -> int:
-        """None of its own: it acts where the other term does."""
-        return 0
+        """Searches of the other term: this one acts where that does."""
+        return self._pressing.n_search
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""

@@ -66,8 +66,6 @@ class FilmTerms:
 
     def __init__(self, terms: Sequence[FilmTerm]) -> None:
         self._terms = tuple(terms)
-        self.n_search = 0
-        """How often they have searched for what they may hold."""
 
     def __iter__(self) -> Iterator[FilmTerm]:
         return iter(self._terms)
@@ -75,9 +73,7 @@ class FilmTerms:
     def add_forces(self, state: State, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
         for term in self._terms:
-            before = term.n_search
             term.add_forces(state).add_works(vars(ledger))
-            self.n_search += term.n_search - before
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names."""
@@ -87,7 +83,6 @@ class FilmTerms:
         """Take over :meth:`saved`; ``state`` is restored already."""
         for term in self._terms:
             term.restore(state, saved[term.name])
-        self.n_search = sum(term.n_search for term in self._terms)
 
 
 class _Stores(Protocol):

@@ -19,9 +19,9 @@ On squares the bound omega_e is some 12 % above the exact frequency of the assem
 omega_e is a bound that grows with the change of shape since a quad was last evaluated
 (:mod:`shellcut.mitc4.frequency`). At intervals the bounds of all quads are brought up to date, and
 the quads that limit the step are evaluated: worst first, until no other could shorten it by more
-than 1 %. What contact and cables hold is looked at again in the same way at a split, and when the
+than 1 %. What contact and cables hold is looked at again in the same way at a split, and when a
 contact has searched for what is near the tool: a tool that moves far between two evaluations comes
-to nodes that were not near at the last one.
+to nodes that were not near at the last one. Terms that have not searched hold what they held.
 """
 
 from __future__ import annotations
@@ -40,14 +40,16 @@ from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State
 
-from .film_terms import FilmTerms
+from .film_terms import FilmTerm
 from .tool_terms import ToolTerm
 
 # Quads are evaluated until the bounds of the others shorten the step by no more than this factor.
 _TIGHT = 0.99
 
-# A longer step is taken only when the bound has grown by this factor: dt changes seldom.
-_HYSTERESIS = 1.08
+# A longer step is taken as soon as the bound has grown by the first factor, and by the second only
+# if it has been so long at every look of a whole interval: dt changes seldom, and does not stay
+# short for the rest of a run after one moment in which it had to be.
+_AT_ONCE, _AFTER_ALL = 1.08, 1.01
 
 # Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
 # its relative error is 2 eps xi², 4e-8 at this.
@@ -99,18 +101,20 @@ class StableStep:
         self,
         stepping: Stepping,
         shell: MITC4Shell,
-        tool_terms: Sequence[ToolTerm],
-        film_terms: FilmTerms | None = None,
+        terms: Sequence[ToolTerm | FilmTerm],
     ) -> None:
         self.stepping = stepping
-        self._shell, self._film_terms = shell, film_terms or FilmTerms(())
-        self._tool_terms = tuple(tool_terms)
+        self._shell = shell
+        self._terms = tuple(terms)
         self._stiffest_nodes = BoundOnce(stiffest_nodes)
-        self._n_search = 0
+        # How often each term had searched at the last look, and what it held then.
+        self._searched = [0 for _ in self._terms]
+        self._held = [(np.zeros(0, np.int64), np.zeros(0)) for _ in self._terms]
         self._next = 0
         self._topology = KnownTopology()
         self._dt = 0.0
-        self._free = math.inf
+        # Bound of the quads alone at the last look at all, and the least safe step since then.
+        self._free, self._least = math.inf, math.inf
         # Quads evaluated since the last look at all.
         self._known = np.zeros(shell.frequencies.squared.size, np.bool_)
 
@@ -119,16 +123,20 @@ class StableStep:
         if self.stepping.fixed is not None:
             return self.stepping.fixed
         due = state.step >= self._next
-        searched = self._film_terms.n_search + sum(term.n_search for term in self._tool_terms)
-        if due or searched != self._n_search or not self._topology.is_of(state):
-            self._n_search = searched
-            self._topology.take(state)
-            copies = state.n_quad - self._known.size
-            self._known = np.append(self._known, np.zeros(copies, np.bool_))
-            safe = self.stepping.safety * (self._look_at_all if due else self._look_at_held)(state)
-            if safe < self._dt or safe > _HYSTERESIS * self._dt:
-                self._dt = safe
+        searched = [term.n_search for term in self._terms]
+        if due or searched != self._searched or not self._topology.is_of(state):
+            bound = self._look_at_all(state) if due else self._look_at_held(state)
+            self._take(self.stepping.safety * bound, due)
         return self._dt
+
+    def _take(self, safe: float, due: bool) -> None:
+        """Choose the step after a look, at all quads when that was due."""
+        longest = min(safe, self._least) if due else safe
+        if safe < self._dt:
+            self._dt = safe
+        elif longest > (_AFTER_ALL if due else _AT_ONCE) * self._dt:
+            self._dt = longest
+        self._least = safe if due else min(safe, self._least)
 
     def check(self, dt: float) -> None:
         """Refuse a step that is no time, and damping by which none can be told.
@@ -171,7 +179,7 @@ class StableStep:
         """Return the safe step without the safety factor [s]; nothing of this look is kept."""
         frequencies = self._shell.frequencies
         before = copy.deepcopy(frequencies.saved())
-        whole = StableStep(Stepping(safety=1.0), self._shell, self._tool_terms, self._film_terms)
+        whole = StableStep(Stepping(safety=1.0), self._shell, self._terms)
         safe = whole.next(state)
         frequencies.restore(before)
         return safe
@@ -179,7 +187,7 @@ class StableStep:
     def forget(self) -> None:
         """Look afresh at the next call: the state has been moved from outside."""
         self._next = 0
-        self._dt = 0.0
+        self._dt, self._least = 0.0, math.inf
 
     def saved(self) -> dict[str, Any]:
         """Return when it looked last and what it found; the frequencies are the shell's."""
@@ -188,21 +196,28 @@ class StableStep:
             "revision": self._topology.revision,
             "dt": self._dt,
             "free": self._free,
+            "least": self._least,
             "known": self._known,
-            "n_search": self._n_search,
+            "searched": np.array(self._searched, np.int64),
+            "held": {
+                term.name: {"node": node, "stiffness": stiffness}
+                for term, (node, stiffness) in zip(self._terms, self._held, strict=True)
+            },
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._next = saved["next"]
         self._topology.restore(saved["revision"])
-        self._dt, self._free = saved["dt"], saved["free"]
-        self._known, self._n_search = saved["known"].copy(), saved["n_search"]
+        self._dt, self._free, self._least = saved["dt"], saved["free"], saved["least"]
+        self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
+        held = [saved["held"][term.name] for term in self._terms]
+        self._held = [(rows["node"], rows["stiffness"]) for rows in held]
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
         every = np.arange(self._shell.frequencies.squared.size)
-        held, omega_c2 = self._held_quads(state)
+        held, omega_c2 = self._held_quads(state, [term.stiffness(state) for term in self._terms])
         free = self._steps(every, np.zeros(every.size)).min()
         return float(min(free, self._steps(held, omega_c2).min(initial=np.inf)))
 
@@ -210,9 +225,9 @@ class StableStep:
         n, frequencies = state.node, self._shell.frequencies
         self._next = state.step + self.stepping.evaluate_every
         frequencies.follow(n.x, n.t, state.quads)
-        self._known[:] = False
-        omega_c2 = np.zeros(self._known.size)
-        held, of_held = self._held_quads(state)
+        self._known = np.zeros(state.n_quad, np.bool_)
+        omega_c2 = np.zeros(state.n_quad)
+        held, of_held = self._held_quads(state, self._ask(state, again=True))
         omega_c2[held] = of_held
         every = np.arange(omega_c2.size)
         bound = self._settle(state, every, omega_c2)
@@ -220,7 +235,23 @@ class StableStep:
         return bound
 
     def _look_at_held(self, state: State) -> float:
-        return min(self._free, self._settle(state, *self._held_quads(state)))
+        copies = state.n_quad - self._known.size
+        self._known = np.append(self._known, np.zeros(copies, np.bool_))
+        held = self._ask(state, again=not self._topology.is_of(state))
+        return min(self._free, self._settle(state, *self._held_quads(state, held)))
+
+    def _ask(self, state: State, *, again: bool) -> list[tuple[Ints, Floats]]:
+        """Return what each term holds: those that have searched are asked, or all again."""
+        searched = [term.n_search for term in self._terms]
+        if again:
+            self._held = [term.stiffness(state) for term in self._terms]
+        else:
+            for k, term in enumerate(self._terms):
+                if searched[k] != self._searched[k]:
+                    self._held[k] = term.stiffness(state)
+        self._searched = searched
+        self._topology.take(state)
+        return self._held
 
     def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
         """Return the safe step of some quads [s], those that limit it being evaluated."""
@@ -243,12 +274,14 @@ class StableStep:
         total = frequencies.squared[quads] + omega_c2
         return np.asarray((np.sqrt(damped**2 + 4.0 * total) - damped) / total)
 
-    def _held_quads(self, state: State) -> tuple[Ints, Floats]:
-        """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²]."""
+    def _held_quads(
+        self, state: State, held: Sequence[tuple[Ints, Floats]]
+    ) -> tuple[Ints, Floats]:
+        """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²].
+
+        held : nodes that each term holds, and its stiffness on them.
+        """
         n = state.node
-        # The last term first: the order of a sum is part of the result.
-        held = [term.stiffness(state) for term in reversed(self._tool_terms)]
-        held += [term.stiffness(state) for term in self._film_terms]
         nodes = np.concatenate([ids for ids, _ in held])
         stiffness = np.concatenate([of_nodes for _, of_nodes in held])
         if state.flank.count:

@@ -90,6 +90,7 @@ class ClosestTriangleGrid:
                 TriangleSurface(
                     corners=np.zeros((0, 3, 3)),
                     flank=np.zeros(0, np.int8),
+                    planes=np.zeros((0, 4, 4)),
                     pseudo_normals=np.zeros((0, 7, 3)),
                 ),
             )
@@ -143,6 +144,7 @@ class ClosestTriangleGrid:
         surface = TriangleSurface(
             corners=tool.vertices[tool.triangles],
             flank=tool.flank,
+            planes=_planes(tool),
             pseudo_normals=_pseudo_normals(tool),
         )
         lists = _fill(cells, surface, float(reach))
@@ -250,7 +252,7 @@ def _separations(
     the signed distance of the point from the surface (negative inside) times the length of the
     pseudo-normal.
     """
-    corners, flank, pseudo_normals = surface
+    corners, flank, pseudo_normals = surface.corners, surface.flank, surface.pseudo_normals
     least = least_plus = least_minus = np.inf
     height = 0.0
     for m in range(candidates.size):
@@ -350,6 +352,19 @@ def _fill(finest: GridCells, surface: TriangleSurface, reach: float) -> CellList
 
 def _cells(extent: Floats, size: float) -> Cells3:
     return ceil(extent[0] / size), ceil(extent[1] / size), ceil(extent[2] / size)
+
+
+def _planes(tool: Tool) -> Floats:
+    # (n_triangle, 4, 4): see TriangleSurface.
+    corners = tool.vertices[tool.triangles]
+    along = np.roll(corners, -1, axis=1) - corners
+    inward = np.cross(tool.triangle_normals[:, None], along)
+    inward /= np.linalg.norm(inward, axis=2, keepdims=True)
+    planes = np.empty((tool.n_triangle, 4, 4))
+    planes[:, 0, :3], planes[:, 1:, :3] = tool.triangle_normals, inward
+    planes[:, 0, 3] = (tool.triangle_normals * corners[:, 0]).sum(axis=1)
+    planes[:, 1:, 3] = (inward * corners).sum(axis=2)
+    return planes
 
 
 def _pseudo_normals(tool: Tool) -> Floats:

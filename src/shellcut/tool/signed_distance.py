@@ -61,6 +61,9 @@ class TriangleSurface(NamedTuple):
     """Corners [mm]."""
     flank: Annotated[SmallInts, "(n_triangle,)"]
     """The tool's flank labels."""
+    planes: Annotated[Floats, "(n_triangle, 4, 4)"]
+    """Unit normals of four planes and their level n · x [mm]: that of the triangle, and upright on it
+    those of its edges ab, bc, ca, which face its interior."""
     pseudo_normals: Annotated[Floats, "(n_triangle, 7, 3)"]
     """Normals of each triangle's features, of any length."""
 
@@ -107,6 +110,35 @@ def closest_on_triangle(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, int]:
 
 
 @inline
+def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
+    """Return the height of p over the plane of a triangle, and how far it is inside its edges [mm].
+
+    No point of the triangle is closer than by the height and, where p is outside, that way.
+    """
+    height = _above(p, t, 0, planes)
+    within = min(_above(p, t, 1, planes), _above(p, t, 2, planes), _above(p, t, 3, planes))
+    return height, within
+
+
+@inline
+def _above(p: Vec3, t: int, k: int, planes: Floats) -> float:
+    n = planes[t, k, 0], planes[t, k, 1], planes[t, k, 2]
+    return dot(n, p) - float(planes[t, k, 3])
+
+
+@inline
+def _foot(
+    p: Vec3, height: float, within: float, t: int, surface: TriangleSurface
+) -> tuple[Vec3, int]:
+    """Return :func:`closest_on_triangle` of a triangle for a point that is :func:`_over` it so."""
+    if within > 0.0:
+        planes = surface.planes
+        n = planes[t, 0, 0], planes[t, 0, 1], planes[t, 0, 2]
+        return combine(1.0, p, -height, n), 0
+    return closest_on_triangle(p, *_corners(surface.corners, t))
+
+
+@inline
 def cell_of(p: Vec3, cells: GridCells) -> tuple[bool, int]:
     """Return whether ``p`` [mm] lies in the grid, and its cell."""
     lower, shape = cells.lower, cells.shape
@@ -139,7 +171,7 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
     """
     grid = borrowed(grid)
     cell_start, cell_triangles, cell_distance = grid.lists
-    corners, flank = grid.surface.corners, grid.surface.flank
+    surface, flank = grid.surface, grid.surface.flank
     nearest = p
     triangle = 0
     feature = 0
@@ -157,9 +189,15 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
         t = cell_triangles[k]
         if side * flank[t] < 0:
             continue
-        q, where = closest_on_triangle(p, *_corners(corners, t))
-        gap = sub(p, q)
-        squared = dot(gap, gap)
+        # Most triangles are seen to be farther from their planes alone.
+        height, within = _over(p, t, surface.planes)
+        beside = min(within, 0.0)
+        squared = height * height + beside * beside
+        q, where = p, 0
+        if squared < best:
+            q, where = _foot(p, height, within, t, surface)
+            gap = sub(p, q)
+            squared = dot(gap, gap)
         if squared < best:
             second = best
             best = squared
@@ -213,8 +251,8 @@ def signed_distance_to(
 
     whole : the closest triangle of all.  triangle : the closest of the side.
     """
-    corners, pseudo_normals = surface.corners, surface.pseudo_normals
-    nearest, i = closest_on_triangle(p, *_corners(corners, whole))
+    pseudo_normals = surface.pseudo_normals
+    nearest, i = _foot(p, *_over(p, whole, surface.planes), whole, surface)
     normal = (
         pseudo_normals[whole, i, 0],
         pseudo_normals[whole, i, 1],
@@ -222,7 +260,7 @@ def signed_distance_to(
     )
     inside = dot(sub(p, nearest), normal) < 0.0
     if triangle != whole:
-        nearest, _ = closest_on_triangle(p, *_corners(corners, triangle))
+        nearest, _ = _foot(p, *_over(p, triangle, surface.planes), triangle, surface)
     return inside, nearest
 
 
