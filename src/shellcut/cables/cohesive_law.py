@@ -190,12 +190,6 @@ class CohesiveLaw:
         largest = opening if opening_max is None else max(opening, opening_max)
         return float(traction(opening, largest, self.parameters()))
 
-    def unloading_slopes(self, opening_max: Floats) -> Floats:
-        """Return the slopes [MPa/mm] along which cables of these largest openings unload."""
-        slopes = np.empty_like(opening_max)
-        _unloading_slopes(opening_max, self.parameters(), slopes)
-        return slopes
-
     def energies(self, opening: Floats, opening_max: Floats) -> tuple[Floats, Floats]:
         """Return stored and dissipated energy per area [N/mm] of cables, arrays of one shape."""
         stored, dissipated = np.empty_like(opening), np.empty_like(opening)
@@ -265,14 +259,6 @@ def energies(opening: float, opening_max: float, law: Floats) -> tuple[float, fl
     slope = unloading_slope(peak, opening_max, law)
     stress = traction(opening, max(opening, opening_max), law)
     return 0.5 * stress * stress / slope, dissipated - 0.5 * peak * peak / slope
-
-
-@kernel
-def _unloading_slopes(opening_max: Floats, law: Floats, slopes: Floats) -> None:
-    """Write the slope of unloading of each, 0 where nothing is left to unload; shape (n,)."""
-    for c in range(opening_max.shape[0]):
-        peak = envelope(opening_max[c], law)
-        slopes[c] = unloading_slope(peak, opening_max[c], law) if peak > 0.0 else 0.0
 
 
 @kernel

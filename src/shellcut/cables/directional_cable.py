@@ -50,6 +50,7 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
+from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
 from .cohesive_law import CohesiveLaw, energies, envelope, traction
 from .joint_slip import joint_law
@@ -99,21 +100,21 @@ class CableSet:
         self.law = law
         self.directional = directional and tool is not None
         self._parameters = law.parameters()
-        self._sharpest = max(law.onset, law.short_branch)
         self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
         belt = np.pi * self._joint.friction
-        self._most_grip = float(np.tanh(0.5 * belt))
+        grip = float(np.tanh(0.5 * belt))
         if belt and self._edges.radius:
-            self._most_grip += 0.5 * belt / -float(np.expm1(-0.5 * belt)) - 1.0
+            grip += 0.5 * belt / -float(np.expm1(-0.5 * belt)) - 1.0
+        self._compliance = Compliance.of(law, grip)
         self._known = KnownTopology()
         self._pose: Pose | None = None
         self._tables: CableTables | None = None
         self._hold = Holder()
         self._call = BoundOnce(_add_cable_forces)
-        self._energies_of = BoundOnce(_energies)
+        self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
         self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0.0, 0, 0)
         """Those of the last evaluation."""
         self.n_joint_made = self.n_broken = 0
@@ -198,36 +199,18 @@ class CableSet:
 
     @property
     def n_search(self) -> int:
-        """None: cables are made by cuts only."""
-        return 0
+        """As of a term that does not search: cables turn, and pull, from step to step."""
+        return -1
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
-        """Return the nodes that cables hold and a bound of their stiffness on each [N/mm].
-
-        Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
-        sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds
-        two nodes that may move against each other: twice that on each. Friction around the edge
-        adds sigma A kappa / stick along the branches.
-        """
-        c, n = state.cable, state.cable.count
-        live = np.flatnonzero(c.status[:n] != BROKEN)
-        pull = c.traction[live] * c.area[live]
-        slope = self.law.unloading_slopes(np.maximum(c.opening_max[live], 0.0)) * c.area[live]
-        if self.law.onset == 0.0:
-            # The literal form is rigid at birth: no step is safe for its very first instant.
-            slope[~np.isfinite(slope)] = 0.0
-        ends = c.ends[live]
-        jointed = c.status[live] == JOINTED
-        reach = np.empty((live.size, 2))
-        reach[:] = (np.maximum(c.opening[live], 0.0) + self._sharpest)[:, None]
-        for side in range(2):
-            branch = np.linalg.norm(c.joint[live] - state.node.x[ends[:, side]], axis=1)
-            reach[jointed, side] = np.maximum(branch[jointed], self.law.short_branch)
-        pull *= 1.0 + self._most_grip
-        stiffness = np.maximum(pull[:, None] / reach, slope[:, None])
-        stiffness[jointed] += (pull * self._most_grip / self.law.stick)[jointed, None]
-        stiffness[~jointed] *= 2.0
-        return ends.ravel(), stiffness.ravel()
+        """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
+        c, room = state.cable, 2 * state.n_cable
+        node, stiffness = np.empty(room, np.int64), np.empty(room)
+        cables = HeldCables(**{name: getattr(c, name) for name in HeldCables._fields})
+        count = self._stiffness(
+            c.count, state.node.x, cables, self._parameters, self._compliance, node, stiffness
+        )
+        return node[:count], stiffness[:count]
 
 
 @always_inline

@@ -61,13 +61,20 @@ class Film(NamedTuple):
     n_at: Annotated[Ints, "(n_node,)"]
 
 
+class _Boxes(NamedTuple):
+    """Around the nodes of each row."""
+
+    low: Annotated[Floats, "(n_row, 3)"]
+    high: Annotated[Floats, "(n_row, 3)"]
+
+
 class CloseQuads:
     """Finds the quads close to points."""
 
     def __init__(self) -> None:
         self._sort = BoundOnce(_sort_into_cells)
         self._find = BoundOnce(_find)
-        self._mark = BoundOnce(_mark_cells)
+        self._mark, self._boxes = BoundOnce(_mark_cells), BoundOnce(_write_boxes)
         self._found: Ints = np.empty((0, 3), np.int64)
 
     def find(self, points: Ints, rings: Ints, film: Film, n_row: int, reach: float) -> Pairs:
@@ -99,15 +106,17 @@ class CloseQuads:
         n_cell = int(shape.prod())
         first, near = np.zeros(n_cell + 1, np.int64), np.zeros((2, n_cell), np.bool_)
         self._mark(points, film.x, *grid, near)
-        close = np.arange(n_row)
-        n_close, count = self._sort(film, close, reach, *grid, near, first, np.zeros(0, np.int64))
+        boxes = _Boxes(np.empty((n_row, 3)), np.empty((n_row, 3)))
+        self._boxes(film.x, film.quads, reach, boxes)
+        close, none = np.flatnonzero(~film.absent[:n_row]), np.zeros(0, np.int64)
+        n_close, count = self._sort(boxes, close, *grid, near, first, none)
         rows = np.empty(count, np.int64)
-        self._sort(film, close[:n_close], reach, *grid, near, first, rows)
+        self._sort(boxes, close[:n_close], *grid, near, first, rows)
         room = _ROOM * points.size
         while True:
             if len(self._found) < room:
                 self._found = np.empty((room, 3), np.int64)
-            n = self._find(points, rings, film, reach, *grid, first, rows, self._found)
+            n = self._find(points, rings, film, boxes, *grid, first, rows, self._found)
             if n <= len(self._found):
                 return _in_sheets(points, self._found[:n])
             room = 2 * n
@@ -130,14 +139,17 @@ def _in_sheets(points: Ints, found: Ints) -> Pairs:
     )
 
 
-@inline
-def _extent(x: Floats, quads: Ints, row: int, c: int) -> tuple[float, float]:
-    """Return the least and the largest coordinate c of a row's nodes [mm]."""
-    lowest = highest = x[quads[row, 0], c]
-    for a in range(1, 4):
-        here = x[quads[row, a], c]
-        lowest, highest = min(lowest, here), max(highest, here)
-    return lowest, highest
+@kernel
+def _write_boxes(x: Floats, quads: Ints, reach: float, boxes: _Boxes) -> None:
+    """Write the boxes around the first rows, wider by the reach [mm]."""
+    low, high = boxes
+    for row in range(low.shape[0]):
+        for c in range(3):
+            lowest = highest = x[quads[row, 0], c]
+            for a in range(1, 4):
+                here = x[quads[row, a], c]
+                lowest, highest = min(lowest, here), max(highest, here)
+            low[row, c], high[row, c] = lowest - reach, highest + reach
 
 
 @kernel
@@ -147,6 +159,8 @@ def _mark_cells(
     """Mark the cells with a point, and those next to one: near : (2, n_cell)."""
     for n in points:
         i, j, k = _cell_of(x, n, low, size, shape)
+        if near[0, (i * shape[1] + j) * shape[2] + k]:
+            continue
         near[0, (i * shape[1] + j) * shape[2] + k] = True
         for u in range(max(i - 1, 0), min(i + 2, shape[0])):
             for v in range(max(j - 1, 0), min(j + 2, shape[1])):
@@ -164,9 +178,8 @@ def _cell_of(x: Floats, n: int, low: Floats, size: float, shape: Ints) -> tuple[
 
 @kernel
 def _sort_into_cells(
-    film: Film,
+    boxes: _Boxes,
     close: Ints,
-    reach: float,
     low: Floats,
     size: float,
     shape: Ints,
@@ -180,7 +193,6 @@ def _sort_into_cells(
     (n_cell + 1,). With room for them, rows : (n,), write them there cell by cell, ascending.
     near : (2, n_cell), the cells with a point, and those next to one.
     """
-    x, quads = film.x, film.quads
     fill = rows.shape[0] > 0
     if not fill:
         first[:] = 0
@@ -188,11 +200,10 @@ def _sort_into_cells(
     place, n_close = first.copy(), 0
     for one_of in range(close.shape[0]):
         row = close[one_of]
-        outside = film.absent[row]
+        outside = False
         for c in range(3):
-            lowest, highest = _extent(x, quads, row, c)
-            one = (lowest - reach - low[c]) / size
-            two = (highest + reach - low[c]) / size
+            one = (boxes.low[row, c] - low[c]) / size
+            two = (boxes.high[row, c] - low[c]) / size
             if not (one < shape[c] and two >= 0.0):  # nor if it is not finite
                 outside = True
                 break
@@ -233,7 +244,7 @@ def _find(
     points: Ints,
     rings: Ints,
     film: Film,
-    reach: float,
+    boxes: _Boxes,
     low: Floats,
     size: float,
     shape: Ints,
@@ -277,10 +288,11 @@ def _find(
             row = rows[j]
             apart = False
             for c in range(3):
-                lowest, highest = _extent(x, quads, row, c)
-                apart = apart or x[n, c] < lowest - reach or x[n, c] > highest + reach
+                apart |= (x[n, c] < boxes.low[row, c]) | (x[n, c] > boxes.high[row, c])
+            if apart:
+                continue
             for a in range(4):
-                apart = apart or stamp[quads[row, a]] == i
+                apart |= stamp[quads[row, a]] == i
             if apart or n_pair == partner.shape[0]:
                 continue
             # Pairs with a common node are of one sheet: the first of them leads it.

@@ -38,7 +38,10 @@ class FilmTerm(Protocol):
 
     @property
     def n_search(self) -> int:
-        """How often it has searched for what it may hold: the time step then looks at it anew."""
+        """How often it has searched for what it may hold: the time step then looks at it anew.
+
+        -1 if that changes from step to step; the time step then asks it at every look.
+        """
         ...
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:

@@ -21,7 +21,7 @@ omega_e is a bound that grows with the change of shape since a quad was last eva
 the quads that limit the step are evaluated: worst first, until no other could shorten it by more
 than 1 %. What contact and cables hold is looked at again in the same way at a split, and when a
 contact has searched for what is near the tool: a tool that moves far between two evaluations comes
-to nodes that were not near at the last one. Terms that have not searched hold what they held.
+to nodes that were not near at the last one. A term that searches holds until then what it held.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.arrays import Bools, Floats, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -106,7 +106,7 @@ class StableStep:
         self.stepping = stepping
         self._shell = shell
         self._terms = tuple(terms)
-        self._stiffest_nodes = BoundOnce(stiffest_nodes)
+        self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
         # How often each term had searched at the last look, and what it held then.
         self._searched = [0 for _ in self._terms]
         self._held = [(np.zeros(0, np.int64), np.zeros(0)) for _ in self._terms]
@@ -131,10 +131,10 @@ class StableStep:
 
     def _take(self, safe: float, due: bool) -> None:
         """Choose the step after a look, at all quads when that was due."""
-        longest = min(safe, self._least) if due else safe
-        if safe < self._dt:
+        longest = min(safe, self._least)  # of all looks since the last one at all quads
+        if safe < self._dt or safe > _AT_ONCE * self._dt:
             self._dt = safe
-        elif longest > (_AFTER_ALL if due else _AT_ONCE) * self._dt:
+        elif due and longest > _AFTER_ALL * self._dt:
             self._dt = longest
         self._least = safe if due else min(safe, self._least)
 
@@ -166,7 +166,7 @@ class StableStep:
         stiffest = [int(self._shell.frequencies.squared.argmax())]
         with np.errstate(all="ignore"):
             undamped = 2.0 / np.sqrt(self._shell.frequencies.squared[stiffest])[0]
-            damped = self._steps(np.array(stiffest), np.zeros(1))[0]
+            damped = min(self._steps(np.array(stiffest), np.zeros(1), np.empty(1)))
         said = (
             f"the stiffest quad alone asks for {undamped:.4g} s (edge length, thickness, modulus "
             "and density set it)"
@@ -216,10 +216,13 @@ class StableStep:
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
-        every = np.arange(self._shell.frequencies.squared.size)
         held, omega_c2 = self._held_quads(state, [term.stiffness(state) for term in self._terms])
-        free = self._steps(every, np.zeros(every.size)).min()
-        return float(min(free, self._steps(held, omega_c2).min(initial=np.inf)))
+        return min(self._free_step(), *self._steps(held, omega_c2, np.empty(held.size)))
+
+    def _free_step(self) -> float:
+        """Return the safe step of all quads if nothing held them [s]."""
+        every = np.arange(self._shell.frequencies.squared.size)
+        return float(np.minimum(*self._steps(every, np.zeros(every.size), np.empty(every.size))))
 
     def _look_at_all(self, state: State) -> float:
         n, frequencies = state.node, self._shell.frequencies
@@ -229,9 +232,8 @@ class StableStep:
         omega_c2 = np.zeros(state.n_quad)
         held, of_held = self._held_quads(state, self._ask(state, again=True))
         omega_c2[held] = of_held
-        every = np.arange(omega_c2.size)
-        bound = self._settle(state, every, omega_c2)
-        self._free = float(self._steps(every, np.zeros(every.size)).min())
+        bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
+        self._free = self._free_step()
         return bound
 
     def _look_at_held(self, state: State) -> float:
@@ -241,13 +243,13 @@ class StableStep:
         return min(self._free, self._settle(state, *self._held_quads(state, held)))
 
     def _ask(self, state: State, *, again: bool) -> list[tuple[Ints, Floats]]:
-        """Return what each term holds: those that have searched are asked, or all again."""
+        """Return what each term holds; of those that search some are asked, or all again."""
         searched = [term.n_search for term in self._terms]
         if again:
             self._held = [term.stiffness(state) for term in self._terms]
         else:
             for k, term in enumerate(self._terms):
-                if searched[k] != self._searched[k]:
+                if searched[k] != self._searched[k] or searched[k] < 0:
                     self._held[k] = term.stiffness(state)
         self._searched = searched
         self._topology.take(state)
@@ -255,24 +257,32 @@ class StableStep:
 
     def _settle(self, state: State, quads: Ints, omega_c2: Floats) -> float:
         """Return the safe step of some quads [s], those that limit it being evaluated."""
-        known = self._known[quads]
-        steps = self._steps(quads, omega_c2)
+        steps = np.empty(quads.size)
         while True:
-            tight = _TIGHT * steps[known].min(initial=np.inf)
-            open_ = np.flatnonzero(~known & (steps < tight))
-            if open_.size == 0:
-                return float(steps.min(initial=np.inf))
-            worst = open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]
-            self._shell.evaluate_frequencies(state, quads[worst])
-            steps[worst] = self._steps(quads[worst], omega_c2[worst])
-            known[worst] = self._known[quads[worst]] = True
+            of_known, of_others = self._steps(quads, omega_c2, steps)
+            tight = _TIGHT * of_known
+            if not of_others < tight:
+                return float(np.minimum(of_others, of_known))  # NaN if one of them is
+            open_ = np.flatnonzero(~self._known[quads] & (steps < tight))
+            worst = quads[open_[np.argsort(steps[open_], kind="stable")[:_BATCH]]]
+            self._shell.evaluate_frequencies(state, worst)
+            self._known[worst] = True
 
-    def _steps(self, quads: Ints, omega_c2: Floats) -> Floats:
-        """Return the largest safe step of single quads [s]."""
+    def _steps(self, quads: Ints, omega_c2: Floats, steps: Floats) -> tuple[float, float]:
+        """Write the largest safe steps of single quads; return the least of known ones and others.
+
+        steps : (n,), [s].
+        """
         frequencies = self._shell.frequencies
-        damped = self._shell.damping_beta * frequencies.damped[quads]
-        total = frequencies.squared[quads] + omega_c2
-        return np.asarray((np.sqrt(damped**2 + 4.0 * total) - damped) / total)
+        return self._safe_steps(
+            quads,
+            omega_c2,
+            self._shell.damping_beta,
+            frequencies.squared,
+            frequencies.damped,
+            self._known,
+            steps,
+        )
 
     def _held_quads(
         self, state: State, held: Sequence[tuple[Ints, Floats]]
@@ -320,3 +330,32 @@ def stiffest_nodes(
             quads[count], largest[count] = q, of_quad[q]
             count += 1
     return count
+
+
+@kernel
+def safe_steps(
+    quads: Ints,
+    omega_c2: Floats,
+    beta: float,
+    squared: Floats,
+    damped: Floats,
+    known: Bools,
+    steps: Floats,
+) -> tuple[float, float]:
+    """Write the largest safe step of single quads [s]; return the least of known ones and others.
+
+    quads, omega_c2, steps : (n,), with what holds each [1/s²].  beta : [s].  squared, damped, known :
+    of all quads: omega_e² and omega_d² [1/s²], and whether they have been evaluated. The least is
+    NaN if one is, infinite of none.
+    """
+    of_known = of_others = np.inf
+    for i in range(quads.shape[0]):
+        q = quads[i]
+        b, total = beta * damped[q], squared[q] + omega_c2[i]
+        step = (np.sqrt(b * b + 4.0 * total) - b) / total
+        steps[i] = step
+        if known[q]:
+            of_known = of_known if of_known <= step or np.isnan(of_known) else step
+        else:
+            of_others = of_others if of_others <= step or np.isnan(of_others) else step
+    return of_known, of_others

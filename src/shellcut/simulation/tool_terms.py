@@ -59,14 +59,17 @@ class ToolTerm(Protocol):
 
     @property
     def n_search(self) -> int:
-        """How often it has searched for what it may hold: the time step then looks at it anew."""
+        """How often it has searched for what it may hold: the time step then looks at it anew.
+
+        -1 if that changes from step to step; the time step then asks it at every look.
+        """
         ...
 
     def stiffness(self, state: State) -> tuple[Ints, Floats]:
         """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
 
-        It is good until the next search or cut. A node may come more than once: its stiffnesses
-        add up.
+        It is good until the next search, if it searches, or cut. A node may come more than once:
+        its stiffnesses add up.
         """
         ...
 

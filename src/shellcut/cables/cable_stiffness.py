@@ -1,0 +1,89 @@
+"""How stiffly cables hold the nodes, for the bound on the step.
+
+Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch
+sigma A / ell^±; along it both have the slope of unloading times A. A straight cable holds two nodes
+that may move against each other: twice that on each. Friction around the edge adds
+sigma A kappa / stick along the branches.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.vec3 import load, norm, sub
+from shellcut.state import BROKEN, JOINTED
+
+from .cohesive_law import CohesiveLaw, envelope, unloading_slope
+
+
+class HeldCables(NamedTuple):
+    """What is asked of the cables, by the names of :class:`shellcut.state.CableTable`."""
+
+    ends: Annotated[Ints, "(n_cable, 2)"]
+    area: Annotated[Floats, "(n_cable,)"]
+    status: Annotated[SmallInts, "(n_cable,)"]
+    opening: Annotated[Floats, "(n_cable,)"]
+    opening_max: Annotated[Floats, "(n_cable,)"]
+    traction: Annotated[Floats, "(n_cable,)"]
+    joint: Annotated[Floats, "(n_cable, 3)"]
+
+
+class Compliance(NamedTuple):
+    """Lengths over which their forces turn or set in [mm], and how tightly they may grip."""
+
+    sharpest: float
+    """Least of a straight cable."""
+    short_branch: float
+    """Least of a branch."""
+    stick: float
+    """Way of a cable around the edge over which friction sets in."""
+    grip: float
+    """Largest kappa."""
+
+    @classmethod
+    def of(cls, law: CohesiveLaw, grip: float) -> Compliance:
+        """Return that of a law."""
+        return cls(max(law.onset, law.short_branch), law.short_branch, law.stick, grip)
+
+
+@kernel
+def cable_stiffness(
+    count: int,
+    x: Floats,
+    cables: HeldCables,
+    law: Floats,
+    within: Compliance,
+    node: Ints,
+    stiffness: Floats,
+) -> int:
+    """Write the ends of the first ``count`` cables that hold, and bounds of their stiffness [N/mm].
+
+    x : of the nodes (n_node, 3).  law : of :meth:`CohesiveLaw.parameters`.  node, stiffness :
+    (2 n_cable,), written; returns how many.
+    """
+    n = 0
+    for c in range(count):
+        if cables.status[c] == BROKEN:
+            continue
+        area, most = cables.area[c], max(cables.opening_max[c], 0.0)
+        peak = envelope(most, law)
+        slope = area * unloading_slope(peak, most, law) if peak > 0.0 else 0.0
+        if not np.isfinite(slope):
+            # The literal form is rigid at birth: no step is safe for its very first instant.
+            slope = 0.0
+        pull = area * cables.traction[c] * (1.0 + within.grip)
+        jointed = cables.status[c] == JOINTED
+        for side in range(2):
+            end = cables.ends[c, side]
+            if jointed:
+                branch = max(norm(sub(load(cables.joint, c), load(x, end))), within.short_branch)
+                k = max(pull / branch, slope) + pull * within.grip / within.stick
+            else:
+                k = 2.0 * max(pull / (max(cables.opening[c], 0.0) + within.sharpest), slope)
+            node[n], stiffness[n] = end, k
+            n += 1
+    return n
