@@ -16,7 +16,7 @@ from shellcut.tool.pose import Pose, to_body, turn
 from .captured_edges import closest_along, place_at
 from .edge_hills import Hills, hills_of, no_hills
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
-from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle
+from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle, way_since
 from .near_nodes import largest_speed, tool_way
 from .settings import STEEPEST, PenaltyLaw, node_stiffness
 from .tool_wedge import Beside, Place
@@ -86,17 +86,19 @@ def _ends(i: int, pose: Pose, held: EdgeTables) -> tuple[Vec3, Vec3]:
 
 
 @inline
-def _look(i: int, walked: float, jump: float, pose: Pose, held: EdgeTables) -> Look:
+def _look(
+    i: int, a: Vec3, b: Vec3, way: float, walked: float, jump: float, held: EdgeTables
+) -> Look:
     """Return where and how the i-th edge of the film presses, and how far it may go.
 
-    jump : change of its depth that needs a look at the whole tool [mm].
+    a, b : its ends, in the body frame [mm].  way : of :func:`.way_since`.  jump : change of its depth
+    that needs a look at the whole tool [mm].
     """
     tables = borrowed(held)
     memory = tables.memory
-    a, b = _ends(i, pose, held)
     u, before = sub(b, a), memory.side[i]
     one_side, side = _side_of(i, held)
-    if one_side and side == before and is_followed(i, held):
+    if one_side and side == before and is_followed(i, way, held):
         beside = Beside(a, u, side, _end(i, 0, a, side, held), _end(i, 1, b, side, held), 0)
         hills = followed_hill(i, beside, held)
         steady = abs(hills.deepest.depth - memory.depth[i]) <= jump
@@ -192,20 +194,21 @@ def add_edge_forces(
     for i in range(pairs.node.shape[0]):
         if walked < memory.until[i]:
             continue
-        way = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
-        memory.way[i] += way
-        if is_idle(i, held):
+        a, b = _ends(i, pose, held)
+        way = way_since(i, a, b, held)
+        if is_idle(i, way, held):
             continue
         work += _half_work(i, dt, held)
-        # The chord moves against the edge by as much again: up to twice the way of film and tool.
-        jump = law.noticed + 2.0 * (memory.way[i] if memory.follows[i] == NO_HILL else way)
-        look = _look(i, walked, jump, pose, held)
+        # The chord moves against the edge by as much again: up to twice the way in the tool.
+        step = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
+        jump = law.noticed + 2.0 * (way if memory.follows[i] == NO_HILL else step)
+        look = _look(i, a, b, way, walked, jump, held)
         g = look.hills.deepest.depth
         memory.until[i] = walked + look.free
         change, had = g - memory.depth[i], memory.stored[i]
         if change > jump:
             memory.offset[i] += change
-            look = _look(i, walked, jump, pose, held)
+            look = _look(i, a, b, 0.0, walked, jump, held)
         memory.offset[i] = min(memory.offset[i], g)
         memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
         memory.force[i] = 0.0

@@ -134,10 +134,10 @@ class EdgeMemory(NamedTuple):
     follows: Annotated[Ints, "(n_film,)"]
     """What its hill is followed in until all of the tool is searched again, see
     :mod:`.followed_edge`."""
-    way: Annotated[Floats, "(n_film,)"]
-    """Way of film and tool since then [mm]."""
+    then: Annotated[Floats, "(n_film, 2, 3)"]
+    """Its ends when that was done, in the body frame [mm]."""
     reach: Annotated[Floats, "(n_film,)"]
-    """That for which its hill may be followed [mm]."""
+    """Way of an end from there for which its hill may be followed [mm]."""
     press_place: Annotated[Floats, "(n_film,)"]
     """Where it presses, if it does, from 0 at one end to 1 at the other."""
     body: Annotated[Ints, "(n_film,)"]
@@ -159,7 +159,7 @@ class EdgeMemory(NamedTuple):
             stored=np.zeros(n),
             force=np.zeros((n, 2, 3)),
             follows=np.zeros(n, np.int64),
-            way=np.zeros(n),
+            then=np.zeros((n, 2, 3)),
             reach=np.zeros(n),
             press_place=np.zeros(n),
             body=np.zeros(n, np.int64),

@@ -1,15 +1,15 @@
 """An edge of the film that presses, followed from step to step, for kernels.
 
-All hills of an edge (:mod:`.edge_hills`) are looked for only when film and tool have moved so far
-since the last time that another may have become the highest, by ``FOLLOWED`` of the rounding radius
-at most. In between the highest one is followed: in the wedge of the two faces at which it lies,
+All hills of an edge (:mod:`.edge_hills`) are looked for only when an end of it has moved so far in
+the tool since the last time that another may have become the highest, by ``FOLLOWED`` of the
+rounding radius at most. In between the highest one is followed: in the wedge of the two faces at which it lies,
 taken for the tool without another look, or in the tool itself, from its last place. What presses is
 still the gradient of an energy. Where a hill that was not known or another face takes over, it does
 so later by that way; energies are equal there, and faces join with equal slope, so little is
 missed.
 
-An edge near the tool that does not press is looked at again when it has moved by ``IDLE`` of the
-radius. If it presses by then it is as deep as it has moved, and the force has hardly set in.
+An edge near the tool that does not press is looked at again when an end has moved by ``IDLE`` of
+the radius. If it presses by then it is as deep as it has moved, and the force has hardly set in.
 
 A hill is looked for among all at once if it has ended, its edge is on another side of the blade,
 its depth jumps, or the list is new.
@@ -17,9 +17,12 @@ its depth jumps, or the list is new.
 
 from __future__ import annotations
 
+from math import sqrt
+
+from shellcut.arrays import Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import add_scaled, dot, load, norm, store
+from shellcut.numerics.vec3 import add_scaled, dot, load, norm, store, sub
 from shellcut.tool.signed_distance import signed_distance
 
 from .captured_edges import closest_edge, is_tool, place_on
@@ -38,8 +41,8 @@ from .tool_wedge import (
 )
 
 FOLLOWED, LEAST = 0.3, 0.02
-"""Largest and least way of film and tool after which all hills of an edge are looked for again,
-over the rounding radius: the least where the next highest hill is as high."""
+"""Largest and least way of its ends in the tool after which all hills of an edge are looked for
+again, over the rounding radius: the least where the next highest hill is as high."""
 
 IDLE = 0.03
 """Likewise, for an edge near the tool that does not press."""
@@ -62,21 +65,32 @@ NO_HILL = 3
 
 
 @inline
-def is_idle(i: int, held: EdgeTables) -> bool:
-    """Return whether the i-th edge did not press when it was looked at, and has hardly moved."""
-    tables = borrowed(held)
-    memory = tables.memory
-    idle: bool = memory.way[i] <= IDLE * tables.law.rounding
-    return idle and memory.follows[i] == NO_HILL
+def way_since(i: int, a: Vec3, b: Vec3, held: EdgeTables) -> float:
+    """Return how far the i-th edge has moved in the tool since all of its hills were looked for.
+
+    a, b : its ends, in the body frame [mm]; no place between them has moved by more.
+    """
+    then = borrowed(held).memory.then
+    of_a, of_b = sub(a, load(then[i], 0)), sub(b, load(then[i], 1))
+    return sqrt(max(dot(of_a, of_a), dot(of_b, of_b)))
 
 
 @inline
-def is_followed(i: int, held: EdgeTables) -> bool:
+def is_idle(i: int, way: float, held: EdgeTables) -> bool:
+    """Return whether the i-th edge did not press when it was looked at, and has hardly moved.
+
+    way : since then [mm], of :func:`way_since`.
+    """
+    tables = borrowed(held)
+    return bool(way <= IDLE * tables.law.rounding and tables.memory.follows[i] == NO_HILL)
+
+
+@inline
+def is_followed(i: int, way: float, held: EdgeTables) -> bool:
     """Return whether the hill of the i-th edge may be followed for another step."""
     tables = borrowed(held)
     memory = tables.memory
-    follows = memory.follows[i]
-    return bool(follows in (_WEDGE, _TOOL) and memory.way[i] <= memory.reach[i])
+    return bool(memory.follows[i] in (_WEDGE, _TOOL) and way <= memory.reach[i])
 
 
 @inline
@@ -84,7 +98,9 @@ def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
     """Write down the hill of the i-th edge that has been found among all, to follow it."""
     tables = borrowed(held)
     memory, wedge = tables.memory, hills.wedge
-    memory.way[i], memory.follows[i] = 0.0, NO_HILL
+    memory.follows[i] = NO_HILL
+    store(memory.then[i], 0, beside.a)
+    store(memory.then[i], 1, add_scaled(beside.a, 1.0, beside.u))
     if hills.press.stored == 0.0:
         return
     memory.body[i] = tables.edges.body[closest_edge(hills.press.s, beside, held)]
