@@ -243,7 +243,7 @@ def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Float
     _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, held, wrench)
     _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, held, wrench)
     presses.body[i], presses.place[i] = body, s
-    memory.press_place[i] = s
+    memory.drift[i], memory.press_place[i] = s - memory.press_place[i], s
     more = by * norm(found.out) - found.from_a - found.from_b
     presses.pressure[i] = k * max(more, 0.0)
     store(presses.out, i, found.out)

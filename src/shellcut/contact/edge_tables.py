@@ -140,6 +140,8 @@ class EdgeMemory(NamedTuple):
     """Way of an end from there for which its hill may be followed [mm]."""
     press_place: Annotated[Floats, "(n_film,)"]
     """Where it presses, if it does, from 0 at one end to 1 at the other."""
+    drift: Annotated[Floats, "(n_film,)"]
+    """By how much that has changed over the last step, 0 if it was looked for anew."""
     body: Annotated[Ints, "(n_film,)"]
     """Tooth on which it presses."""
     normal: Annotated[Floats, "(n_film, 2, 3)"]
@@ -162,6 +164,7 @@ class EdgeMemory(NamedTuple):
             then=np.zeros((n, 2, 3)),
             reach=np.zeros(n),
             press_place=np.zeros(n),
+            drift=np.zeros(n),
             body=np.zeros(n, np.int64),
             normal=np.zeros((n, 2, 3)),
             level=np.zeros((n, 2)),

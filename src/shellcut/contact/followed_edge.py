@@ -2,11 +2,11 @@
 
 All hills of an edge (:mod:`.edge_hills`) are looked for only when an end of it has moved so far in
 the tool since the last time that another may have become the highest, by ``FOLLOWED`` of the
-rounding radius at most. In between the highest one is followed: in the wedge of the two faces at which it lies,
-taken for the tool without another look, or in the tool itself, from its last place. What presses is
-still the gradient of an energy. Where a hill that was not known or another face takes over, it does
-so later by that way; energies are equal there, and faces join with equal slope, so little is
-missed.
+rounding radius at most. In between the highest one is followed: in the wedge of the two faces at
+which it lies, taken for the tool without another look, or in the tool itself, from where it would
+be if it went on along the edge as over the last step. What presses is still the gradient of an
+energy. Where a hill that was not known or another face takes over, it does so later by that way;
+energies are equal there, and faces join with equal slope, so little is missed.
 
 An edge near the tool that does not press is looked at again when an end has moved by ``IDLE`` of
 the radius. If it presses by then it is as deep as it has moved, and the force has hardly set in.
@@ -40,7 +40,7 @@ from .tool_wedge import (
     wedge_along,
 )
 
-FOLLOWED, LEAST = 0.3, 0.02
+FOLLOWED, LEAST = 0.12, 0.02
 """Largest and least way of its ends in the tool after which all hills of an edge are looked for
 again, over the rounding radius: the least where the next highest hill is as high."""
 
@@ -52,7 +52,7 @@ NEXT_STEP = 0.02
 
 NEXT_FLAT, NEXT_LEVEL = 1e-4, 0.03
 """Slopes of energy and depth that end a search in the tool, see :mod:`.deepest_on_edge`: what is
-wrong in both is of second order, 1e-8 of the energy and 5e-4 of the radius at most."""
+wrong in both is of second order, 1e-6 of the energy and 5e-4 of the radius."""
 
 _BESIDE = 0.05
 """Way to the places before and behind where the tool is asked for its faces, over the radius."""
@@ -103,6 +103,7 @@ def follow(i: int, hills: Hills, beside: Beside, held: EdgeTables) -> None:
     store(memory.then[i], 1, add_scaled(beside.a, 1.0, beside.u))
     if hills.press.stored == 0.0:
         return
+    memory.press_place[i] = hills.press.s
     memory.body[i] = tables.edges.body[closest_edge(hills.press.s, beside, held)]
     if hills.one and not wedge.known:
         wedge = _wedge_around(hills.press.s, beside, held)
@@ -151,6 +152,14 @@ def followed_hill(i: int, beside: Beside, held: EdgeTables) -> Hills:
 
 
 @inline
+def _expected(i: int, held: EdgeTables) -> float:
+    """Return where the i-th edge presses if that goes on along it as over the last step."""
+    memory = borrowed(held).memory
+    s: float = min(max(memory.press_place[i] + memory.drift[i], 0.0), 1.0)
+    return s
+
+
+@inline
 def _in_wedge(i: int, beside: Beside, held: EdgeTables) -> Hills:
     tables = borrowed(held)
     memory, radius = tables.memory, tables.law.rounding
@@ -159,7 +168,7 @@ def _in_wedge(i: int, beside: Beside, held: EdgeTables) -> Hills:
     says, found = deepest_in_wedge(wedge, beside.end_a, beside.end_b, radius)
     if not says or found.depth == 0.0:
         return no_hills(beside)
-    s = memory.press_place[i]
+    s = _expected(i, held)
     begin = Deepest(found.depth, s, place_in_wedge(s, wedge, radius))
     press = press_on(begin, memory.offset[i], beside, wedge, held, NEXT_STEP)
     return Hills(True, found, press, True, wedge, 0.0)
@@ -169,7 +178,7 @@ def _in_wedge(i: int, beside: Beside, held: EdgeTables) -> Hills:
 def _in_tool(i: int, beside: Beside, held: EdgeTables) -> Hills:
     tables = borrowed(held)
     memory, wedge = tables.memory, no_wedge()
-    s = memory.press_place[i]
+    s = _expected(i, held)
     here = place_on(s, beside, held)
     begin = Deepest(here.depth, s, here)
     press = press_on(begin, memory.offset[i], beside, wedge, held, NEXT_STEP, NEXT_FLAT)
