@@ -35,7 +35,7 @@ def cut_of(tool, points):
     state.node.contact_area[:] = 0.25
     state.node.x[: state.n_node] = 1e3
     state.node.x[: len(points)] = points
-    found = BladeCut(tool, 1.0).cut_nodes(state, [], NO_RIM, HERE)
+    found = BladeCut(tool, 1.0, NO_RIM).cut_nodes(state, [], HERE)
     cut = np.zeros(len(points), np.bool_)
     cut[list(found)] = True
     return cut

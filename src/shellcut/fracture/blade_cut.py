@@ -23,9 +23,10 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.contact.near_nodes import NearNodes, in_box
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import dot, load
-from shellcut.state import QuadsAtNodes, State, local_edge_length
+from shellcut.state import KnownTopology, QuadsAtNodes, State, local_edge_length
 from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
@@ -75,6 +76,16 @@ class _CutNodes(NamedTuple):
     contact_area: Annotated[Floats, "(n_node,)"]
 
 
+class _CutTables(NamedTuple):
+    """What the kernel takes, good until the next split."""
+
+    strips: _Strips
+    rim: Annotated[Bools, "(n,)"]
+    """Whether a node lies on the film's own boundary; later ones do not."""
+    nodes: _CutNodes
+    around: QuadsAtNodes
+
+
 class BladeCut:
     """The cutting edges seen from the nodes: who has been pierced, who has been passed.
 
@@ -84,42 +95,36 @@ class BladeCut:
         Whose edges cut.
     largest_area : float
         Of a quad [mm²], for how far beside the edge a node may lie.
+    rim : ndarray of bool, shape (n,)
+        Whether a node lies on the film's own boundary; later ones do not.
     """
 
-    def __init__(self, tool: Tool, largest_area: float) -> None:
+    def __init__(self, tool: Tool, largest_area: float, rim: Bools) -> None:
         edges = CuttingEdges.of(tool)
         size = math.sqrt(largest_area)
         low, high = edges.strip_boxes(_PASSED_REACH * size, CUT_DEPTH * size)
         self._strips = _Strips(edges=edges, low=low, high=high)
         self._near = NearNodes(low, high, _MARGIN * size)
+        self._rim = rim
         self._find = BoundOnce(_cut_nodes)
+        self._hold, self._known = Holder(), KnownTopology()
+        self._tables: _CutTables | None = None
 
-    def cut_nodes(
-        self,
-        state: State,
-        tips: list[int],
-        rim: Bools,
-        pose: Pose,
-    ) -> dict[int, Floats]:
+    def cut_nodes(self, state: State, tips: list[int], pose: Pose) -> dict[int, Floats]:
         """Return the unsupported nodes that the edge has cut and the blade's trace at each.
 
         The trace is the unit direction, in the sheet, in which the blade's mid-plane cuts it.
-        rim : (n,), whether a node lies on the film's own boundary; later ones do not.
         """
         n = state.node
+        if self._tables is None or not self._known.is_of(state):
+            nodes = _CutNodes(**{name: getattr(n, name) for name in _CutNodes._fields})
+            tables = _CutTables(self._strips, self._rim, nodes, state.quads_at_nodes())
+            self._tables = self._hold(tables)
+            self._known.take(state)
         self._near.renew(state, pose)
         near = self._near.ids
         edge_of = np.empty(near.size, np.int64)
-        n_cut = self._find(
-            near,
-            pose,
-            np.array(tips, np.int64),
-            rim,
-            self._strips,
-            _CutNodes(x=n.x, supported=n.supported, halved=n.halved, contact_area=n.contact_area),
-            state.quads_at_nodes(),
-            edge_of,
-        )
+        n_cut = self._find(near, pose, np.array(tips, np.int64), self._tables, edge_of)
         traces: dict[int, Floats] = {}
         if n_cut == 0:
             return traces
@@ -136,6 +141,7 @@ class BladeCut:
 
     def restore(self, state: State, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, a list of the nodes of ``state``."""
+        self._tables = None
         self._near.restore(state, saved)
 
 
@@ -165,26 +171,13 @@ def _parted(n: int, x: Floats, around: QuadsAtNodes, normal: Vec3, least: float)
 
 
 @kernel
-def _cut_nodes(
-    near: Ints,
-    pose: Pose,
-    tips: Ints,
-    rim: Bools,
-    strips: _Strips,
-    nodes: _CutNodes,
-    around: QuadsAtNodes,
-    edge_of: Ints,
-) -> int:
+def _cut_nodes(near: Ints, pose: Pose, tips: Ints, tables: _CutTables, edge_of: Ints) -> int:
     """Write the segment that has cut each near node to edge_of : (n_near,), else -1; count them.
 
-    tips : (n_tip,), nodes.  rim : (n,), whether a node lies on the film's own boundary.
+    tips : (n_tip,), nodes.
     """
-    pose, strips, nodes, around = (
-        borrowed(pose),
-        borrowed(strips),
-        borrowed(nodes),
-        borrowed(around),
-    )
+    pose, tables = borrowed(pose), borrowed(tables)
+    strips, rim, nodes, around = tables
     edges, low, high = strips
     segments, body = edges.segments, edges.body
     x, supported, contact_area = nodes.x, nodes.supported, nodes.contact_area

@@ -253,10 +253,10 @@ class SplitCriterion:
         self._loads = loads
         self._blade = None
         if tool is not None and fracture.blade_cut:
-            self._blade = BladeCut(tool, float(shell.area.max()))
+            on_rim = np.zeros(int(rim.max(initial=-1)) + 1, np.bool_)
+            on_rim[rim] = True
+            self._blade = BladeCut(tool, float(shell.area.max()), on_rim)
         self._free_edges = free_edges
-        self._rim = np.zeros(int(rim.max(initial=-1)) + 1, np.bool_)
-        self._rim[rim] = True
         self._cos_limit = float(np.cos(np.radians(fracture.turn_limit_deg)))
         self._partings: dict[int, list[Parting]] = {}
         self._weigh = BoundOnce(weigh_partings)
@@ -284,7 +284,7 @@ class SplitCriterion:
         found: list[Split] = []
         cut: dict[int, Floats] = {}
         if self._blade is not None:
-            cut = self._blade.cut_nodes(state, tips, self._rim, pose)
+            cut = self._blade.cut_nodes(state, tips, pose)
             found += self._along_blade(state, cut)
         if self.fracture.candidates == "tips":
             nodes = tips
