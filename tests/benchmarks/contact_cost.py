@@ -1,14 +1,16 @@
 """What contact costs: the opening test with its parts switched on, run by run in turns.
 
-    python tests/benchmarks/contact_cost.py --mesh M1 [--before CHECKOUT]
+    python tests/benchmarks/contact_cost.py --mesh M1 [--before CHECKOUT] [--sets 5]
 
 Each configuration runs in a process of its own; all take turns of ``ROUND`` steps on one core, so
 that a machine whose speed drifts slows all alike. With ``--before`` the default contact of another
 checkout of the library is one of them, and the one that the others are compared with. The default
 of the opening test is *and film edges*.
 Prints for each the median of the ratios of its rounds to those of the first, the ratio of the sums,
-and how many steps it took. Sums leave out rounds in which a process took ``PAUSE`` times as long as
-usual: it compiled a kernel, or something else had the core.
+that of the whole cuts (in which numbers of steps differ, too), and how many steps it took. Sums
+leave out rounds in which a process took ``PAUSE`` times as long as usual: it compiled a kernel, or
+something else had the core. From process to process the same work may take 2 % more or less all
+along, by where its arrays lie: several sets of processes are run, and medians over them printed.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
@@ -120,25 +122,48 @@ def measure(
     return rounds
 
 
-def table(rounds: dict[str, list[tuple[float, float, int]]]) -> str:
-    """Return the ratios over the first configuration as text."""
-    cpu = np.array([[found[0] for found in of_one] for of_one in rounds.values()])
-    wall = np.array([[found[1] for found in of_one] for of_one in rounds.values()])
-    done = np.array([[found[2] for found in of_one] for of_one in rounds.values()])
+class Costs(NamedTuple):
+    """What the configurations cost in one set of processes, (n_configuration,) each."""
+
+    median: np.ndarray
+    """Of the ratios of CPU time, round by round, to the first configuration."""
+    total: np.ndarray
+    """Ratio of the sums of CPU time over rounds of equally many steps."""
+    whole: np.ndarray
+    """Ratio of CPU time to the end."""
+    wall: np.ndarray
+    """As ``median``, of wall time."""
+    step: np.ndarray
+    """CPU time [us]."""
+    done: np.ndarray
+    """Steps."""
+
+
+def costs(rounds: dict[str, list[tuple[float, float, int]]]) -> Costs:
+    """Return the costs over the first configuration."""
+    cpu, wall, done = np.moveaxis(np.array(list(rounds.values())), 2, 0)
+    usual = cpu <= PAUSE * np.median(cpu[:, :-1], axis=1, keepdims=True)
     whole = (done == ROUND).all(axis=0)
-    ratio = np.median(cpu[:, whole] / cpu[0, whole], axis=1)
-    of_wall = np.median(wall[:, whole] / wall[0, whole], axis=1)
-    usual = whole & (cpu <= PAUSE * np.median(cpu[:, whole], axis=1, keepdims=True)).all(axis=0)
-    total = cpu[:, usual].sum(axis=1)
-    step = 1e6 * total / (ROUND * np.count_nonzero(usual))
-    lines = [
-        f"{'':20} {'CPU, median':>12} {'CPU, sum':>9} {'wall':>6} {'us a step':>10} {'steps':>7}"
-    ]
-    for k, name in enumerate(rounds):
-        lines.append(
-            f"{name:20} {ratio[k]:12.3f} {total[k] / total[0]:9.3f} {of_wall[k]:6.3f} "
-            f"{step[k]:10.1f} {done[k].sum():7d}"
-        )
+    total = cpu[:, whole & usual.all(axis=0)].sum(axis=1)
+    to_end = np.where(usual, cpu, 0.0).sum(axis=1)
+    return Costs(
+        median=np.median(cpu[:, whole] / cpu[0, whole], axis=1),
+        total=total / total[0],
+        whole=to_end / to_end[0],
+        wall=np.median(wall[:, whole] / wall[0, whole], axis=1),
+        step=1e6 * total / (ROUND * np.count_nonzero(whole & usual.all(axis=0))),
+        done=done.sum(axis=1),
+    )
+
+
+def table(names: list[str], sets: list[Costs]) -> str:
+    """Return the medians over the sets as text."""
+    lines = [f"{'':20} CPU: median     sum   whole    wall  us a step    steps"]
+    for k, name in enumerate(names):
+        values = (np.median([getattr(one, field)[k] for one in sets]) for field in Costs._fields)
+        formats = "11.3f", "7.3f", "7.3f", "7.3f", "10.1f", "8.0f"
+        columns = (format(v, f) for v, f in zip(values, formats, strict=True))
+        lines.append(f"{name:20} {' '.join(columns)}")
     return "\n".join(lines)
 
 
@@ -148,6 +173,7 @@ def main() -> None:
     parser.add_argument("--before", type=Path, help="another checkout, its default as the base")
     parser.add_argument("--begin", type=int, default=0, help="steps before the first round")
     parser.add_argument("--rounds", type=int, default=0, help="rounds; 0: to the end of the cut")
+    parser.add_argument("--sets", type=int, default=1, help="sets of processes, one after another")
     parser.add_argument("--only", nargs="+", choices=list(CONFIGURATIONS), default=None)
     parser.add_argument("--child", help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -155,7 +181,11 @@ def main() -> None:
         serve(*json.loads(given.child), sys.stdin)
         return
     names = given.only or list(CONFIGURATIONS)
-    print(table(measure(given.mesh, given.begin, given.rounds, given.before, names)))
+    sets: list[Costs] = []
+    for _ in range(given.sets):
+        rounds = measure(given.mesh, given.begin, given.rounds, given.before, names)
+        sets.append(costs(rounds))
+        print(table(list(rounds), sets), f"(of {len(sets)} sets)", sep="\n", flush=True)
 
 
 if __name__ == "__main__":

@@ -284,9 +284,7 @@ class StableStep:
             steps,
         )
 
-    def _held_quads(
-        self, state: State, held: Sequence[tuple[Ints, Floats]]
-    ) -> tuple[Ints, Floats]:
+    def _held_quads(self, state: State, held: Sequence[tuple[Ints, Floats]]) -> tuple[Ints, Floats]:
         """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²].
 
         held : nodes that each term holds, and its stiffness on them.
