@@ -61,11 +61,19 @@ class Film(NamedTuple):
     n_at: Annotated[Ints, "(n_node,)"]
 
 
+class Own(NamedTuple):
+    """The rows that hang together with each of some points, which are no partners of it."""
+
+    first: Annotated[Ints, "(n_point_1,)"]
+    """First row of every point, and the end."""
+    row: Annotated[Ints, "(n_own,)"]
+
+
 class _Boxes(NamedTuple):
     """Around the nodes of each row."""
 
-    low: Annotated[Floats, "(n_row, 3)"]
-    high: Annotated[Floats, "(n_row, 3)"]
+    low: Annotated[Floats, "(n_used, 3)"]
+    high: Annotated[Floats, "(n_used, 3)"]
 
 
 class CloseQuads:
@@ -75,10 +83,11 @@ class CloseQuads:
         self._sort = BoundOnce(_sort_into_cells)
         self._find = BoundOnce(_find)
         self._mark, self._boxes = BoundOnce(_mark_cells), BoundOnce(_write_boxes)
+        self._own = BoundOnce(_own_rows)
         self._found: Ints = np.empty((0, 3), np.int64)
 
-    def find(self, points: Ints, rings: Ints, film: Film, n_row: int, reach: float) -> Pairs:
-        """Return the pairs of points and quads closer than ``reach`` by their boxes.
+    def own(self, points: Ints, rings: Ints, film: Film) -> Own:
+        """Return the rows with a node within so many sides of each point; good until the next cut.
 
         Parameters
         ----------
@@ -88,16 +97,36 @@ class CloseQuads:
             Sides along the film within which nothing is a partner, at least 1.
         film : Film
             Of a state.
+        """
+        first, room = np.zeros(points.size + 1, np.int64), _ROOM * points.size
+        while True:
+            row = np.empty(room, np.int64)
+            count = self._own(points, rings, film, first, row)
+            if count <= room:
+                return Own(first, row[:count].copy())
+            room = count
+
+    def find(self, points: Ints, own: Own, film: Film, n_row: int, reach: float) -> Pairs:
+        """Return the pairs of points and quads closer than ``reach`` by their boxes.
+
+        Parameters
+        ----------
+        points : ndarray of int, shape (n,)
+            Nodes, ascending.
+        own : Own
+            Of these points, see :meth:`own`.
+        film : Film
+            Of a state.
         n_row : int
             Rows in use.
         reach : float
             [mm]
         """
-        places = film.x[points]
+        places = film.x.T[:, points]  # rows of numbers that lie side by side
         if not points.size or not np.isfinite(places).all():
             return _NONE
-        low = places.min(axis=0)
-        extent = places.max(axis=0) - low
+        low = places.min(axis=1)
+        extent = places.max(axis=1) - low
         size = 2.0 * reach
         while np.prod(extent // size + 1.0) > _MOST_CELLS * (points.size + 16):
             size *= 1.5
@@ -116,7 +145,7 @@ class CloseQuads:
         while True:
             if len(self._found) < room:
                 self._found = np.empty((room, 3), np.int64)
-            n = self._find(points, rings, film, boxes, *grid, first, rows, self._found)
+            n = self._find(points, own, film, boxes, *grid, first, rows, self._found)
             if n <= len(self._found):
                 return _in_sheets(points, self._found[:n])
             room = 2 * n
@@ -240,9 +269,46 @@ def _sort_into_cells(
 
 
 @kernel
+def _own_rows(points: Ints, rings: Ints, film: Film, first: Ints, rows: Ints) -> int:
+    """Write the rows with a node within the rings of each point; return how many there are.
+
+    first : (n_point + 1,), written.  rows : written as far as there is room.
+    """
+    quads, at, n_at = film.quads, film.at, film.n_at
+    node_of = np.full(film.x.shape[0], -1, np.int64)  # point whose rings a node is in
+    row_of = np.full(quads.shape[0], -1, np.int64)
+    near = np.empty(film.x.shape[0], np.int64)
+    count = 0
+    for i in range(points.shape[0]):
+        near[0], n_near, begin = points[i], 1, 0
+        node_of[points[i]] = i
+        # The rows at the nodes of a ring hold the next one.
+        for _ in range(rings[i] + 1):
+            end = n_near
+            for k in range(begin, end):
+                for j in range(n_at[near[k]]):
+                    row = at[near[k], j]
+                    if row_of[row] == i:
+                        continue
+                    row_of[row] = i
+                    if count < rows.shape[0]:
+                        rows[count] = row
+                    count += 1
+                    for a in range(4):
+                        node = quads[row, a]
+                        if node_of[node] != i:
+                            node_of[node] = i
+                            near[n_near] = node
+                            n_near += 1
+            begin = end
+        first[i + 1] = count
+    return count
+
+
+@kernel
 def _find(
     points: Ints,
-    rings: Ints,
+    own: Own,
     film: Film,
     boxes: _Boxes,
     low: Floats,
@@ -257,42 +323,27 @@ def _find(
     They ascend. The number is right also where there is no room for all.  first, rows : of the
     cells.
     """
-    x, quads, at, n_at = film.x, film.quads, film.at, film.n_at
-    stamp = np.full(x.shape[0], -1, np.int64)  # point whose rings a node is in
+    x, quads = film.x, film.quads
+    is_own = np.full(quads.shape[0], -1, np.int64)  # point that a row hangs together with
     owner = np.full(x.shape[0], -1, np.int64)  # pair that a node was met by ...
     of_point = np.full(x.shape[0], -1, np.int64)  # ... of this point
-    near = np.empty(4096, np.int64)
     leader = np.empty(4096, np.int64)
     partner = np.empty(4096, np.int64)
     count = 0
     for i in range(points.shape[0]):
         n = points[i]
-        # The nodes within the rings.
-        near[0], n_near, begin = n, 1, 0
-        stamp[n] = i
-        for _ in range(rings[i]):
-            end = n_near
-            for k in range(begin, end):
-                for j in range(n_at[near[k]]):
-                    for a in range(4):
-                        node = quads[at[near[k], j], a]
-                        if stamp[node] != i and n_near < near.shape[0]:
-                            stamp[node] = i
-                            near[n_near] = node
-                            n_near += 1
-            begin = end
+        for j in range(own.first[i], own.first[i + 1]):
+            is_own[own.row[j]] = i
         u, v, w = _cell_of(x, n, low, size, shape)
         cell = (u * shape[1] + v) * shape[2] + w
         n_pair = 0
         for j in range(first[cell], first[cell + 1]):
             row = rows[j]
+            if is_own[row] == i:
+                continue
             apart = False
             for c in range(3):
                 apart |= (x[n, c] < boxes.low[row, c]) | (x[n, c] > boxes.high[row, c])
-            if apart:
-                continue
-            for a in range(4):
-                apart |= stamp[quads[row, a]] == i
             if apart or n_pair == partner.shape[0]:
                 continue
             # Pairs with a common node are of one sheet: the first of them leads it.

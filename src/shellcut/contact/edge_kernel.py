@@ -91,8 +91,8 @@ def _look(
 ) -> Look:
     """Return where and how the i-th edge of the film presses, and how far it may go.
 
-    a, b : its ends, in the body frame [mm].  way : of :func:`.way_since`.  jump : change of its depth
-    that needs a look at the whole tool [mm].
+    a, b : its ends, in the body frame [mm].  way : of :func:`.way_since`.  jump : change of its
+    depth that needs a look at the whole tool [mm].
     """
     tables = borrowed(held)
     memory = tables.memory

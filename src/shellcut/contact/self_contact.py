@@ -34,7 +34,7 @@ from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 
-from .close_pairs import CloseQuads, Film, Pairs
+from .close_pairs import CloseQuads, Film, Own, Pairs
 from .film_law import FilmLaw
 from .film_outline import FilmOutline, Part
 from .self_contact_kernel import add_self_contact, near_springs
@@ -110,7 +110,7 @@ class SelfContact:
         self._close = CloseQuads()
         self._known = KnownTopology()
         self._points: Ints = np.zeros(0, np.int64)
-        self._rings: Ints = np.zeros(0, np.int64)
+        self._own = Own(np.zeros(1, np.int64), np.zeros(0, np.int64))
         self._film_nodes: Ints = np.zeros(0, np.int64)
         self._x_then = np.zeros((0, 3))
         self._walked, self._walk_to = 0.0, 0.0
@@ -183,9 +183,9 @@ class SelfContact:
         if not self._known.is_of(state):
             self._choose_points(state)
         outline, n = self._outline.of(state), state.node
-        film = Film(n.x, state.quad.nodes, n.quads, outline.absent, n.n_quad_at)
         reach = self.law.thickness + self._margin
-        pairs = self._close.find(self._points, self._rings, film, state.n_quad, reach)
+        film = self._film(state)
+        pairs = self._close.find(self._points, self._own, film, state.n_quad, reach)
         memory = Memory.blank(len(pairs.first_pair) - 1)
         if before is not None:
             _take_over(before.pairs, before.memory, pairs, memory, state)
@@ -246,7 +246,11 @@ class SelfContact:
         self._film_nodes = np.flatnonzero(film)
         self._points = np.flatnonzero(near & n.real[: n.count])
         beside = self.law.thickness / local_edge_length(n.contact_area[self._points])
-        self._rings = 1 + beside.astype(np.int64)
+        self._own = self._close.own(self._points, 1 + beside.astype(np.int64), self._film(state))
+
+    def _film(self, state: State) -> Film:
+        n, absent = state.node, self._outline.of(state).absent
+        return Film(n.x, state.quad.nodes, n.quads, absent, n.n_quad_at)
 
     # ---------------------------------------------------------------- restart
 

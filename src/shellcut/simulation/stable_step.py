@@ -109,7 +109,9 @@ class StableStep:
         self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
         # How often each term had searched at the last look, and what it held then.
         self._searched = [0 for _ in self._terms]
-        self._held = [(np.zeros(0, np.int64), np.zeros(0)) for _ in self._terms]
+        self._held: list[tuple[Ints, Floats]] = [
+            (np.zeros(0, np.int64), np.zeros(0)) for _ in self._terms
+        ]
         self._next = 0
         self._topology = KnownTopology()
         self._dt = 0.0
@@ -342,9 +344,9 @@ def safe_steps(
 ) -> tuple[float, float]:
     """Write the largest safe step of single quads [s]; return the least of known ones and others.
 
-    quads, omega_c2, steps : (n,), with what holds each [1/s²].  beta : [s].  squared, damped, known :
-    of all quads: omega_e² and omega_d² [1/s²], and whether they have been evaluated. The least is
-    NaN if one is, infinite of none.
+    quads, omega_c2, steps : (n,), with omega_c² of each [1/s²].  beta : [s].  squared, damped,
+    known : of all quads: omega_e² and omega_d² [1/s²], and whether they have been evaluated. The
+    least is NaN if one is, infinite of none.
     """
     of_known = of_others = np.inf
     for i in range(quads.shape[0]):

@@ -62,8 +62,8 @@ class TriangleSurface(NamedTuple):
     flank: Annotated[SmallInts, "(n_triangle,)"]
     """The tool's flank labels."""
     planes: Annotated[Floats, "(n_triangle, 4, 4)"]
-    """Unit normals of four planes and their level n · x [mm]: that of the triangle, and upright on it
-    those of its edges ab, bc, ca, which face its interior."""
+    """Unit normals n of four planes and their level n · x [mm]: that of the triangle and, upright
+    on it, those of its edges ab, bc, ca, which face its interior."""
     pseudo_normals: Annotated[Floats, "(n_triangle, 7, 3)"]
     """Normals of each triangle's features, of any length."""
 
