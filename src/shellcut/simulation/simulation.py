@@ -154,8 +154,7 @@ class Simulation:
         self.state = self._state_at_start(velocity)
         touching = self._bring_tool(contact, directional)
         self._let_crack(contact)
-        terms = *touching, *self._film_terms
-        self.time_step = StableStep(stepping or Stepping(), self.shell, terms)
+        self.time_step = StableStep(stepping, self.shell, [*touching, *self._film_terms])
         self._guard = StabilityGuard(self.mesh, self.shell, law, self.time_step)
         self._begin()
 

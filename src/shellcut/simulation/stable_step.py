@@ -99,11 +99,11 @@ class StableStep:
 
     def __init__(
         self,
-        stepping: Stepping,
+        stepping: Stepping | None,
         shell: MITC4Shell,
         terms: Sequence[ToolTerm | FilmTerm],
     ) -> None:
-        self.stepping = stepping
+        self.stepping = stepping or Stepping()
         self._shell = shell
         self._terms = tuple(terms)
         self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
