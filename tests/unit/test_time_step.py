@@ -9,7 +9,7 @@ from shellcut.cables.directional_cable import CableSet
 from shellcut.contact.penalty_contact import PenaltyContact
 from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.simulation.stable_step import StableStep, Stepping, stiffest_nodes
+from shellcut.simulation.stable_step import StableStep, Stepping, safe_steps, stiffest_nodes
 from shellcut.state import BROKEN, STRAIGHT
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade
@@ -122,6 +122,25 @@ def test_the_stiffest_node_of_a_quad_counts_with_all_that_holds_it():
             wanted[q] = max(wanted.get(q, 0.0), held[n])
     assert quads[:count].tolist() == sorted(wanted)
     assert largest[:count].tolist() == [wanted[q] for q in sorted(wanted)]
+
+
+def test_the_least_safe_steps_of_quads_that_are_evaluated_and_of_others():
+    rng = np.random.default_rng(4)
+    squared, damped = rng.uniform(1.0, 4.0, (2, 30))
+    quads, held, known = np.arange(3, 20, 2), rng.uniform(0.0, 2.0, 9), np.arange(30) % 4 == 1
+    steps = np.empty(quads.size)
+    of_known, of_others = safe_steps(quads, held, 0.3, squared, damped, known, steps)
+    b, total = 0.3 * damped[quads], squared[quads] + held
+    wanted = (np.sqrt(b * b + 4.0 * total) - b) / total
+    np.testing.assert_allclose(steps, wanted, rtol=1e-14)
+    assert of_known == steps[known[quads]].min()
+    assert of_others == steps[~known[quads]].min()
+    # A number that is none is not lost among others, and of none it is infinite.
+    squared[7] = np.nan
+    assert not known[7]
+    assert np.isnan(safe_steps(quads, held, 0.3, squared, damped, known, steps)[1])
+    nothing = quads[:0], held[:0], 0.3, squared, damped, known, steps[:0]
+    assert safe_steps(*nothing) == (np.inf, np.inf)
 
 
 def test_contact_of_nodes_that_the_tool_comes_to_counts_at_once():
