@@ -108,7 +108,7 @@ class EdgeContact:
         self.held: Any = None
         """These, laid out."""
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
-        self._springs = BoundOnce(edge_springs)
+        self._springs, self._room = BoundOnce(edge_springs), _ROOM
         self._none = np.zeros((tool.n_body, 6))
         self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
         """Results of the last evaluation."""
@@ -179,13 +179,13 @@ class EdgeContact:
         rows = rows_at(state, self._contact.near.ids)
         ends = open_edges(state, self._outline.of(state), rows)
         reach = self._contact.near.half_margin + float(self._edges.reach.max(initial=0.0))
-        first, room = np.zeros(len(ends) + 1, np.int64), _ROOM
+        first = np.zeros(len(ends) + 1, np.int64)
         while True:
-            edge = np.empty(room, np.int64)
+            edge = np.empty(self._room, np.int64)
             count = self._list(ends, state.node.x, pose, self._edges, reach, first, edge)
-            if count <= room:
+            if count <= self._room:
                 break
-            room = 2 * count
+            self._room = 2 * count
         near = np.flatnonzero(np.diff(first))
         pairs = EdgePairs(
             node=ends[near],
