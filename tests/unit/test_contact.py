@@ -412,7 +412,7 @@ def test_the_list_of_near_nodes_never_misses_one():
 
 
 @TOOLS
-def test_what_a_look_up_remembers_changes_no_bit(tool):
+def test_what_a_look_up_remembers_changes_round_off_only(tool):
     # Nodes slide along the faces, in and out; now and then the list is made anew after a split,
     # which leaves a node without a side. A contact that has forgotten all gives the same.
     rng = np.random.default_rng(9)
@@ -446,12 +446,14 @@ def test_what_a_look_up_remembers_changes_no_bit(tool):
         state.node.contact_side[:], state.node.contact_depth[:] = before[:2]
         state.node.contact_offset[:], state.node.contact_force[:] = before[2:]
         fresh, again = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
-        np.testing.assert_array_equal(fresh, forces)
-        np.testing.assert_array_equal(again.wrench, result.wrench)
-        assert again[1:] == result[1:]
+        # Where the face across an edge is known; small angles between faces amplify round-off.
+        most = 1e-9 * np.abs(forces).max()
+        np.testing.assert_allclose(fresh, forces, rtol=0.0, atol=most)
+        np.testing.assert_allclose(again.wrench, result.wrench, rtol=0.0, atol=20.0 * most)
+        assert again[1:] == pytest.approx(result[1:], rel=1e-9)
         np.testing.assert_array_equal(state.node.contact_side, after[0])
-        np.testing.assert_array_equal(state.node.contact_depth, after[1])
-        np.testing.assert_array_equal(state.node.contact_offset, after[2])
+        np.testing.assert_allclose(state.node.contact_depth, after[1], rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(state.node.contact_offset, after[2], rtol=0.0, atol=1e-10)
     assert remembered > 500
 
 

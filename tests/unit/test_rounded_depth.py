@@ -42,7 +42,7 @@ def _evaluate(
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
         triangle[i] = t
         if inside:
-            g, n = rounded_depth(p, q, t, side, radius, grid, around)
+            g, n, _ = rounded_depth(p, q, t, side, radius, grid, around)
             depth[i] = g
             out[i, 0], out[i, 1], out[i, 2] = n
 

@@ -97,8 +97,10 @@ def place_at(p: Vec3, side: int, held: EdgeTables) -> Place:
     found, inside, triangle, q, _, _ = signed_distance(p, side, tables.grid)
     if not (found and inside):
         return Place(False, 0.0, p)
-    radius = tables.law.rounding
-    depth, out = rounded_depth(p, q, triangle, side, radius, tables.grid, tables.around)
+    radius, across = tables.law.rounding, tables.across
+    depth, out, across[0] = rounded_depth(
+        p, q, triangle, side, radius, tables.grid, tables.around, across[0]
+    )
     return Place(depth > 0.0, max(depth, 0.0), out)
 
 

@@ -32,6 +32,8 @@ class Lookups(NamedTuple):
     """If inside: the depth below the rounded surface, at this step [mm]."""
     out: Annotated[Floats, "(n_near, 3)"]
     """And the unit vector out there, in the body frame."""
+    across: Annotated[Ints, "(n_near,)"]
+    """Face beyond the edge around which it was rounded last, -1 for none."""
 
     @classmethod
     def none_yet(cls, nodes: Ints) -> Lookups:
@@ -44,6 +46,7 @@ class Lookups(NamedTuple):
             closest=np.zeros((nodes.size, 2), np.int64),
             depth=np.zeros(nodes.size),
             out=np.zeros((nodes.size, 3)),
+            across=np.full(nodes.size, -1),
         )
 
 

@@ -219,6 +219,7 @@ class EdgeContact:
             memory=memory,
             presses=EdgePresses.none(len(pairs.node)),
             captured=np.zeros(len(self._edges.start), np.int64),
+            across=np.full(1, -1),
             nodes=EdgeNodes(**{name: getattr(n, name) for name in EdgeNodes._fields}),
         )
         self.held = self._hold(self.tables)

@@ -202,6 +202,7 @@ def add_edge_forces(
         # The chord moves against the edge by as much again: up to twice the way in the tool.
         step = of_tool + dt * largest_speed(pairs.node[i], 2, nodes.velocity_half)
         jump = law.noticed + 2.0 * (way if memory.follows[i] == NO_HILL else step)
+        tables.across[0] = memory.across[i]
         look = _look(i, a, b, way, walked, jump, held)
         g = look.hills.deepest.depth
         memory.until[i] = walked + look.free
@@ -209,6 +210,7 @@ def add_edge_forces(
         if change > jump:
             memory.offset[i] += change
             look = _look(i, a, b, 0.0, walked, jump, held)
+        memory.across[i] = tables.across[0]
         memory.offset[i] = min(memory.offset[i], g)
         memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
         memory.force[i] = 0.0
@@ -222,7 +224,7 @@ def add_edge_forces(
             work += _half_work(i, dt, held)
         if -change > jump:  # its side is another one now
             absorbed += had - memory.stored[i]
-    tables.captured[:] = 0  # tables are compared after a restart
+    tables.captured[:], tables.across[:] = 0, -1  # tables are compared after a restart
     return work, stored, absorbed, n_touching, deepest, walked
 
 

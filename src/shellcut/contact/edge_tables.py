@@ -148,6 +148,8 @@ class EdgeMemory(NamedTuple):
     """Outward normals of the faces whose wedge is followed, in the body frame."""
     level: Annotated[Floats, "(n_film, 2)"]
     """Their product with points of the faces [mm]."""
+    across: Annotated[Ints, "(n_film,)"]
+    """Face beyond the edge around which a place of it was rounded last, -1 for none."""
 
     @classmethod
     def blank(cls, n: int) -> EdgeMemory:
@@ -168,6 +170,7 @@ class EdgeMemory(NamedTuple):
             body=np.zeros(n, np.int64),
             normal=np.zeros((n, 2, 3)),
             level=np.zeros((n, 2)),
+            across=np.full(n, -1),
         )
 
 
@@ -217,4 +220,6 @@ class EdgeTables(NamedTuple):
     """Of the nodes near the tool."""
     captured: Annotated[Ints, "(n_edge,)"]
     """Room for the tool's edges that one of the film's may touch."""
+    across: Annotated[Ints, "(1,)"]
+    """``EdgeMemory.across`` of the edge that is looked at."""
     nodes: EdgeNodes

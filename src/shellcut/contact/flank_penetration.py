@@ -116,7 +116,7 @@ def _deepest_beside_chords(
             found, inside, triangle, q, _, _ = signed_distance(p, side[i], grid)
             if not (found and inside):
                 continue
-            D, _ = rounded_depth(p, q, triangle, side[i], radius, grid, around)
+            D, _, _ = rounded_depth(p, q, triangle, side[i], radius, grid, around)
             beside = D - (1.0 - s) * depth[i, 0] - s * depth[i, 1]
             if beside > g:
                 g, at = beside, D

@@ -418,17 +418,17 @@ def _add_contact_forces(
         if not within[i]:
             work = _released(n, dt, work, nodes)
             continue
-        old = load(nodes.contact_force, n)
-        moved = load(nodes.velocity_half, n)
+        old, moved = load(nodes.contact_force, n), load(nodes.velocity_half, n)
         if side[n] == 0:
             triangle, q = _take_side(n, p, triangle, q, pose, tables)
             near.closest[i, 1] = triangle  # of the tooth that friction acts on
-        g, outward = rounded_depth(p, q, triangle, side[n], law.rounding, tool.grid, tool.around)
+        g, outward, near.across[i] = rounded_depth(
+            p, q, triangle, side[n], law.rounding, tool.grid, tool.around, near.across[i]
+        )
         near.depth[i] = g
         store(near.out, i, outward)
         impact, back = _impact(n, p, g, dt, pose_before, tables)
-        n_inside += 1
-        deepest = max(deepest, g)
+        n_inside, deepest = n_inside + 1, max(deepest, g)
         stiffness = nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
         loaded, absorbed = _loaded_depth(n, g, stiffness, dt, absorbed, tables)
         magnitude = stiffness * smoothed(loaded, g_m)

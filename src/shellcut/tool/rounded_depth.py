@@ -22,7 +22,9 @@ weights (face, edge, corner of S); they are found by adding the constraint that 
 So they are added one by one: p - w is moved away from the face that is closest to it, until none is
 closer than r. That is asked of the surface only near a convex edge: where the plane of a triangle
 that shares a vertex with the closest one, or with one coplanar with it, comes closer to
-p - (r - d) n than r (:class:`ConvexNeighbours`).
+p - (r - d) n than r (:class:`ConvexNeighbours`). Mostly the ball rolls along one edge for a while:
+the face across that edge is remembered, and one look at the surface shows whether the ball still
+touches it. What is remembered changes D by round-off at most.
 
 Where the surface is concave the closest point lies on an edge or vertex for a whole wedge of
 points. There the direction is that to the closest point, the depth the distance: the gradient
@@ -44,7 +46,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
 
-from .signed_distance import TriangleGrid, closest_of_side
+from .signed_distance import TriangleGrid, away_from, closest_of_side
 from .tool import Tool
 
 # Of a dot product of normals: planes that agree so far are one.
@@ -55,6 +57,9 @@ _IN_PLANE = 1e-9
 
 # Of the radius: constraints violated by less are met.
 _MET = 1e-12
+
+# Likewise, of a face that the ball touches.
+_TOUCHES = 1e-11
 
 # Sum of squares of a small sine: the foot of a point lies beside the face, on an edge or vertex.
 _BESIDE = 1e-12
@@ -159,20 +164,61 @@ def rounded_depth(
     radius: float,
     grid: TriangleGrid,
     around: ConvexNeighbours,
-) -> tuple[float, Vec3]:
-    """Return D of a point inside [mm], and the unit direction out.
+    across: int = -1,
+) -> tuple[float, Vec3, int]:
+    """Return D of a point inside [mm], the unit direction out, and the face across an edge.
 
     p : in the body frame, [mm].  q : the closest point of the surface of its side, on triangle.
-    side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].
+    side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].  across : the face
+    that was found beyond the edge near by last time, which is tried first; -1 for none.
     """
     normals = grid.surface.pseudo_normals
     face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
     g, out = face_depth(p, q, face)
     if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
-        return g, out
-    w = way_to_opened(p, g, out, side, radius, grid)
+        return g, out, across
+    tried = False
+    w = scale(radius - g, out)
+    if across >= 0:
+        tried, w = _way_to_two(p, g, out, triangle, across, side, radius, grid)
+    if not tried:
+        w, across = way_to_opened(p, g, out, side, radius, grid)
     length = norm(w)
-    return radius - length, scale(1.0 / length, w)
+    return radius - length, scale(1.0 / length, w), across
+
+
+@inline
+def _way_to_two(
+    p: Vec3,
+    g: float,
+    out: Vec3,
+    triangle: int,
+    across: int,
+    side: int,
+    radius: float,
+    grid: TriangleGrid,
+) -> tuple[bool, Vec3]:
+    """Return whether the ball that p is rounded by touches just two triangles, and w then [mm].
+
+    g, out : depth of p and way out of it to ``triangle``, the closest one.  across : the other.  If
+    it is as far as r from both of their planes it touches them, unless they end before, and S is
+    there if no other face is closer.
+    """
+    grid = borrowed(grid)
+    surface = grid.surface
+    normal = load(surface.pseudo_normals[across], 0)
+    needed = radius - dot(sub(load(surface.corners[across], 0), p), normal)
+    w = _least_of_two(out, radius - g, normal, needed, radius)
+    z = sub(p, w)
+    found, t, _, q, _ = closest_of_side(z, side, grid)
+    depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
+    if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
+        return False, w
+    # It touches the one that is closest; the other must be as close.
+    if t != across and dot(closest, out) < 1.0 - _PARALLEL:
+        return False, w
+    other = triangle if t == across else across
+    return away_from(z, other, surface) <= radius * (1.0 + _TOUCHES), w
 
 
 @always_inline
@@ -206,21 +252,22 @@ def _no_edge_near(
 @inline
 def way_to_opened(
     p: Vec3, g: float, out: Vec3, side: int, radius: float, grid: TriangleGrid
-) -> Vec3:
+) -> tuple[Vec3, int]:
     """Return w, the shortest way from S to a point inside that is less than r deep [mm].
 
-    g, out : depth of p and way out of it to its closest triangle.
+    And the face across the edge, if it leads to the round of one, else -1.  g, out : depth of p and
+    way out of it to its closest triangle.
     """
     grid = borrowed(grid)
     w = scale(radius - g, out)
-    deep, normal, needed = _face_beyond(p, w, side, radius, grid)
+    deep, across, normal, needed = _face_beyond(p, w, side, radius, grid)
     if deep:
-        return w
+        return w, -1
     # Mostly the round of one edge: two faces, without a table of them.
     second = _least_of_two(out, radius - g, normal, needed, radius)
-    deep, third, beyond = _face_beyond(p, second, side, radius, grid)
+    deep, _, third, beyond = _face_beyond(p, second, side, radius, grid)
     if deep:
-        return second
+        return second, across
     n, a = np.empty((4, 3)), np.empty(4)
     _put(n, a, 0, out, radius - g)
     _put(n, a, 1, normal, needed)
@@ -228,18 +275,18 @@ def way_to_opened(
     _put(n, a, m, third, beyond)
     for _ in range(_MOST_ROUNDS):
         w, m = _least(n, a, m + 1, radius)
-        deep, normal, needed = _face_beyond(p, w, side, radius, grid)
+        deep, _, normal, needed = _face_beyond(p, w, side, radius, grid)
         if deep:
             break
         _put(n, a, m, normal, needed)
-    return w
+    return w, -1
 
 
 @inline
 def _face_beyond(
     p: Vec3, w: Vec3, side: int, radius: float, grid: TriangleGrid
-) -> tuple[bool, Vec3, float]:
-    """Return whether p - w is r deep, else the outward normal n of the face it is too close to.
+) -> tuple[bool, int, Vec3, float]:
+    """Return whether p - w is r deep, else the face it is too close to, and its outward normal n.
 
     And what n · w must be for that face [mm].
     """
@@ -248,7 +295,7 @@ def _face_beyond(
     normals = grid.surface.pseudo_normals
     depth, normal = face_depth(z, q, (normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]))
     deep = not found or depth >= radius * (1.0 - _MET)
-    return deep, normal, radius - depth + dot(normal, w)
+    return deep, t, normal, radius - depth + dot(normal, w)
 
 
 @inline

@@ -139,6 +139,14 @@ def _foot(
 
 
 @inline
+def away_from(p: Vec3, t: int, surface: TriangleSurface) -> float:
+    """Return the distance of p from a triangle [mm]."""
+    height, within = _over(p, t, surface.planes)
+    gap = sub(p, _foot(p, height, within, t, surface)[0])
+    return sqrt(dot(gap, gap))
+
+
+@inline
 def cell_of(p: Vec3, cells: GridCells) -> tuple[bool, int]:
     """Return whether ``p`` [mm] lies in the grid, and its cell."""
     lower, shape = cells.lower, cells.shape
