@@ -34,6 +34,7 @@ def _evaluate(
     out: Floats,
     own: Bools,
     triangle: Ints,
+    across: Ints,
 ) -> None:
     grid, around = borrowed(grid), borrowed(around)
     for i in range(x.shape[0]):
@@ -42,17 +43,23 @@ def _evaluate(
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
         triangle[i] = t
         if inside:
-            g, n, _ = rounded_depth(p, q, t, side, radius, grid, around)
+            g, n, across[i] = rounded_depth(p, q, t, side, radius, grid, around, across[i])
             depth[i] = g
             out[i, 0], out[i, 1], out[i, 2] = n
 
 
-def depths(tool, x, side, radius=R):
-    """Depth, way out, and whether the closest face is one that a node of this side feels."""
+def depths(tool, x, side, radius=R, across=None):
+    """Depth, way out, and whether the closest face is one that a node of this side feels.
+
+    across : (n,), face that is tried first as the one beyond an edge; replaced by the one found.
+    """
     n = len(x)
     depth, out, own, triangle = np.zeros(n), np.zeros((n, 3)), np.ones(n, bool), np.zeros(n, int)
     grid, around = ClosestTriangleGrid.of(tool).arrays, ConvexNeighbours.of(tool)
-    _evaluate(np.ascontiguousarray(x), side, radius, grid, around, depth, out, own, triangle)
+    if across is None:
+        across = np.full(n, -1)
+    rows = depth, out, own, triangle, across
+    _evaluate(np.ascontiguousarray(x), side, radius, grid, around, *rows)
     return depth, out, own
 
 
@@ -206,3 +213,21 @@ def test_a_round_bar_of_facets_stays_round(depth):
         # The slope along the circle is the sine of the lean.
         way = np.linalg.norm(np.diff(x, axis=0), axis=1)
         assert np.abs(np.diff(found) / way).max() < np.sin(1.01 * half)
+
+
+@pytest.mark.parametrize("side", [0, 1, -1])
+def test_no_face_that_is_tried_first_changes_the_depth(side):
+    rng = np.random.default_rng(8)
+    corners = TOOTH.vertices[TOOTH.triangles]
+    weights = rng.dirichlet(np.ones(3), 4000)
+    on = rng.integers(0, TOOTH.n_triangle, 4000)
+    x = (corners[on] * weights[:, :, None]).sum(axis=1)
+    x -= rng.uniform(0.0, R, (4000, 1)) * TOOTH.triangle_normals[on]
+    found = np.full(4000, -1)
+    depth, out, _ = depths(TOOTH, x, side, across=found)
+    assert (found >= 0).sum() > 50
+    near = (on + rng.integers(-6, 7, (20, 4000))) % TOOTH.n_triangle  # most of them beside it
+    for tried in (found.copy(), *near):
+        again, way, _ = depths(TOOTH, x, side, across=tried)
+        np.testing.assert_allclose(again, depth, rtol=0.0, atol=1e-9 * R)
+        np.testing.assert_allclose(way, out, rtol=0.0, atol=1e-6)

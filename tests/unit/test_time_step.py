@@ -218,6 +218,32 @@ def test_a_look_within_an_interval_counts_for_what_has_lasted():
     assert step.next(state) == first
 
 
+class Asked:
+    """A term that holds nothing and counts how often it has been asked."""
+
+    def __init__(self, name, n_search):
+        self.name, self.n_search, self.asked = name, n_search, 0
+
+    def stiffness(self, _state):
+        self.asked += 1
+        return np.zeros(0, np.int64), np.zeros(0)
+
+
+def test_a_term_that_has_not_searched_is_not_asked():
+    shell, state = cases.set_up(cases.skewed_flat())
+    terms = searches, rests, changes = Asked("a", 0), Asked("b", 0), Asked("c", -1)
+    step = StableStep(Stepping(evaluate_every=100), shell, terms)
+    seen = []
+    # At all quads, at nothing, after a search, after a split, at all quads again.
+    for n_step, n_search, n_split in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 1), (97, 0, 0)):
+        state.step += n_step
+        searches.n_search += n_search
+        state.revision += n_split
+        step.next(state)
+        seen.append((searches.asked, rests.asked, changes.asked))
+    assert seen == [(1, 1, 1), (1, 1, 1), (2, 1, 2), (3, 2, 3), (4, 3, 4)]
+
+
 def test_a_split_is_seen_at_once():
     shell, state = cases.set_up(cases.skewed_flat())
     step = stepper(shell, safety=1.0, evaluate_every=100)

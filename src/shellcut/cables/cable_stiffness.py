@@ -72,7 +72,7 @@ def cable_stiffness(
         area, most = cables.area[c], max(cables.opening_max[c], 0.0)
         peak = envelope(most, law)
         slope = area * unloading_slope(peak, most, law) if peak > 0.0 else 0.0
-        if not np.isfinite(slope):
+        if np.isinf(slope):
             # The literal form is rigid at birth: no step is safe for its very first instant.
             slope = 0.0
         pull = area * cables.traction[c] * (1.0 + within.grip)
