@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,3 +20,9 @@ Number: TypeAlias = Any
 Vec3: TypeAlias = tuple[float, float, float]
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A three-vector of numbers."""
+
+Held: TypeAlias = tuple[Ints, Floats]
+"""Nodes that something holds, a node may come more than once, and its stiffness on each [N/mm]."""
+
+HeldBy: TypeAlias = Mapping[str, Held]
+"""The same of several, by their names."""

@@ -468,7 +468,7 @@ def test_stiffness_bounds_the_true_one():
     for cables, state in ((CableSet(LAW, None), random_cables()), jointed_cables(HERE)):
         state.time = 1.0  # not newborn
         evaluate(cables, state, HERE)
-        nodes, bound = cables.stiffness(state)
+        nodes, bound = cables.stiffness(state, {})
         live = np.flatnonzero(state.cable.status[: state.n_cable] != BROKEN)
         assert nodes.tolist() == [n for k in live for n in (2 * k, 2 * k + 1)]
         for node, limit in zip(nodes, bound, strict=True):
@@ -481,7 +481,7 @@ def test_stiffness_bounds_the_true_one():
 
 def test_newborn_cable_counts_with_its_full_strength():
     state = state_with(([0, 0, 0], [0, 0, 0]))
-    _, bound = CableSet(LAW, None).stiffness(state)  # before any evaluation
+    _, bound = CableSet(LAW, None).stiffness(state, {})  # before any evaluation
     np.testing.assert_allclose(bound, 2 * 18.0 * AREA / LAW.onset, rtol=1e-14)
 
 

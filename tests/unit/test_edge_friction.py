@@ -186,19 +186,37 @@ def test_it_counts_in_the_step():
     sim = pushed(RUBS)
     for to in towards(0.03):
         evaluated(sim, Pose(np.eye(3), to))
-    nodes, penalty = term(sim, "edges").stiffness(sim.state)
-    also, more = term(sim, "edge_friction").stiffness(sim.state)
-    np.testing.assert_array_equal(nodes, also)
-    assert nodes.size
+    # Where nothing is counted that presses at the ends.
+    nothing = {"contact": (np.zeros(0, np.int64), np.zeros(0))}
+    edges = term(sim, "edges").stiffness(sim.state, nothing)
+    rub = term(sim, "edge_friction").stiffness(sim.state, {"edges": edges})
+    assert edges[0].size
     # Of wall, slider and spring on the ends of an edge that nothing else presses: at all places.
     steepest, k_t = 27.0 / 16.0, TANGENTIAL
-    total = (penalty + more)[0] / k_of(sim)
+    n_node, alone = sim.state.n_node, term(sim, "edges").stiffness_alone()
+    sums = sum(np.bincount(nodes, k, n_node) for nodes, k in (edges, rub)) / k_of(sim)
+    n_edge = np.bincount(alone[0], minlength=n_node)
+    total = (sums[edges[0]] / n_edge[edges[0]]).min()
     for s in np.linspace(0.0, 1.0, 11):
         shares = np.array([1.0 - s, s])
         across, along = np.append(shares, [0.0, 0.0]), np.append([0.0, 0.0], shares)
         tangent = steepest * np.outer(across, across) + k_t * np.outer(along, along)
         tangent += MU * steepest * np.outer(along, across)
         assert np.linalg.svd(tangent, compute_uv=False)[0] <= total
+
+
+def test_edges_add_only_what_the_contact_of_their_ends_does_not_bear():
+    sim = pushed(RUBS)
+    for to in towards(0.03):
+        evaluated(sim, Pose(np.eye(3), to))
+    edges = term(sim, "edges")
+    ends, alone = edges.stiffness_alone()
+    whole = np.bincount(ends, alone, sim.state.n_node)
+    for share in (0.0, 0.3, 1.0, 5.0):
+        counted = {"contact": (np.arange(sim.state.n_node), share * whole)}
+        nodes, more = edges.stiffness(sim.state, counted)
+        np.testing.assert_array_equal(nodes, np.unique(ends))
+        np.testing.assert_allclose(more, np.maximum(1.0 - share, 0.0) * whole[nodes], rtol=1e-12)
 
 
 # ---------------------------------------------------------------- runs

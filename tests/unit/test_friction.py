@@ -153,8 +153,8 @@ def test_without_pressure_there_is_no_friction():
 
 def test_it_counts_in_the_step():
     state, contact, friction, _ = started()
-    nodes, stiffness = contact.stiffness(state)
-    also, more = friction.stiffness(state)
+    nodes, stiffness = contact.stiffness(state, {})
+    also, more = friction.stiffness(state, {contact.name: (nodes, stiffness)})
     np.testing.assert_array_equal(nodes, also)
     coupled = np.array([[STEEPEST, 0.0], [MU * STEEPEST, TANGENTIAL]])
     largest = np.linalg.svd(coupled, compute_uv=False)[0] / STEEPEST

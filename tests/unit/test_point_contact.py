@@ -212,6 +212,12 @@ def boxes_near(sim, capture=0.5):
     return whole, corners.min(axis=1) - margin, corners.max(axis=1) + margin
 
 
+def away_from(place, corners):
+    """Distance of a point from a quad."""
+    quad = quad_surface(*(tuple(c) for c in corners))
+    return np.linalg.norm(place - point_of(quad, *foot_on_quad(tuple(place), quad)))
+
+
 def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
     sim = opening_test("quick", angle_deg=5.0, duration=4e-4).simulation
     points, s = term(sim), sim.state
@@ -232,8 +238,12 @@ def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
     assert s.node.halved.any()  # and to leave out
 
     # The same pairs, node by node, in the bound on the step.
-    node, stiffness = points.stiffness(s)
-    both = np.unique(point[:, None] * s.node.count + s.quads[whole[row]])
+    node, stiffness = points.stiffness(s, {})
+    pairs_of = zip(p[point, 0], s.node.x[s.quads[whole[row]]], strict=True)
+    away = np.array([away_from(place, corners) for place, corners in pairs_of])
+    soon = away <= 0.5 * points._slack + points._springs.depth[point]
+    assert np.count_nonzero(soon) < soon.size
+    both = np.unique(point[soon, None] * s.node.count + s.quads[whole[row[soon]]])
     point, wanted = np.divmod(both, s.node.count)
     np.testing.assert_array_equal(node, wanted)
     area = s.node.contact_area[node]
@@ -367,7 +377,7 @@ def test_film_at_a_crack_is_left_alone():
 
 def test_it_counts_in_the_step():
     sim, points, s, k = pressing()
-    nodes, stiffness = points.stiffness(s)
+    nodes, stiffness = points.stiffness(s, {})
     total = np.bincount(nodes, stiffness, s.n_node)
     felt = points._springs.node[k]
     steepest = points.points.share[k] * sim.contact.law.steepest(s.node.contact_area[felt])

@@ -39,7 +39,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
@@ -202,7 +202,7 @@ class CableSet:
         """As of a term that does not search: cables turn, and pull, from step to step."""
         return -1
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that cables hold and a bound of their stiffness on each [N/mm]."""
         c, room = state.cable, 2 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)

@@ -37,8 +37,11 @@ of D, which does not press and goes as they part.
 *Splits.* An edge whose end has split along edges of the mesh goes on as the edge of the twin: what
 is kept of it stays. A cut through quads that gives an end a new node begins anew.
 
-*Stiffness.* (1 - s)² + s² <= 1, and what the ends lose makes them softer: k times the steepest
-slope of f is counted at both.
+*Stiffness.* Let a = 27/16 be the steepest slope of f. With the weights 1 - s and s of a mean, the
+first term is no stiffer than springs a k (1 - s) and a k s at the ends. The others take k (1 - s)
+and k s from the springs of the nodes' contact there, each times a slope of f that is theirs, too.
+So where the edges at a node have no more than its own k together, and its contact counts with
+a times that, edges add nothing to it; else what they have more.
 """
 
 from __future__ import annotations
@@ -48,7 +51,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Held, HeldBy, Ints
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce
 from shellcut.state import KnownTopology, SplitRecord, State
@@ -67,7 +70,7 @@ from .press_forces import PressForces
 _ROOM = 256
 
 # Of the way for which the list lasts: the step is looked at again when so much of it is walked.
-_SOON = 0.25
+_SOON = 0.5
 
 
 class EdgeContact:
@@ -127,8 +130,22 @@ class EdgeContact:
             self.n_search, self._looked_at = self.n_search + 1, self._walked
         return self.forces
 
-    def stiffness(self, _state: State) -> tuple[Ints, Floats]:
-        """Return the ends of edges that may press soon and a bound on their stiffness [N/mm]."""
+    def stiffness(self, _state: State, counted: HeldBy) -> Held:
+        """Return the ends of edges that may press soon and what they add at most [N/mm].
+
+        To the stiffness of the contact of nodes that is counted.
+        """
+        ends, alone = self.stiffness_alone()
+        nodes, place = np.unique(ends, return_inverse=True)
+        of_contact = _of_nodes(nodes, *counted[self._contact.name])
+        more = np.bincount(place, alone, nodes.size) - of_contact
+        return nodes, np.maximum(more, 0.0)
+
+    def stiffness_alone(self) -> Held:
+        """Return the ends of edges that may press soon and their steepest stiffness [N/mm].
+
+        Edge by edge, if nothing pressed at the nodes.
+        """
         if self.tables is None:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 2 * len(self.tables.pairs.node)
@@ -202,6 +219,7 @@ class EdgeContact:
             self.kept = _same_edges(old.pairs.node, pairs.node, self._known.new_splits(state))
             gone = _take_over(old, memory, self.kept, state)
         self._walked = self._looked_at = 0.0
+        self.n_search += 1
         self._lay_out(state, pairs, memory)
         return gone
 
@@ -271,3 +289,11 @@ def _take_over(
     gone = np.setdiff1d(np.arange(len(was)), kept)
     power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()
     return 0.5 * state.dt * float(power), float(old.memory.stored[gone].sum())
+
+
+def _of_nodes(nodes: Ints, some: Ints, values: Floats) -> Floats:
+    """Return the values of those nodes that are among some, ascending, each once; 0 of others."""
+    if not some.size:
+        return np.zeros(nodes.size)
+    place = np.minimum(np.searchsorted(some, nodes), some.size - 1)
+    return np.where(some[place] == nodes, values[place], 0.0)

@@ -31,6 +31,10 @@ the mean force times the slip where the place stays.
 next, through new lists and checkpoints, and through splits along edges of the mesh (a twin's edge
 goes on with it); a cut through quads that gives an end a new node lets it go. Towards an end of the
 film's edge g goes to zero, so N does, and the node takes over.
+
+*Stiffness.* Pressures of nodes and edges add up to those of nodes alone (:mod:`.edge_contact`), and
+so does the slip that they let go; but the springs of the nodes stay as stiff as they are, and those
+of the edges come on top, with k_t at both ends.
 """
 
 from __future__ import annotations
@@ -39,7 +43,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, inline, kernel
@@ -52,6 +56,7 @@ from .edge_contact import EdgeContact
 from .edge_kernel import edge_stiffness
 from .edge_tables import EdgeNodes, EdgeTables
 from .friction_term import TANGENTIAL, FrictionTerm
+from .settings import STEEPEST
 
 
 class _Springs(NamedTuple):
@@ -108,6 +113,14 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
         self._none = np.zeros_like(edges.forces.wrench)
         self.forces = self._idle = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
         """Results of the last evaluation."""
+
+    def stiffness(self, state: State, counted: HeldBy) -> Held:
+        """Return the ends of edges that may press soon and what friction adds there [N/mm]."""
+        slips, springs = super().stiffness(state, counted), self._edges.stiffness_alone()
+        return (
+            np.concatenate([slips[0], springs[0]]),
+            np.concatenate([slips[1], TANGENTIAL / STEEPEST * springs[1]]),
+        )
 
     def add_forces(self, state: State, pose: Pose) -> FrictionForces:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""

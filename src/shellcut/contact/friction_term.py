@@ -14,7 +14,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Held, HeldBy
 from shellcut.state import State
 
 from .settings import STEEPEST
@@ -33,7 +33,8 @@ class _Pressing(Protocol):
     @property
     def n_search(self) -> int: ...
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]: ...
+    @property
+    def name(self) -> str: ...
 
 
 class _Stored(Protocol):
@@ -67,9 +68,9 @@ class FrictionTerm(Generic[_Forces]):
         """Searches of the other term: this one acts where that does."""
         return self._pressing.n_search
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, _state: State, counted: HeldBy) -> Held:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
-        near, penalty = self._pressing.stiffness(state)
+        near, penalty = counted[self._pressing.name]
         return near, stiffer_by(self.coefficient) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:

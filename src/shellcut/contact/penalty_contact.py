@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
@@ -174,7 +174,7 @@ class PenaltyContact:
         """Searches for near nodes so far."""
         return self.near.n_search
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, state: State, _counted: HeldBy) -> Held:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
         near, n = self.near_nodes(state), state.node
         return near, n.contact_share[near] * self.law.steepest(n.contact_area[near])

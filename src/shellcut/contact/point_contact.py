@@ -21,7 +21,8 @@ or whose film is cut, lets go; what its spring held is booked as absorbed. A poi
 
 *Stiffness.* A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh
 a mean). Until the next look at the step, which comes with the next search, a point moves by three
-tenths of an edge at most, so N_a is taken as 1.3 - distance over edge length there, from 0 to 1.
+tenths of an edge at most. So only points count that press or are no farther from a quad, and N_a of
+its nodes is taken as 1.3 - distance over edge length, from 0 to 1.
 
 *Search.* Pairs of points and quads closer than the capture and ``_SLACK`` edges are listed, among
 the quads at the nodes near the tool, until points and nodes have moved by half of the slack; the
@@ -42,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Held, HeldBy, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
@@ -142,13 +143,13 @@ class PointContact:
         pressing = self._springs.depth > 0.0
         return np.unique(self._springs.node[pressing])
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
         """Return the nodes that points may press soon and their steepest penalty [N/mm]."""
         if self.tables is None:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 4 * int(self._pairs.first[self._pairs.used[0]])
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._soon(self._pose, self.tables, node, stiffness)
+        count = self._soon(self._pose, 0.5 * self._slack, self.tables, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -378,10 +379,13 @@ def _power(k: int, f: Vec3, springs: PointSprings, film: PointFilm) -> float:
 
 
 @kernel
-def _stiffness_soon(pose: Pose, tables: PointTables, node: Ints, stiffness: Floats) -> int:
+def _stiffness_soon(
+    pose: Pose, soon: float, tables: PointTables, node: Ints, stiffness: Floats
+) -> int:
     """Write the nodes that points may press soon, with the steepest penalty : (n,) [N/mm].
 
-    Node by node for every point, ascending; return their number.
+    soon : what a point may move until it is asked again [mm].  Node by node for every point,
+    ascending; return their number.
     """
     pose, tables = borrowed(pose), borrowed(tables)
     points, pairs, film, law = tables.points, tables.pairs, tables.film, tables.law
@@ -390,6 +394,10 @@ def _stiffness_soon(pose: Pose, tables: PointTables, node: Ints, stiffness: Floa
         k, begin = pairs.point[i], count
         p = to_space(load(points.place, k), pose)
         for j in range(pairs.first[i], pairs.first[i + 1]):
+            quad = _quad_of(pairs.quad[j], film)
+            xi, eta = foot_on_quad(p, quad)
+            if norm(sub(p, point_of(quad, xi, eta))) > soon + tables.springs.depth[k]:
+                continue
             for c in range(4):
                 n, at = film.quads[pairs.quad[j], c], count
                 while at > begin and node[at - 1] > n:

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Held, HeldBy, Ints
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -141,7 +141,7 @@ class SelfContact:
         self.n_looked += self.forces.n_looked
         return self.forces
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, _state: State, _counted: HeldBy) -> Held:
         """Return the nodes that may come to press soon and a bound of its stiffness [N/mm].
 
         A spring k between a point P and a place of a quad stores ½ k (u_P - sum N_a u_a)², at most

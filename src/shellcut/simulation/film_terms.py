@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Held, HeldBy
 from shellcut.state import State
 
 from .ledger import Ledger
@@ -44,10 +44,11 @@ class FilmTerm(Protocol):
         """
         ...
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, state: State, counted: HeldBy) -> Held:
         """Return the nodes that it holds until the next search, and a bound on each [N/mm].
 
-        A node may come more than once: its stiffnesses add up.
+        A node may come more than once: its stiffnesses add up. ``counted`` is what the terms
+        before it hold: it may tell only what it adds to that.
         """
         ...
 

@@ -34,7 +34,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds
+from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -109,9 +109,8 @@ class StableStep:
         self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
         # How often each term had searched at the last look, and what it held then.
         self._searched = [0 for _ in self._terms]
-        self._held: list[tuple[Ints, Floats]] = [
-            (np.zeros(0, np.int64), np.zeros(0)) for _ in self._terms
-        ]
+        nothing = np.zeros(0, np.int64), np.zeros(0)
+        self._held: dict[str, Held] = {term.name: nothing for term in self._terms}
         self._next = 0
         self._topology = KnownTopology()
         self._dt = 0.0
@@ -134,8 +133,8 @@ class StableStep:
     def _take(self, safe: float, due: bool) -> None:
         """Choose the step after a look, at all quads when that was due."""
         longest = min(safe, self._least)  # of all looks since the last one at all quads
-        if safe < self._dt or safe > _AT_ONCE * self._dt:
-            self._dt = safe
+        if not safe >= self._dt or safe > _AT_ONCE * self._dt:
+            self._dt = safe  # also one that is no number: the run stops by it
         elif due and longest > _AFTER_ALL * self._dt:
             self._dt = longest
         self._least = safe if due else min(safe, self._least)
@@ -202,8 +201,8 @@ class StableStep:
             "known": self._known,
             "searched": np.array(self._searched, np.int64),
             "held": {
-                term.name: {"node": node, "stiffness": stiffness}
-                for term, (node, stiffness) in zip(self._terms, self._held, strict=True)
+                name: {"node": node, "stiffness": stiffness}
+                for name, (node, stiffness) in self._held.items()
             },
         }
 
@@ -213,12 +212,15 @@ class StableStep:
         self._topology.restore(saved["revision"])
         self._dt, self._free, self._least = saved["dt"], saved["free"], saved["least"]
         self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
-        held = [saved["held"][term.name] for term in self._terms]
-        self._held = [(rows["node"], rows["stiffness"]) for rows in held]
+        held = {term.name: saved["held"][term.name] for term in self._terms}
+        self._held = {name: (rows["node"], rows["stiffness"]) for name, rows in held.items()}
 
     def bound(self, state: State) -> float:
         """Return the safe bound on the step at the last known frequencies [s]."""
-        held, omega_c2 = self._held_quads(state, [term.stiffness(state) for term in self._terms])
+        holding: dict[str, Held] = {}
+        for term in self._terms:
+            holding[term.name] = term.stiffness(state, holding)
+        held, omega_c2 = self._held_quads(state, holding)
         return min(self._free_step(), *self._steps(held, omega_c2, np.empty(held.size)))
 
     def _free_step(self) -> float:
@@ -244,15 +246,16 @@ class StableStep:
         held = self._ask(state, again=not self._topology.is_of(state))
         return min(self._free, self._settle(state, *self._held_quads(state, held)))
 
-    def _ask(self, state: State, *, again: bool) -> list[tuple[Ints, Floats]]:
-        """Return what each term holds; of those that search some are asked, or all again."""
+    def _ask(self, state: State, *, again: bool) -> dict[str, Held]:
+        """Return what each term holds; of those that search some are asked, or all again.
+
+        In their order: what one adds to another that is evaluated before it may be less than its
+        own stiffness.
+        """
         searched = [term.n_search for term in self._terms]
-        if again:
-            self._held = [term.stiffness(state) for term in self._terms]
-        else:
-            for k, term in enumerate(self._terms):
-                if searched[k] != self._searched[k] or searched[k] < 0:
-                    self._held[k] = term.stiffness(state)
+        for term, now, then in zip(self._terms, searched, self._searched, strict=True):
+            if again or now != then or now < 0:
+                self._held[term.name] = term.stiffness(state, self._held)
         self._searched = searched
         self._topology.take(state)
         return self._held
@@ -286,14 +289,14 @@ class StableStep:
             steps,
         )
 
-    def _held_quads(self, state: State, held: Sequence[tuple[Ints, Floats]]) -> tuple[Ints, Floats]:
+    def _held_quads(self, state: State, held: HeldBy) -> tuple[Ints, Floats]:
         """Return the quads that contact or cables hold, ascending, and omega_c² of each [1/s²].
 
         held : nodes that each term holds, and its stiffness on them.
         """
         n = state.node
-        nodes = np.concatenate([ids for ids, _ in held])
-        stiffness = np.concatenate([of_nodes for _, of_nodes in held])
+        nodes = np.concatenate([ids for ids, _ in held.values()])
+        stiffness = np.concatenate([of_nodes for _, of_nodes in held.values()])
         if state.flank.count:
             nodes, stiffness = hand_on_stiffness(state, nodes, stiffness)
         quads, largest = np.empty(state.n_quad, np.int64), np.empty(state.n_quad)

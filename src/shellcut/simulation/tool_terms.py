@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Floats, Held, HeldBy
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
@@ -65,11 +65,12 @@ class ToolTerm(Protocol):
         """
         ...
 
-    def stiffness(self, state: State) -> tuple[Ints, Floats]:
+    def stiffness(self, state: State, counted: HeldBy) -> Held:
         """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
 
         It is good until the next search, if it searches, or cut. A node may come more than once:
-        its stiffnesses add up.
+        its stiffnesses add up. ``counted`` is what the terms before it hold: it may tell only what
+        it adds to that.
         """
         ...
 
