@@ -137,7 +137,7 @@ def test_turn_is_measured_from_the_arriving_crack():
     for limit, count in ((57.0, 1), (91.0, 3)):
         _, state, criterion, _ = pulled(mesh, np.zeros((2, 2)), turn_limit_deg=limit)
         table, _ = criterion._weighed(state, [17])
-        ways = [table.ways[k] for k in table.admissible(0, criterion._cos_limit)]
+        ways = [table.ways[k] for k in table.admissible[0]]
         assert len(ways) == count
         assert (18,) in [way.ahead for way in ways]
 

@@ -395,6 +395,20 @@ def test_waiting_misses_nothing():
     np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
 
 
+def test_edges_of_a_new_list_count_in_the_step_at_once():
+    sim = pushed()
+    edges, contact = term(sim), sim.contact
+    seen = []
+    for _ in range(3):
+        sim.step()
+        seen.append((edges.n_search, contact.n_search))
+    contact.near._walked = np.inf  # the list of near nodes lasts no longer
+    while contact.n_search == seen[-1][1]:
+        sim.step()
+    assert seen[0] == seen[-1]
+    assert edges.n_search == seen[-1][0] + 1
+
+
 def test_a_followed_hill_presses_as_the_highest_of_all():
     follows, searches = pushed(), pushed()
     followed = rested = 0

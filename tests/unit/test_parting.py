@@ -1,5 +1,7 @@
 """Ways to part the quads of a node: complete, and weighed as the parts add up."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from shellcut.mesh.structured import rectangle
 ROW = [14, 15, 16, 17]  # of six by four squares; node j * 7 + i is the i-th of row j
 NONE = frozenset()
 STRENGTH = 18.0
+ANY_TURN = -1.0  # cosine
 
 
 def sheet():
@@ -54,10 +57,11 @@ def test_force_is_that_of_the_two_sides(loaded):
     )
     nodes = [1, 8, 14, 15]
     ways = [partings_of(state, n, shell.mass, NONE) for n in nodes]
-    table = PartingTable(shell, loads, STRENGTH, ways, weigh_partings)
+    table = PartingTable(shell, loads, STRENGTH, ways, ANY_TURN, weigh_partings)
     largest = table.weigh(state)
-    assert table.start == [0, 1, 7, 13, 19]
-    assert table.owner == [0, *[1] * 6, *[2] * 6, *[3] * 6]
+    bounds = [0, 1, 7, 13, 19]
+    assert table.admissible == [[*range(*ends)] for ends in itertools.pairwise(bounds)]
+    assert [way.node for way in table.ways] == np.repeat(nodes, np.diff(bounds)).tolist()
     assert largest == table.measure.max()
     for k, way in enumerate(table.ways):
         sides = []
@@ -84,22 +88,37 @@ def test_force_is_that_of_the_two_sides(loaded):
         assert table.measure[k] == pytest.approx(table.pull[k] / carried, rel=1e-13)
 
 
+def table_of(shell, state, node, turn=57.0, free_edges=NONE):
+    """The partings of a node of the sheet, not weighed; turn : the largest one [degrees]."""
+    ways = partings_of(state, node, shell.mass, free_edges)
+    limit = float(np.cos(np.radians(turn)))
+    return PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], limit, weigh_partings)
+
+
 def test_turn_of_a_crack_and_the_least_turn_where_all_exceed_the_limit():
     shell, state = cases.set_up(sheet().cut(ROW))
-    ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
-    table.weigh(state)
-    ahead = [way.ahead[0] for way in table.ways]
+    ahead = [way.ahead[0] for way in table_of(shell, state, 17).ways]
     straight = [ahead.index(18)]
-    assert table.admissible(0, np.cos(np.radians(57.0))) == straight
-    assert len(table.admissible(0, np.cos(np.radians(91.0)))) == 3
+    assert table_of(shell, state, 17, 57.0).admissible == [straight]
+    assert table_of(shell, state, 17, 91.0).admissible == [[0, 1, 2]]
     nodes = sheet().nodes.copy()
     nodes[:, 1] += 2.6 * np.maximum(nodes[:, 0] - 3.0, 0.0)  # now it turns by 69 degrees
     _, state = cases.set_up(cases.moved_mesh(sheet(), nodes).cut(ROW))
-    ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
-    assert table.admissible(0, np.cos(np.radians(57.0))) == straight
-    assert table.admissible(0, np.cos(np.radians(80.0))) == straight
+    assert table_of(shell, state, 17, 57.0).admissible == [straight]
+    assert table_of(shell, state, 17, 80.0).admissible == [straight]
+
+
+def test_a_parting_that_turns_too_far_makes_nothing_due():
+    # Pulled along the notch: the measures of the ways to the sides are the largest.
+    shell, state = cases.set_up(sheet().cut(ROW))
+    state.node.x[: state.n_node, :2] *= 1.5, 0.7  # it grows narrow
+    narrow, wide = (table_of(shell, state, 17, turn) for turn in (57.0, 91.0))
+    straight, every = narrow.admissible[0], wide.admissible[0]
+    assert wide.weigh(state) == wide.measure[every].max() >= 1.0
+    assert wide.nodes_due() == [0]
+    assert narrow.weigh(state) == narrow.measure[straight].max() < 1.0
+    assert narrow.nodes_due() == []
+    np.testing.assert_array_equal(narrow.measure, wide.measure)
 
 
 def test_to_go_on_across_a_fold_is_no_turn():
@@ -108,19 +127,17 @@ def test_to_go_on_across_a_fold_is_no_turn():
     x = state.node.x[: state.n_node]
     behind = state.node.X[: state.n_node, 0] < 2.5
     x[behind] = np.stack([3.0 + 0.0 * x[:, 0], x[:, 1], 3.0 - x[:, 0]], axis=1)[behind]
-    ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
+    table = table_of(shell, state, 17)
     table.weigh(state)
-    (straight,) = table.admissible(0, np.cos(np.radians(57.0)))
+    ((straight,),) = table.admissible
     assert table.ways[straight].ahead == (18,)
 
 
 def test_free_edges_have_nothing_to_hold_them():
     shell, state = cases.set_up(sheet())
-    ways = partings_of(state, 3, shell.mass, frozenset({(3, 10)}))
-    (way,) = ways
+    table = table_of(shell, state, 3, free_edges=frozenset({(3, 10)}))
+    (way,) = table.ways
     assert way.length == 0.0
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
     for stretch, measure in ((1.01, np.inf), (0.99, -np.inf)):
         state.node.x[: sheet().n_node, 0] = stretch * sheet().nodes[:, 0]
         assert table.weigh(state) == measure
@@ -129,9 +146,9 @@ def test_free_edges_have_nothing_to_hold_them():
 def split_sheet():
     """A sheet whose node 17 has been split along its row, its two cables under force."""
     shell, state = cases.set_up(sheet())
-    ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
+    table = table_of(shell, state, 17)
     table.weigh(state)
+    ways = table.ways
     k = next(k for k, o in enumerate(ways) if {*o.back, *o.ahead} == {16, 18})
     cracks = cases.edge_cracks(sheet(), shell, state, CohesiveLaw())
     cracks.split(state, split_of(ways[k], table, k))
@@ -142,8 +159,7 @@ def split_sheet():
 
 def test_cables_pull_on_their_side_until_they_break():
     shell, state, _ = split_sheet()
-    ways = partings_of(state, 17, shell.mass, NONE)
-    table = PartingTable(shell, LoadSet(sheet(), []), STRENGTH, [ways], weigh_partings)
+    table = table_of(shell, state, 17)
     (way,) = table.ways  # the flank's one edge: two quads, one on either side of it
     table.weigh(state)
     # Each of the two cables holds the flank of one of them.

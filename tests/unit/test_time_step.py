@@ -199,6 +199,19 @@ def test_a_small_gain_is_taken_when_it_has_lasted():
     assert step.next(state) == pytest.approx(0.1 * first, rel=1e-12)
 
 
+def test_a_bound_that_is_no_number_is_not_passed_over():
+    shell, state = cases.set_up(cases.skewed_flat())
+    step = stepper(shell, evaluate_every=100)
+    first = step.next(state)
+    state.node.x[5] = np.nan
+    state.step += 100
+    assert np.isnan(step.next(state))
+    state.node.x[5] = cases.skewed_flat().nodes[5]
+    state.step += 100
+    assert np.isfinite(step.next(state))  # and no longer than before: nothing else has moved
+    assert step.next(state) <= first
+
+
 def test_a_look_within_an_interval_counts_for_what_has_lasted():
     shell, state = cases.set_up(cases.skewed_flat())
     step = stepper(shell, safety=1.0, evaluate_every=100)
@@ -224,7 +237,7 @@ class Asked:
     def __init__(self, name, n_search):
         self.name, self.n_search, self.asked = name, n_search, 0
 
-    def stiffness(self, _state):
+    def stiffness(self, _state, _counted):
         self.asked += 1
         return np.zeros(0, np.int64), np.zeros(0)
 

@@ -176,6 +176,8 @@ class _Ways(NamedTuple):
     """What a cable would carry [N]."""
     cable: Annotated[Ints, "(n_link, 4)"]
     """Parting, side, cable and its end."""
+    admissible: Annotated[Bools, "(n_parting,)"]
+    """Whether a crack may turn so."""
 
 
 class _Held(NamedTuple):
@@ -200,6 +202,10 @@ class PartingTable:
         sigma_F [MPa].
     partings : sequence of sequence of Parting
         Of each candidate node, all of one topology, which the table does not outlive.
+    cos_limit : float
+        Cosine of the largest admissible turn of an arriving crack. Where every edge of a node turns
+        by more, as at a node of three quads, the least turn is admissible: a crack must not stop
+        for want of mesh lines.
     weigh : callable
         :func:`weigh_partings`, bound by whoever makes one table after the other.
     """
@@ -210,16 +216,21 @@ class PartingTable:
         loads: LoadSet,
         strength: float,
         partings: Sequence[Sequence[Parting]],
+        cos_limit: float,
         weigh: Callable[..., float],
     ) -> None:
         self._shell, self._loads, self._weigh = shell, loads, weigh
         self.ways = [way for ways in partings for way in ways]
         """All partings, node by node."""
-        self.start: list[int] = np.cumsum([0, *map(len, partings)]).tolist()
-        """First parting of each node, and the end."""
-        self.owner = [i for i, ways in enumerate(partings) for _ in ways]
-        """Which of the nodes each parting is of."""
+        start = np.cumsum([0, *map(len, partings)]).tolist()
+        self.admissible: list[list[int]] = [
+            [begin + k for k in _admissible(ways, cos_limit)]
+            for begin, ways in zip(start[:-1], partings, strict=True)
+        ]
+        """Of each node, the partings by which an arriving crack turns by no more than it may."""
         n = len(self.ways)
+        may = np.zeros(n, np.bool_)
+        may[[k for ways in self.admissible for k in ways]] = True
         corners: dict[tuple[int, int], int] = {}
         sides = [
             [corners.setdefault((e, way.node), len(corners)) for e in quads]
@@ -239,6 +250,7 @@ class PartingTable:
             mass=np.array([way.mass for way in self.ways]).reshape(-1, 2),
             carried=strength * shell.material.thickness * length,
             cable=np.array(cables, np.int64).reshape(-1, 4),
+            admissible=may,
         )
         self.force = np.zeros((n, 3))
         """F_c, what the plus side pulls the minus side with [N], shape (n_parting, 3)."""
@@ -252,8 +264,6 @@ class PartingTable:
         """F_c · m over what a cable would carry, sigma_F A_i; the split is due at 1."""
         self.chord = np.zeros(n)
         """Distance from where the crack would come to where it would go [mm]."""
-        self._admissible: Bools | None = None
-        self._cos_limit = 0.0
         self._held = _Held(
             force=self.force,
             direction=self.direction,
@@ -269,33 +279,23 @@ class PartingTable:
         Returns
         -------
         float
-            The largest measure of all.
+            The largest measure of those that are admissible.
         """
         n, c = state.node, state.cable
         corner_force = self._shell.corner_forces(state, self._quads, self._at)
         self._loads.add_corner_forces(state, self._quads, self._at, corner_force)
         return self._weigh(n.x, n.t, self._fixed, corner_force, c.status, c.force, self._held)
 
-    def admissible(self, i: int, cos_limit: float) -> list[int]:
-        """Return the partings of node i that turn an arriving crack by no more than the limit.
-
-        Where every edge turns by more, as at a node of three quads, the least turn is taken: a
-        crack must not stop for want of mesh lines.
-        """
-        ways = range(self.start[i], self.start[i + 1])
-        largest = max((self.ways[k].cosine for k in ways), default=1.0)
-        least = min(cos_limit, largest) - _SAME_TURN
-        return [k for k in ways if self.ways[k].cosine >= least]
-
-    def nodes_due(self, cos_limit: float) -> list[int]:
+    def nodes_due(self) -> list[int]:
         """Return the nodes with an admissible parting whose measure has reached 1."""
-        if self._admissible is None or self._cos_limit != cos_limit:
-            self._admissible = np.zeros(len(self.ways), np.bool_)
-            for i in range(len(self.start) - 1):
-                self._admissible[self.admissible(i, cos_limit)] = True
-            self._cos_limit = cos_limit
-        due = np.flatnonzero((self.measure >= 1.0) & self._admissible)
-        return sorted({self.owner[k] for k in due.tolist()})
+        due = self.measure >= 1.0
+        return [i for i, ways in enumerate(self.admissible) if due[ways].any()]
+
+
+def _admissible(ways: Sequence[Parting], cos_limit: float) -> list[int]:
+    largest = max((way.cosine for way in ways), default=1.0)
+    least = min(cos_limit, largest) - _SAME_TURN
+    return [k for k, way in enumerate(ways) if way.cosine >= least]
 
 
 def _both(ends: list[tuple[int, ...]]) -> Ints:
@@ -313,7 +313,7 @@ def weigh_partings(
     cable_force: Floats,
     held: _Held,
 ) -> float:
-    """Write what n partings hold; return the largest measure.
+    """Write what n partings hold; return the largest measure of admissible ones.
 
     x, t : (n_node, 3).  corner_force : (n_corner, 3).  status : (n_cable,).  cable_force :
     (n_cable, 2, 3).
@@ -341,7 +341,8 @@ def weigh_partings(
             held.measure[k] = held.pull[k] / ways.carried[k]
         else:  # opens free edges only, with nothing to hold them: due as soon as they are pulled
             held.measure[k] = np.inf if held.pull[k] > 0.0 else -np.inf
-        largest = max(largest, held.measure[k])
+        if ways.admissible[k]:
+            largest = max(largest, held.measure[k])
     return largest
 
 

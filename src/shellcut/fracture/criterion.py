@@ -324,7 +324,7 @@ class SplitCriterion:
         self._known.take(state)
 
     def _weighed(self, state: State, nodes: list[int]) -> tuple[PartingTable, float]:
-        """Return the partings of some nodes, weighed, and the largest measure of them."""
+        """Return the partings of some nodes, weighed, and the largest admissible measure."""
         if self._table is None or self._nodes != nodes:
             mass, free = self._shell.mass, self._free_edges
             for n in nodes:
@@ -332,7 +332,7 @@ class SplitCriterion:
                     self._partings[n] = partings_of(state, n, mass, free)
             partings = [self._partings[n] for n in nodes]
             self._table = PartingTable(
-                self._shell, self._loads, self._strength, partings, self._weigh
+                self._shell, self._loads, self._strength, partings, self._cos_limit, self._weigh
             )
             self._nodes = nodes
         return self._table, self._table.weigh(state)
@@ -344,7 +344,7 @@ class SplitCriterion:
         found = []
         for i, trace in enumerate(cut.values()):
             # The crack through the node shall follow the trace, either way along it.
-            ways = table.admissible(i, self._cos_limit)
+            ways = table.admissible[i]
             if ways:
                 along = np.abs(table.direction[ways] @ trace)
                 best = ways[int(np.argmax(along))]
@@ -360,8 +360,8 @@ class SplitCriterion:
         # measure) would favour short edges.
         traction = table.pull / table.chord
         found = []
-        for i in table.nodes_due(self._cos_limit):
-            ways = table.admissible(i, self._cos_limit)
+        for i in table.nodes_due():
+            ways = table.admissible[i]
             best = ways[int(np.argmax(traction[ways]))]
             if table.measure[best] >= 1.0:
                 found.append(self._split(table, best))
@@ -384,7 +384,7 @@ class SplitCriterion:
         table, _ = self._weighed(state, [nodes[i] for i in over])
         found = []
         for row, i in enumerate(over):
-            ways = table.admissible(row, self._cos_limit)
+            ways = table.admissible[row]
             if ways:
                 across = np.abs(table.direction[ways] @ stress.direction[i])
                 measure = float(stress.principal[i] / self._strength)
