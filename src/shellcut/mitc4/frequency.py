@@ -109,7 +109,8 @@ class QuadFrequencies:
         self._tangents, self._damping = tangents, damping
         self.reference = Surface.of(mesh)
         """Of every quad and copy."""
-        self._by_stretch, self._by_turn = growth_rates(material)
+        self.by_stretch, self._by_turn = growth_rates(material)
+        """Growth of omega over stretch."""
         # Quads evaluated in a deformed state have a row with their strains then; row 0 is the
         # reference, where all are evaluated first.
         self._row: Ints = np.zeros(mesh.n_quad, np.int32)
@@ -126,7 +127,7 @@ class QuadFrequencies:
             reference=self.reference,
             present=Surface(x, t, quads),
             known=_Evaluations(self._row, self._strain, self._evaluated, self._evaluated_damped),
-            by_stretch=self._by_stretch,
+            by_stretch=self.by_stretch,
             by_turn=self._by_turn,
             squared=self.squared,
             damped=self.damped,

@@ -22,6 +22,7 @@ the quads that limit the step are evaluated: worst first, until no other could s
 than 1 %. What contact and cables hold is looked at again in the same way at a split, and when a
 contact has searched for what is near the tool: a tool that moves far between two evaluations comes
 to nodes that were not near at the last one. A term that searches holds until then what it held.
+A film that is stretched fast is looked at sooner (:mod:`shellcut.mitc4.stretch_since`).
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.mitc4.stretch_since import StretchSince
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import KnownTopology, State
 
@@ -50,6 +52,10 @@ _TIGHT = 0.99
 # if it has been so long at every look of a whole interval: dt changes seldom, and does not stay
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
+
+# Steps after which it is asked whether stretch has taken up what safety leaves, and how much of
+# omega² that is: 4 % of the step.
+_STRETCH_EVERY, _STRETCHED = 50, 1.08
 
 # Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
 # its relative error is 2 eps xi², 4e-8 at this.
@@ -107,6 +113,7 @@ class StableStep:
         self._shell = shell
         self._terms = tuple(terms)
         self._stiffest_nodes, self._safe_steps = BoundOnce(stiffest_nodes), BoundOnce(safe_steps)
+        self._stretch = StretchSince(shell.frequencies.by_stretch)
         # How often each term had searched at the last look, and what it held then.
         self._searched = [0 for _ in self._terms]
         nothing = np.zeros(0, np.int64), np.zeros(0)
@@ -123,12 +130,16 @@ class StableStep:
         """Return dt of the step after t_n [s]."""
         if self.stepping.fixed is not None:
             return self.stepping.fixed
-        due = state.step >= self._next
+        due = state.step >= self._next or self._is_stretched(state)
         searched = [term.n_search for term in self._terms]
         if due or searched != self._searched or not self._topology.is_of(state):
             bound = self._look_at_all(state) if due else self._look_at_held(state)
             self._take(self.stepping.safety * bound, due)
         return self._dt
+
+    def _is_stretched(self, state: State) -> bool:
+        """Whether the film may have been stretched too far since the last look at all quads."""
+        return state.step % _STRETCH_EVERY == 0 and self._stretch.growth(state) > _STRETCHED
 
     def _take(self, safe: float, due: bool) -> None:
         """Choose the step after a look, at all quads when that was due."""
@@ -199,6 +210,7 @@ class StableStep:
             "free": self._free,
             "least": self._least,
             "known": self._known,
+            "stretch": self._stretch.saved(),
             "searched": np.array(self._searched, np.int64),
             "held": {
                 name: {"node": node, "stiffness": stiffness}
@@ -212,6 +224,7 @@ class StableStep:
         self._topology.restore(saved["revision"])
         self._dt, self._free, self._least = saved["dt"], saved["free"], saved["least"]
         self._known, self._searched = saved["known"].copy(), saved["searched"].tolist()
+        self._stretch.restore(saved["stretch"])
         held = {term.name: saved["held"][term.name] for term in self._terms}
         self._held = {name: (rows["node"], rows["stiffness"]) for name, rows in held.items()}
 
@@ -238,13 +251,20 @@ class StableStep:
         omega_c2[held] = of_held
         bound = self._settle(state, np.arange(omega_c2.size), omega_c2)
         self._free = self._free_step()
+        self._stretch.take(state, frequencies.squared + omega_c2)
         return bound
 
     def _look_at_held(self, state: State) -> float:
         copies = state.n_quad - self._known.size
         self._known = np.append(self._known, np.zeros(copies, np.bool_))
-        held = self._ask(state, again=not self._topology.is_of(state))
-        return min(self._free, self._settle(state, *self._held_quads(state, held)))
+        is_new = not self._topology.is_of(state)
+        held, of_held = self._held_quads(state, self._ask(state, again=is_new))
+        bound = min(self._free, self._settle(state, held, of_held))
+        if is_new:
+            omega2 = self._shell.frequencies.squared.copy()
+            omega2[held] += of_held
+            self._stretch.follow_cuts(state, omega2)
+        return bound
 
     def _ask(self, state: State, *, again: bool) -> dict[str, Held]:
         """Return what each term holds; of those that search some are asked, or all again.
