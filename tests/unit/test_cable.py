@@ -36,10 +36,10 @@ def state_with(*pairs, m=(0.0, 1.0, 0.0)):
 
 
 def evaluate(cables, state, pose=HERE):
-    """Forces on the nodes of the cables from one evaluation, and what it returned."""
+    """Forces on the nodes of the cables from one evaluation, and what it did."""
     state.node.force[:] = 0.0
-    result = cables.add_forces(state, pose)
-    return state.node.force[: 2 * state.n_cable].copy(), result
+    cables.add_forces(state, pose)
+    return state.node.force[: 2 * state.n_cable].copy(), cables.forces
 
 
 def random_cables(seed=0):
@@ -487,6 +487,8 @@ def test_newborn_cable_counts_with_its_full_strength():
 
 def test_no_cables_no_forces():
     state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
-    result = CableSet(LAW, BLADE).add_forces(state, HERE)
+    cables = CableSet(LAW, BLADE)
+    cables.add_forces(state, HERE)
+    result = cables.forces
     assert (result.work, result.n_broken, result.n_joint_made) == (0.0, 0, 0)
     assert result.wrench.shape == (1, 6)

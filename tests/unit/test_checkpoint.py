@@ -134,7 +134,7 @@ def whole(request, tmp_path_factory):
     dts = []
     moments = {"start": lambda: True, "before contact": lambda: sim.state.step == 5}
     moments |= {
-        "contact": lambda: sim.contact.forces.n_inside > 0,
+        "contact": lambda: sim.contact.forces.n_touching > 0,
         "split": lambda: sim.state.n_cable > 0,
         "joint": lambda: sim.cables.n_joint_made > 0,
         "amid": lambda: sim.state.n_cable >= 2,

@@ -40,8 +40,8 @@ def nodes_at(points, far=(50.0, 60.0, 70.0)):
 
 def evaluate(contact, state, pose=HERE):
     state.node.force[:] = 0.0
-    result = contact.add_forces(state, pose)
-    return state.node.force[: state.n_node].copy(), result
+    contact.add_forces(state, pose)
+    return state.node.force[: state.n_node].copy(), contact.forces
 
 
 def points_in_and_around(tool, n, seed):
@@ -86,7 +86,7 @@ def test_forces_match_brute_force_over_all_triangles(tool, pose):
             wrench[body, :3] -= force
             wrench[body, 3:] -= np.cross(p - pose[1], force)
     assert inside >= 8
-    assert result.n_inside == inside
+    assert result.n_touching == inside
     depths = state.node.contact_depth[: len(points)]
     assert result.deepest == depths.max()
     np.testing.assert_allclose(result.wrench, wrench, atol=1e-10 * np.abs(wrench).max())
@@ -106,7 +106,7 @@ def test_node_on_either_flank_is_pushed_out_of_it(sign):
     outward = np.array([np.sin(np.radians(10.0)), sign * np.cos(np.radians(10.0)), 0.0])
     np.testing.assert_allclose(forces[0], size * outward, rtol=1e-9, atol=1e-12)
     assert state.node.contact_side[0] == sign
-    assert result.n_inside == 1
+    assert result.n_touching == 1
     # A torque about the body's origin, and never a force on what is outside.
     np.testing.assert_allclose(
         result.wrench[0, 3:], -np.cross(state.node.x[0], forces[0]), atol=1e-12
@@ -371,7 +371,7 @@ def test_work_is_the_trapezoid_also_when_a_node_leaves():
     assert not gone.any()
     assert not state.node.contact_force[0].any()
     assert result.node_work == pytest.approx(0.5e-4 * new[0] @ v, rel=1e-12)
-    assert result.n_inside == 0
+    assert result.n_touching == 0
 
 
 @TOOLS
@@ -379,7 +379,7 @@ def test_forces_and_moments_on_tool_and_nodes_cancel(tool):
     points = points_in_and_around(tool, 40, seed=5) @ FAR[0].T + FAR[1]
     state = nodes_at(points)
     forces, result = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state, FAR)
-    assert result.n_inside > 10
+    assert result.n_touching > 10
     on_tool = result.wrench.sum(axis=0)
     moment = np.cross(state.node.x[: state.n_node], forces).sum(axis=0)
     moment += on_tool[3:] + np.cross(FAR[1], on_tool[:3])
@@ -407,7 +407,7 @@ def test_the_list_of_near_nodes_never_misses_one():
         listed = contact.near.ids
         body = state.node.x[: mesh.n_node] - pose[1]
         found = [naive_inside(p) for p in body]
-        assert result.n_inside == sum(found), step
+        assert result.n_touching == sum(found), step
     assert 5 < searched < 60
 
 

@@ -110,7 +110,7 @@ def test_a_blade_driven_backwards_is_told_by_the_run_itself():
     case.simulation.run(case.duration)
     figures = cut_evidence(case.simulation, case.check.sweep)
     doubts = [line.text for line in verdict(figures) if line.kind == "doubt"]
-    # The share of the cables is judged as soon as one of them has broken; here none has.
-    assert case.simulation.cables.n_broken == 0
+    # One cable at most has broken by then: what the share of the cables says comes too late.
+    assert case.simulation.cables.n_broken <= 1
     for said in ("reverse the motion", "cracks left"):
         assert any(said in text for text in doubts), (said, figures)

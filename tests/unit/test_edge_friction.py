@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from film_and_bar import GAP, ON, bar, pushed
+from naive.booking import book
 from naive.contact import smoothed
 from naive.edge_friction import RubbedEdge
 from notched_strip import cutting
@@ -46,7 +47,8 @@ def evaluated(sim, pose, x=None, dt=1e-6):
     found, forces = {}, {}
     for name in CONTACT_TERMS:
         before = s.node.force[: s.n_node].copy()
-        found[name] = term(sim, name).add_forces(s, pose)
+        term(sim, name).add_forces(s, pose)
+        found[name] = term(sim, name).forces
         forces[name] = s.node.force[: s.n_node] - before
     return found, forces
 
@@ -58,7 +60,8 @@ def dragged(sim, way):
     for before, place in itertools.pairwise([way[0], *way]):
         did, _ = evaluated(sim, Pose(np.eye(3), place))
         forces = did["edge_friction"]
-        forces.add_works(entries, 0.5 * (last + forces.wrench[0, :3]) @ (place - before))
+        on_tool = 0.5 * (last + forces.wrench[0, :3]) @ (place - before)
+        book(term(sim, "edge_friction"), entries, on_tool)
         last = forces.wrench[0, :3].copy()
         found.append(forces)
         pressure.append(term(sim, "edges").tables.presses.pressure.sum())
@@ -273,9 +276,9 @@ def test_same_bits_over_threads_and_a_restart(friction, tmp_path):
     wanted = go(first, rubs[-1] + 100)
     again = opening()
     load_checkpoint(again, tmp_path / "half.h5")
-    for x, book, dt in (go(opening(threads=2), rubs[-1] + 100), go(again, rubs[-1] + 100)):
+    for x, ledger, dt in (go(opening(threads=2), rubs[-1] + 100), go(again, rubs[-1] + 100)):
         np.testing.assert_array_equal(x, wanted[0])
-        assert (book, dt) == wanted[1:]
+        assert (ledger, dt) == wanted[1:]
 
 
 def test_springs_survive_a_new_list():

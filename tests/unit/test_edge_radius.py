@@ -141,7 +141,8 @@ def move(state, pose, minus, plus):
 
 def evaluate(cables, state, pose):
     state.node.force[:] = 0.0
-    return cables.add_forces(state, pose)
+    cables.add_forces(state, pose)
+    return cables.forces
 
 
 PLACES = [

@@ -6,6 +6,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
+from naive.booking import book
 from notched_strip import cutting
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.contact.friction_term import TANGENTIAL
@@ -46,9 +47,9 @@ def step(state, contact, friction, d, pose, entries, dt=DT, on_tool=0.0):
     state.node.force[:] = 0.0
     contact.add_forces(state, pose)
     pressed = state.node.force[0].copy()
-    result = friction.add_forces(state, pose)
-    result.add_works(entries, on_tool)
-    return state.node.force[0] - pressed, pressed, result
+    friction.add_forces(state, pose)
+    book(friction, entries, on_tool)
+    return state.node.force[0] - pressed, pressed, friction.forces
 
 
 def started(depth=0.05):

@@ -92,7 +92,7 @@ def test_swapped_fields_of_the_cables_are_refused(run):
     swapped = tables._replace(cables=rows._replace(area=rows.m, m=rows.area))
     call = BoundOnce(directional_cable._add_cable_forces)
     with pytest.raises(TypeError, match=r"CableRows\.area .* is another array in its place\?"):
-        call(run.pose, 1e-9, 0.0, swapped, np.zeros((1, 6)), np.zeros(3))
+        call(run.pose, 1e-9, 0.0, swapped, run.cables.touch)
     with pytest.raises(TypeError, match=r"CableRows\.area .* is another array in its place\?"):
         Holder()(swapped)
 
@@ -102,7 +102,7 @@ def test_swapped_fields_of_the_contact_are_refused(run):
     swapped = tables._replace(near=tables.near._replace(lasts=tables.nodes.contact_mass))
     call = BoundOnce(penalty_contact._add_contact_forces)
     with pytest.raises(TypeError, match=r"Lookups\.lasts .* where n_near is"):
-        call(run.pose, run.pose, 1e-9, swapped, np.zeros((1, 6)))
+        call(run.pose, run.pose, 1e-9, swapped, run.contact.touch)
 
 
 @kernel

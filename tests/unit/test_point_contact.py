@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy
 
+from naive.booking import book
 from naive.contact import smoothed
 from notched_strip import cutting
 from shellcut.arrays import Floats
@@ -70,7 +71,8 @@ def press(sim, depth, shift=(0.0, 0.0)):
     s.step += 10  # a point that rests is looked at again
     s.node.force[:] = 0.0
     place = np.array([*shift, -(GAP + depth)])
-    return term(sim).add_forces(s, Pose(np.eye(3), place))
+    term(sim).add_forces(s, Pose(np.eye(3), place))
+    return term(sim).forces
 
 
 def pressing(depth=0.02):
@@ -414,9 +416,10 @@ def rubbed(sim, way):
         s.node.force[:] = 0.0
         term(sim).add_forces(s, Pose(np.eye(3), place))
         last = rubs.forces.wrench[0, :3].copy()
-        forces = rubs.add_forces(s, Pose(np.eye(3), place))
+        rubs.add_forces(s, Pose(np.eye(3), place))
+        forces = rubs.forces
         on_tool = 0.5 * (last + forces.wrench[0, :3]) @ (place - before)
-        forces.add_works(entries, on_tool)
+        book(rubs, entries, on_tool)
         found.append(forces)
     return found, entries
 

@@ -1,35 +1,30 @@
 """The loop over the terms that touch the tool: wrench, work, stiffness, ledger and restart."""
 
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from naive import cases
+from naive.booking import book
 from notched_strip import cutting
 from shellcut.simulation.film_terms import sums_of_stored
 from shellcut.simulation.ledger import Ledger
 from shellcut.simulation.stable_step import StableStep, Stepping
 from shellcut.simulation.tool_terms import ToolTerms, WorkBook, work_on_tool
 from shellcut.tool.motion import StraightMotion
-
-
-class SpringForces(NamedTuple):
-    wrench: np.ndarray
-    node_work: float
-
-    def add_works(self, entries, on_tool):
-        entries["contact_work"] -= self.node_work + on_tool
+from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 
 class Spring:
     """A spring between a node and the origin of the tool: a term that names all it must give."""
 
     name = "spring"
+    booked = Booking("contact_work", 0, -1.0), Booking("contact_work", ON_TOOL, -1.0)
 
     def __init__(self, node, k):
         self.node, self.k = node, k
-        self.forces = SpringForces(np.zeros((1, 6)), 0.0)
+        self.touch = Touch.none(1, 1)
         self._before = None
 
     def add_forces(self, state, pose):
@@ -40,8 +35,7 @@ class Spring:
         if self._before is not None:
             work = float(0.5 * (self._before[0] + f) @ (x - self._before[1]))
         self._before = f, x
-        self.forces = SpringForces(np.concatenate([-f, np.zeros(3)])[None], work)
-        return self.forces
+        self.touch.wrench[0], self.touch.sums[0] = np.concatenate([-f, np.zeros(3)]), work
 
     def energy(self):
         return 0.5 * float(self._before[0] @ self._before[0]) / self.k
@@ -73,11 +67,11 @@ def drive(terms, state, book, steps, first=0):
 def test_a_new_term_is_in_forces_wrench_work_and_ledger():
     _, state = cases.set_up(cases.skewed_flat())
     one, two = Spring(5, 7.0), Spring(6, 3.0)
-    terms, book = ToolTerms([one, two], MOTION, 1), Ledger()
+    terms, book = ToolTerms([one, two], MOTION), Ledger()
     before = state.node.force[5].copy()
     drive(terms, state, book, 1)
-    np.testing.assert_array_equal(state.node.force[5] - before, -one.forces.wrench[0, :3])
-    np.testing.assert_array_equal(terms.wrench, one.forces.wrench + two.forces.wrench)
+    np.testing.assert_array_equal(state.node.force[5] - before, -one.touch.wrench[0, :3])
+    np.testing.assert_array_equal(terms.wrench, one.touch.wrench + two.touch.wrench)
     at_start = one.energy() + two.energy()
     drive(terms, state, book, 30, first=1)
     # Of linear springs the trapezoidal rule is exact: what tool and nodes did is what they hold.
@@ -91,13 +85,13 @@ def test_a_new_term_is_in_forces_wrench_work_and_ledger():
 def test_a_restart_goes_on_bit_for_bit():
     def run(stop):
         _, state = cases.set_up(cases.skewed_flat())
-        terms, book = ToolTerms([Spring(5, 7.0)], MOTION, 1), Ledger()
+        terms, book = ToolTerms([Spring(5, 7.0)], MOTION), Ledger()
         drive(terms, state, book, stop)
         return terms, state, book
 
     whole, _, wanted = run(20)
     terms, state, book = run(12)
-    again = ToolTerms([Spring(5, 7.0)], MOTION, 1)
+    again = ToolTerms([Spring(5, 7.0)], MOTION)
     again.restore(state, MOTION.pose(state.time), terms.saved())
     drive(again, state, book, 20, first=12)
     assert book == wanted
@@ -121,28 +115,40 @@ def test_contact_and_cables_of_a_simulation_are_terms():
     for term in sim.tool_terms:
         nodes, stiffness = held[term.name] = term.stiffness(sim.state, held)
         assert nodes.shape == stiffness.shape
-        assert term.forces.wrench.shape == (1, 6)
+        assert term.touch.wrench.shape == (1, 6)
 
 
-def test_work_of_the_tool_is_the_trapezoid_of_wrench_and_twist():
+def test_works_are_the_trapezoid_of_wrench_and_twist_and_go_into_their_entries():
     rng = np.random.default_rng(2)
     wrenches = rng.normal(size=(3, 2, 4, 6))  # three steps of two terms and four teeth
     spin, velocity = rng.normal(size=(2, 3, 3))
-    last = np.zeros((3, 6))
+    terms = [SimpleNamespace(touch=Touch.none(4, n), booked=None) for n in (2, 3)]
+    terms[0].booked = [Booking("b", 1), Booking("a", 0, -1.0), Booking("a", ON_TOOL, -1.0)]
+    terms[1].booked = [Booking("c", 2, 3.0), Booking("a", 1)]
+    rows = [(0, 1, 1), (0, 0, 0), (0, ON_TOOL, 0), (1, 2, 2), (1, 1, 0)]
+    book_of_works = WorkBook(
+        last=np.zeros((3, 6)),
+        works=np.full(2, np.nan),
+        wrenches=tuple(term.touch.wrench for term in terms),
+        sums=tuple(term.touch.sums for term in terms),
+        row=np.array(rows),
+        factor=np.array([1.0, -1.0, -1.0, 3.0, 1.0]),
+        amounts=np.full(3, np.nan),
+    )
+    last, works = book_of_works.last, book_of_works.works
     for k in range(3):
-        works = np.full(2, np.nan)
-        whole = work_on_tool(
-            wrenches=wrenches[k],
-            spin=spin[k],
-            velocity=velocity[k],
-            dt=0.1 * (k + 1),
-            book=WorkBook(last=last, works=works),
-        )
-        moved = 0.1 * (k + 1) * np.concatenate([velocity[k], spin[k]])
-        for term in range(2):
-            before = wrenches[k - 1, term].sum(axis=0) if k else np.zeros(6)
-            mean = 0.5 * (before + wrenches[k, term].sum(axis=0))
-            assert works[term] == pytest.approx(mean @ moved, rel=1e-13)
+        for term, wrench in zip(terms, wrenches[k], strict=True):
+            term.touch.wrench[:], term.touch.sums[:] = wrench, rng.normal(size=len(term.touch.sums))
+        dt = 0.1 * (k + 1)
+        whole = work_on_tool(spin[k], velocity[k], dt, book_of_works)
+        moved = dt * np.concatenate([velocity[k], spin[k]])
+        wanted = dict.fromkeys("abc", 0.0)
+        for i, term in enumerate(terms):
+            before = wrenches[k - 1, i].sum(axis=0) if k else np.zeros(6)
+            mean = 0.5 * (before + wrenches[k, i].sum(axis=0))
+            assert works[i] == pytest.approx(mean @ moved, rel=1e-13)
+            book(term, wanted, mean @ moved)
         assert whole == pytest.approx(works.sum(), rel=1e-13)
+        np.testing.assert_allclose(book_of_works.amounts, [*wanted.values()], rtol=1e-13)
     np.testing.assert_allclose(last[:2], wrenches[2].sum(axis=1), rtol=1e-14)
     np.testing.assert_allclose(last[2], wrenches[2].sum(axis=(0, 1)), rtol=1e-14)

@@ -9,4 +9,4 @@ def test_the_tiny_film_is_split_and_its_cables_meet_the_edge():
     case.simulation.run(case.duration)
     assert case.simulation.state.n_cable >= 1
     assert case.simulation.cables.n_joint_made >= 1
-    assert case.simulation.contact.forces.n_inside + case.simulation.ledger.contact_work != 0
+    assert case.simulation.contact.forces.n_touching + case.simulation.ledger.contact_work != 0

@@ -48,6 +48,7 @@ from shellcut.state import BROKEN, JOINTED, STRAIGHT, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
+from shellcut.tool.touch import Booking, Touch
 
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
@@ -75,11 +76,15 @@ class CableForces(NamedTuple):
     n_broken: int
     """Cables that broke at this evaluation."""
 
-    def add_works(self, entries: dict[str, float], _on_tool: float) -> None:
-        """Add to the ledger's entries."""
-        entries["cohesive_work"] += self.work
-        entries["cohesive_start_work"] += self.start_work
-        entries["joint_friction"] += self.friction_work
+    @classmethod
+    def of(cls, touch: Touch) -> CableForces:
+        """Return what the kernel has written."""
+        work, start_work, friction_work, n_made, n_broken, *couple = touch.sums.tolist()
+        works = work, start_work, friction_work
+        return cls(touch.wrench.copy(), np.array(couple), *works, int(n_made), int(n_broken))
+
+
+_N_SUM = 8  # the numbers of CableForces and, last, its couple
 
 
 class CableSet:
@@ -100,7 +105,6 @@ class CableSet:
         self.law = law
         self.directional = directional and tool is not None
         self._parameters = law.parameters()
-        self._n_body = tool.n_body if tool is not None else 1
         self._edges = CuttingEdges.of(tool)
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
@@ -115,12 +119,24 @@ class CableSet:
         self._hold = Holder()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
-        self.forces = CableForces(np.zeros((self._n_body, 6)), np.zeros(3), 0.0, 0.0, 0.0, 0, 0)
-        """Those of the last evaluation."""
+        self.touch = Touch.none(tool.n_body if tool is not None else 1, _N_SUM)
+        self._touch = Holder()(self.touch)
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
 
-    def add_forces(self, state: State, pose: Pose) -> CableForces:
+    booked = (
+        Booking("cohesive_work", 0),
+        Booking("cohesive_start_work", 1),
+        Booking("joint_friction", 2),
+    )
+    """What goes from the sums into the ledger."""
+
+    @property
+    def forces(self) -> CableForces:
+        """Results of the last evaluation."""
+        return CableForces.of(self.touch)
+
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Find joints, add the cable forces at t_n to the nodal forces.
 
         Parameters
@@ -130,20 +146,17 @@ class CableSet:
         pose : Pose
             Of the tool at t_n.
         """
-        wrench = np.zeros((self._n_body, 6))
-        couple = np.zeros(3)
         if state.n_cable == 0:
             self._pose = pose
-            self.forces = CableForces(wrench, couple, 0.0, 0.0, 0.0, 0, 0)
-            return self.forces
+            return
         if not self._known.is_of(state):
             self._collect(state)
         before, self._pose = self._pose or pose, pose
-        work = self._call.code(pose, before, state.dt, state.time, self._tables, wrench, couple)
-        self.forces = CableForces(wrench, couple, *work)
-        self.n_joint_made += self.forces.n_joint_made
-        self.n_broken += self.forces.n_broken
-        return self.forces
+        n_made, n_broken = self._call.code(
+            pose, before, state.dt, state.time, self._tables, self._touch
+        )
+        self.n_joint_made += n_made
+        self.n_broken += n_broken
 
     def _collect(self, state: State) -> None:
         """Lay out what the kernel takes, good until the next split."""
@@ -186,7 +199,7 @@ class CableSet:
     def saved(self) -> dict[str, Any]:
         """Return the last forces and the counts so far; the cables are in the state."""
         return {
-            "forces": self.forces._asdict(),
+            "touch": self.touch._asdict(),
             "n_joint_made": self.n_joint_made,
             "n_broken": self.n_broken,
         }
@@ -194,7 +207,7 @@ class CableSet:
     def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         self._pose = pose
-        self.forces = CableForces(**saved["forces"])
+        self.touch.take(saved["touch"])
         self.n_joint_made, self.n_broken = saved["n_joint_made"], saved["n_broken"]
 
     @property
@@ -252,15 +265,17 @@ def _add_cable_forces(
     dt: float,
     time: float,
     tables: CableTables,
-    wrench: Floats,
-    couple: Floats,
-) -> tuple[float, float, float, int, int]:
-    """Add the forces of all live cables to those of the nodes and to wrench : (n_body, 6).
+    touch: Touch,
+) -> tuple[int, int]:
+    """Add the forces of all live cables to those of the nodes.
 
-    Writes the cables' opening, stress, joint, branch directions, force and work.  Returns the work
-    on law, start force and friction, how many joints were made and how many cables broke.
+    Writes the cables' opening, stress, joint, branch directions, force and work, and touch, see
+    :class:`CableForces`.  Returns how many joints were made and how many cables broke.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    wrench, sums = borrowed(touch)
+    wrench[:], sums[:] = 0.0, 0.0
+    couple = sums[5:]
     law, nodes, cables, radius = tables.law, tables.nodes, tables.cables, tables.edges.radius
     status, opening_max = cables.status, cables.opening_max
     start_opening = law[9]
@@ -353,7 +368,8 @@ def _add_cable_forces(
             status[c] = BROKEN
             cables.end_time[c] = time
             n_broken += 1
-    return work, start_work, friction_work, n_made, n_broken
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, start_work, friction_work, n_made, n_broken
+    return n_made, n_broken
 
 
 @kernel

@@ -39,31 +39,12 @@ from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add, add_to, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
+from shellcut.tool.touch import Touch
 
 from .contact_tables import ContactTables
-from .friction_term import TANGENTIAL, FrictionTerm
+from .friction_term import DISSIPATED, TANGENTIAL, ToolFriction
 from .penalty_contact import PenaltyContact
 from .settings import STEEPEST, node_stiffness
-
-
-class FrictionForces(NamedTuple):
-    """Results of one evaluation of the friction."""
-
-    wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
-    node_work: float
-    """Work of the friction on the nodes since t_{n-1} [N·mm]."""
-    stored: float
-    """Energy of the springs at t_n [N·mm]."""
-    dissipated: float
-    """Energy dissipated by slip since t_{n-1} [N·mm]."""
-    n_slipping: int
-    """Number of nodes, or points of the tool, that slip."""
-
-    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
-        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
-        entries["friction_work"] -= self.node_work + on_tool
-        entries["friction_dissipated"] += self.dissipated
 
 
 class _Springs(NamedTuple):
@@ -75,7 +56,7 @@ class _Springs(NamedTuple):
     friction_force: Annotated[Floats, "(n_node, 3)"]
 
 
-class CoulombFriction(FrictionTerm[FrictionForces]):
+class CoulombFriction(ToolFriction):
     """Friction of all nodes in contact, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -87,8 +68,7 @@ class CoulombFriction(FrictionTerm[FrictionForces]):
     """
 
     def __init__(self, contact: PenaltyContact, coefficient: float) -> None:
-        super().__init__(contact, coefficient)
-        self.name = "friction"
+        super().__init__("friction", contact, coefficient)
         self._contact = contact
         self._tables: ContactTables | None = None
         self._springs: _Springs | None = None
@@ -96,31 +76,27 @@ class CoulombFriction(FrictionTerm[FrictionForces]):
         self._pose: Pose | None = None
         self._hold = Holder()
         self._call = BoundOnce(_add_friction_forces)
-        self._none = np.zeros((contact.tool.n_body, 6))
-        self.forces = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
-        """Results of the last evaluation."""
 
-    def add_forces(self, state: State, pose: Pose) -> FrictionForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        lost = 0.0
-        if self._tables is not self._contact.tables:
+        renewed = self._tables is not self._contact.tables
+        if renewed:
             lost = self._take_list(state)
-        wrench = self._none.copy()
-        work, stored, dissipated, n_slipping = self._call.code(
-            pose, before, state.dt, self.coefficient, self._tables, self._springs, wrench
+        self._call.code(
+            pose, before, state.dt, self.coefficient, self._tables, self._springs, self._touch
         )
-        self.forces = FrictionForces(wrench, work, stored, dissipated + lost, n_slipping)
-        return self.forces
+        if renewed:
+            self.touch.sums[DISSIPATED] += lost
 
     def saved(self) -> dict[str, Any]:
         """Return the last forces; the springs are in the state."""
-        return {"forces": self.forces._asdict()}
+        return {"touch": self.touch._asdict()}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
-        self.forces = FrictionForces(**saved["forces"])
+        self.touch.take(saved["touch"])
         self._take_list(state)
 
     def _take_list(self, state: State) -> float:
@@ -153,15 +129,16 @@ def _add_friction_forces(
     coefficient: float,
     tables: ContactTables,
     springs: _Springs,
-    wrench: Floats,
-) -> tuple[float, float, float, int]:
-    """Add the friction of the near nodes to their force and to wrench : (n_body, 6).
+    touch: Touch,
+) -> None:
+    """Add the friction of the near nodes to their force.
 
-    Writes the springs.  Returns the work on the nodes over the last step, the stored and the
-    dissipated energy, and the number of nodes that slip.
+    Writes the springs and touch, see :class:`.friction_term.FrictionForces`.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
     springs = borrowed(springs)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     nodes, near, origin = tables.nodes, tables.near, pose.translation
     spring, force = springs.friction_spring, springs.friction_force
     work = stored = dissipated = 0.0
@@ -201,4 +178,4 @@ def _add_friction_forces(
         for c in range(3):
             wrench[body, c] -= f[c]
             wrench[body, 3 + c] -= moment[c]
-    return work, stored, dissipated, n_slipping
+    sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping

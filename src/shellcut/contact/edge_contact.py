@@ -57,6 +57,7 @@ from shellcut.numerics.jit import BoundOnce
 from shellcut.state import KnownTopology, SplitRecord, State
 from shellcut.tool.pose import Pose
 from shellcut.tool.rounded_depth import ConvexNeighbours
+from shellcut.tool.touch import Touch
 
 from .contact_tables import ContactTables
 from .edge_kernel import add_edge_forces, edge_springs, list_edge_pairs
@@ -64,7 +65,7 @@ from .edge_tables import EdgeMemory, EdgeNodes, EdgePairs, EdgePresses, EdgeTabl
 from .film_edges import open_edges, rows_at
 from .film_outline import FilmOutline, Part
 from .penalty_contact import PenaltyContact
-from .press_forces import PressForces
+from .press_forces import ABSORBED, BOOKED, N_SUM, STORED, WORK, PressForces
 
 # Room for pairs at first.
 _ROOM = 256
@@ -112,34 +113,38 @@ class EdgeContact:
         """These, laid out."""
         self._call, self._list = BoundOnce(add_edge_forces), BoundOnce(list_edge_pairs)
         self._springs, self._room = BoundOnce(edge_springs), _ROOM
-        self._none = np.zeros((tool.n_body, 6))
-        self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
-        """Results of the last evaluation."""
+        self.touch, self.booked = Touch.none(tool.n_body, N_SUM), BOOKED
+        self._touch = Holder()(self.touch)
 
-    def add_forces(self, state: State, pose: Pose) -> PressForces:
+    @property
+    def forces(self) -> PressForces:
+        """Results of the last evaluation."""
+        return PressForces.of(self.touch)
+
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        work = lost = 0.0
-        if self._of_contact is not self._contact.tables:
+        renewed = self._of_contact is not self._contact.tables
+        if renewed:
             work, lost = self._renew(state, pose)
-        wrench = self._none.copy()
-        found = self._call.code(pose, before, state.dt, self._walked, self.held, wrench)
-        self.forces = PressForces(wrench, work + found[0], found[1], lost + found[2], *found[3:5])
-        self._walked = found[5]
+        self._walked = self._call.code(pose, before, state.dt, self._walked, self.held, self._touch)
+        if renewed:
+            self.touch.sums[WORK] += work
+            self.touch.sums[ABSORBED] += lost
         if self._walked > self._looked_at + self._soon:
             self.n_search, self._looked_at = self.n_search + 1, self._walked
-        return self.forces
 
-    def stiffness(self, _state: State, counted: HeldBy) -> Held:
+    def stiffness(self, state: State, counted: HeldBy) -> Held:
         """Return the ends of edges that may press soon and what they add at most [N/mm].
 
         To the stiffness of the contact of nodes that is counted.
         """
         ends, alone = self.stiffness_alone()
-        nodes, place = np.unique(ends, return_inverse=True)
-        of_contact = _of_nodes(nodes, *counted[self._contact.name])
-        more = np.bincount(place, alone, nodes.size) - of_contact
-        return nodes, np.maximum(more, 0.0)
+        # Of nothing bincount returns whole numbers.
+        more = np.bincount(ends, alone, state.n_node).astype(float)
+        nodes = np.flatnonzero(more)
+        more -= np.bincount(*counted[self._contact.name], state.n_node)
+        return nodes, np.maximum(more[nodes], 0.0)
 
     def stiffness_alone(self) -> Held:
         """Return the ends of edges that may press soon and their steepest stiffness [N/mm].
@@ -155,7 +160,7 @@ class EdgeContact:
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": self.forces.stored}
+        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def pressing(self) -> tuple[Ints, Floats]:
         """Return the ends of the edges that press, (n, 2), and the depth that does not [mm]."""
@@ -168,9 +173,9 @@ class EdgeContact:
     def saved(self) -> dict[str, Any]:
         """Return the list, what is kept of its edges, and the last forces."""
         if self.tables is None:
-            return {"forces": self.forces._asdict()}
+            return {"touch": self.touch._asdict()}
         return {
-            "forces": self.forces._asdict(),
+            "touch": self.touch._asdict(),
             "walked": self._walked,
             "looked_at": self._looked_at,
             "n_search": self.n_search,
@@ -181,7 +186,7 @@ class EdgeContact:
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the contact's."""
         self._pose = pose
-        self.forces = PressForces(**saved["forces"])
+        self.touch.take(saved["touch"])
         self.tables = self._of_contact = None
         if "pairs" not in saved:
             return
@@ -289,11 +294,3 @@ def _take_over(
     gone = np.setdiff1d(np.arange(len(was)), kept)
     power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()
     return 0.5 * state.dt * float(power), float(old.memory.stored[gone].sum())
-
-
-def _of_nodes(nodes: Ints, some: Ints, values: Floats) -> Floats:
-    """Return the values of those nodes that are among some, ascending, each once; 0 of others."""
-    if not some.size:
-        return np.zeros(nodes.size)
-    place = np.minimum(np.searchsorted(some, nodes), some.size - 1)
-    return np.where(some[place] == nodes, values[place], 0.0)

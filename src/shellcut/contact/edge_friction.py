@@ -50,12 +50,12 @@ from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.touch import Touch
 
-from .coulomb_friction import FrictionForces
 from .edge_contact import EdgeContact
 from .edge_kernel import edge_stiffness
 from .edge_tables import EdgeNodes, EdgeTables
-from .friction_term import TANGENTIAL, FrictionTerm
+from .friction_term import DISSIPATED, TANGENTIAL, WORK, ToolFriction
 from .settings import STEEPEST
 
 
@@ -89,7 +89,7 @@ class _Springs(NamedTuple):
         )
 
 
-class EdgeFriction(FrictionTerm[FrictionForces]):
+class EdgeFriction(ToolFriction):
     """Friction of the film's edges, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -101,8 +101,7 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
     """
 
     def __init__(self, edges: EdgeContact, coefficient: float) -> None:
-        super().__init__(edges, coefficient)
-        self.name = "edge_friction"
+        super().__init__("edge_friction", edges, coefficient)
         self._edges = edges
         self._of: EdgeTables | None = None
         self._springs = _Springs.at_rest(np.zeros((0, 2), np.int64))
@@ -110,9 +109,6 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
         self._pose: Pose | None = None
         self._hold = Holder()
         self._call, self._let_go = BoundOnce(_add_edge_friction), BoundOnce(_let_go)
-        self._none = np.zeros_like(edges.forces.wrench)
-        self.forces = self._idle = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
-        """Results of the last evaluation."""
 
     def stiffness(self, state: State, counted: HeldBy) -> Held:
         """Return the ends of edges that may press soon and what friction adds there [N/mm]."""
@@ -122,30 +118,31 @@ class EdgeFriction(FrictionTerm[FrictionForces]):
             np.concatenate([slips[1], TANGENTIAL / STEEPEST * springs[1]]),
         )
 
-    def add_forces(self, state: State, pose: Pose) -> FrictionForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        work = lost = 0.0
-        if self._of is not self._edges.tables:
+        quiet, renewed = self._is_quiet(), self._of is not self._edges.tables
+        if renewed:
             work, lost = self._take_list(state, before, pose)
-        elif not self._edges.forces.n_touching and self.forces.stored == 0.0:
-            self.forces = self._idle  # nothing presses, and no spring is held
-            return self.forces
-        wrench = self._none.copy()
-        found = self._call.code(
-            pose, before, state.dt, self.coefficient, self._edges.held, self._held, wrench
+        elif quiet and self._rests:
+            return
+        self._call.code(
+            pose, before, state.dt, self.coefficient, self._edges.held, self._held, self._touch
         )
-        self.forces = FrictionForces(wrench, work + found[0], found[1], lost + found[2], found[3])
-        return self.forces
+        if renewed:
+            self.touch.sums[WORK] += work
+            self.touch.sums[DISSIPATED] += lost
+        self._rests = quiet and not renewed
 
     def saved(self) -> dict[str, Any]:
         """Return the springs and the last forces."""
-        return {"springs": self._springs._asdict(), "forces": self.forces._asdict()}
+        return {"springs": self._springs._asdict(), "touch": self.touch._asdict()}
 
     def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the edges'."""
         self._pose = pose
-        self.forces = FrictionForces(**saved["forces"])
+        self.touch.take(saved["touch"])
+        self._rests = False
         self._take(_Springs(**{name: rows.copy() for name, rows in saved["springs"].items()}))
 
     def _take_list(self, state: State, before: Pose, pose: Pose) -> tuple[float, float]:
@@ -205,15 +202,16 @@ def _add_edge_friction(
     coefficient: float,
     tables: EdgeTables,
     springs: _Springs,
-    wrench: Floats,
-) -> tuple[float, float, float, int]:
-    """Add the friction of the edges to the forces of their ends and to wrench : (n_body, 6).
+    touch: Touch,
+) -> None:
+    """Add the friction of the edges to the forces of their ends.
 
-    Writes the springs.  Returns the work on the nodes over the last step, the stored and the
-    dissipated energy, and the number of edges that slip.
+    Writes the springs and touch, see :class:`.friction_term.FrictionForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     springs = borrowed(springs)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     presses, nodes, origin = tables.presses, tables.nodes, pose.translation
     work = stored = dissipated = 0.0
     n_slipping = 0
@@ -256,4 +254,4 @@ def _add_edge_friction(
         store(springs.spring, i, new)
         store(springs.pull, i, pull)
         store(springs.force, i, f)
-    return work, stored, dissipated, n_slipping
+    sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping

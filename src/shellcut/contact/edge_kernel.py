@@ -12,6 +12,7 @@ from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.pose import Pose, to_body, turn
+from shellcut.tool.touch import Touch
 
 from .captured_edges import closest_along, place_at
 from .edge_hills import Hills, hills_of, no_hills
@@ -174,16 +175,16 @@ def _capture(
 
 @kernel
 def add_edge_forces(
-    pose: Pose, before: Pose, dt: float, walked: float, held: EdgeTables, wrench: Floats
-) -> tuple[float, float, float, int, float, float]:
-    """Add the forces of the listed edges to those of their ends and to wrench : (n_body, 6).
+    pose: Pose, before: Pose, dt: float, walked: float, held: EdgeTables, touch: Touch
+) -> float:
+    """Add the forces of the listed edges to those of their ends; return the way walked.
 
     walked : way that film and tool may have come nearer since the list was made [mm].  Writes the
-    memory, and what friction needs.  Returns the work on the nodes over the last step, the stored
-    energy, that of springs that have let go, the number of edges that press, the largest depth and
-    the way walked.
+    memory, what friction needs, and touch, see :class:`.press_forces.PressForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(held)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     pairs, memory, nodes, law = tables.pairs, tables.memory, tables.nodes, tables.law
     presses, deepest = tables.presses, 0.0
     of_tool = tool_way(pose, before, tables.radius)
@@ -225,7 +226,8 @@ def add_edge_forces(
         if -change > jump:  # its side is another one now
             absorbed += had - memory.stored[i]
     tables.captured[:], tables.across[:] = 0, -1  # tables are compared after a restart
-    return work, stored, absorbed, n_touching, deepest, walked
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
+    return walked
 
 
 @inline

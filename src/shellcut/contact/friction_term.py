@@ -10,13 +10,16 @@ TANGENTIAL²). What that is more than a k enters the bound on the step, 4 % of a
 
 from __future__ import annotations
 
-from typing import Generic, Protocol, TypeVar
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from shellcut.arrays import Held, HeldBy
+from shellcut.arrays import Floats, Held, HeldBy
+from shellcut.numerics.held_table import Holder
 from shellcut.state import State
+from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
+from .press_forces import TOUCHING
 from .settings import STEEPEST
 
 TANGENTIAL = 0.5
@@ -37,15 +40,12 @@ class _Pressing(Protocol):
     def name(self) -> str: ...
 
 
-class _Stored(Protocol):
+class _PressingOnTool(_Pressing, Protocol):
     @property
-    def stored(self) -> float: ...
+    def touch(self) -> Touch: ...
 
 
-_Forces = TypeVar("_Forces", bound=_Stored)
-
-
-class FrictionTerm(Generic[_Forces]):
+class FrictionTerm:
     """The part of a term that is the same whatever presses.
 
     Parameters
@@ -55,9 +55,6 @@ class FrictionTerm(Generic[_Forces]):
     coefficient : float
         mu.
     """
-
-    forces: _Forces
-    """Results of the last evaluation."""
 
     def __init__(self, pressing: _Pressing, coefficient: float) -> None:
         self.coefficient = coefficient
@@ -73,6 +70,70 @@ class FrictionTerm(Generic[_Forces]):
         near, penalty = counted[self._pressing.name]
         return near, stiffer_by(self.coefficient) * penalty
 
+
+class FrictionForces(NamedTuple):
+    """Results of one evaluation of the friction."""
+
+    wrench: Floats
+    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
+    node_work: float
+    """Work of the friction on the nodes since t_{n-1} [N·mm]."""
+    dissipated: float
+    """Energy dissipated by slip since t_{n-1} [N·mm]."""
+    stored: float
+    """Energy of the springs at t_n [N·mm]."""
+    n_slipping: int
+    """Number of nodes, points of the tool or edges of the film that slip."""
+
+    @classmethod
+    def of(cls, touch: Touch) -> FrictionForces:
+        """Return what a kernel has written."""
+        work, dissipated, stored, n_slipping = touch.sums.tolist()
+        return cls(touch.wrench.copy(), work, dissipated, stored, int(n_slipping))
+
+
+WORK, DISSIPATED, STORED = 0, 1, 2
+"""Columns of :attr:`shellcut.tool.touch.Touch.sums`, in the order of the fields."""
+
+
+class ToolFriction(FrictionTerm):
+    """The part of a friction on the tool that is the same whatever presses.
+
+    Parameters
+    ----------
+    name : str
+        Of the term.
+    pressing : term
+        Whose pressure it acts across; evaluated before this in every step.
+    coefficient : float
+        mu.
+    """
+
+    booked = (
+        Booking("friction_work", WORK, -1.0),
+        Booking("friction_work", ON_TOOL, -1.0),
+        Booking("friction_dissipated", DISSIPATED),
+    )
+    """What goes from the sums into the ledger."""
+
+    def __init__(self, name: str, pressing: _PressingOnTool, coefficient: float) -> None:
+        super().__init__(pressing, coefficient)
+        self.name, self._on_tool = name, pressing.touch
+        n_body = len(pressing.touch.wrench)
+        self.touch = Touch.none(n_body, len(FrictionForces._fields) - 1)
+        self._touch = Holder()(self.touch)
+        self._rests = True  # no evaluation would change what the last one has written
+
+    @property
+    def forces(self) -> FrictionForces:
+        """Results of the last evaluation."""
+        return FrictionForces.of(self.touch)
+
+    def _is_quiet(self) -> bool:
+        """Whether nothing presses and no spring is held."""
+        pressed = self._on_tool.sums[TOUCHING] > 0.0
+        return not pressed and bool(self.touch.sums[STORED] == 0.0)
+
     def stored(self, _state: State) -> dict[str, float]:
         """Return the energy of the springs at the last evaluation, by its name in the ledger."""
-        return {"friction_stored": self.forces.stored}
+        return {"friction_stored": float(self.touch.sums[STORED])}

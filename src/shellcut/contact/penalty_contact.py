@@ -31,7 +31,7 @@ rebounds with no more energy than it came with.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -54,9 +54,11 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
 from shellcut.tool.signed_distance import signed_distance, signed_distance_to
 from shellcut.tool.tool import Tool
+from shellcut.tool.touch import Touch
 
 from .contact_tables import ContactNodes, ContactTables, ContactTool, Lookups
 from .near_nodes import NearNodes
+from .press_forces import BOOKED, N_SUM, STORED, PressForces
 from .settings import (
     Contact,
     PenaltyLaw,
@@ -78,28 +80,6 @@ _ROUND_OFF = 1e-10
 
 # Of the local edge length: up to there from the crack's plane quads decide a node's side.
 _UNDECIDED = 0.1
-
-
-class ContactForces(NamedTuple):
-    """Results of one evaluation of the contact."""
-
-    wrench: Floats
-    """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
-    node_work: float
-    """Work of the contact on the nodes since t_{n-1} [N·mm]."""
-    stored: float
-    """Penalty energy k ∫ f dg at t_n [N·mm]."""
-    absorbed: float
-    """Energy taken up by absorbed jumps since t_{n-1}; negative: given to the film [N·mm]."""
-    n_inside: int
-    """Number of nodes inside the tool."""
-    deepest: float
-    """Largest depth [mm]."""
-
-    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
-        """Add to the ledger's entries, ``on_tool`` being the work of the wrench."""
-        entries["contact_work"] -= self.node_work + on_tool
-        entries["contact_absorbed"] += self.absorbed
 
 
 class PenaltyContact:
@@ -130,7 +110,6 @@ class PenaltyContact:
         self.name = "contact"
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
-        self._n_body = tool.n_body
         self.grid = ClosestTriangleGrid.of(tool)
         """Finds the surface near a point."""
         self._edges = CuttingEdges.of(tool)
@@ -153,21 +132,23 @@ class PenaltyContact:
         """What the kernel takes, anew with each list."""
         self._hold = Holder()
         self._call = BoundOnce(_add_contact_forces)
-        self.forces = ContactForces(np.zeros((tool.n_body, 6)), 0.0, 0.0, 0.0, 0, 0.0)
-        """Results of the last evaluation."""
+        self.touch, self.booked = Touch.none(tool.n_body, N_SUM), BOOKED
+        self._touch = Holder()(self.touch)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
 
-    def add_forces(self, state: State, pose: Pose) -> ContactForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the contact forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
         if self.near.renew(state, pose):
             self._take_list(state)
-        wrench = np.zeros((self._n_body, 6))
-        found = self._call.code(pose, before, state.dt, self.tables, wrench)
-        self.forces = ContactForces(wrench, *found)
-        self.deepest = max(self.deepest, self.forces.deepest)
-        return self.forces
+        deepest = self._call.code(pose, before, state.dt, self.tables, self._touch)
+        self.deepest = max(self.deepest, deepest)
+
+    @property
+    def forces(self) -> PressForces:
+        """Results of the last evaluation."""
+        return PressForces.of(self.touch)
 
     @property
     def n_search(self) -> int:
@@ -181,7 +162,7 @@ class PenaltyContact:
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": self.forces.stored}
+        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def near_nodes(self, state: State) -> Ints:
         """Return the nodes that may come into contact soon; before the first evaluation none.
@@ -195,7 +176,7 @@ class PenaltyContact:
         return {
             "near": self.near.saved(),
             "lookups": self.lookups._asdict(),
-            "forces": self.forces._asdict(),
+            "touch": self.touch._asdict(),
             "deepest": self.deepest,
         }
 
@@ -204,7 +185,8 @@ class PenaltyContact:
         self._pose = pose
         self.near.restore(state, saved["near"])
         self.lookups = Lookups(**{name: rows.copy() for name, rows in saved["lookups"].items()})
-        self.forces, self.deepest = ContactForces(**saved["forces"]), saved["deepest"]
+        self.touch.take(saved["touch"])
+        self.deepest = saved["deepest"]
         self._collect(state)
 
     def _take_list(self, state: State) -> None:
@@ -393,20 +375,21 @@ def _put_on(n: int, f: Vec3, body: int, pose: Pose, nodes: ContactNodes, wrench:
 
 @kernel
 def _add_contact_forces(
-    pose: Pose, pose_before: Pose, dt: float, tables: ContactTables, wrench: Floats
-) -> tuple[float, float, float, int, float]:
-    """Add contact forces of the near nodes to their force and to wrench : (n_body, 6).
+    pose: Pose, pose_before: Pose, dt: float, tables: ContactTables, touch: Touch
+) -> float:
+    """Add contact forces of the near nodes to their force; return the largest depth [mm].
 
-    Writes the look-ups and these nodes' contact fields. Returns the work on the nodes over the last
-    step, stored and absorbed energy, the number of nodes inside and the largest depth.
+    Writes the look-ups, these nodes' contact fields, and touch, see :class:`PressForces`.
     """
     pose, pose_before, tables = borrowed(pose), borrowed(pose_before), borrowed(tables)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     tool, law, near, nodes = tables.tool, tables.law, tables.near, tables.nodes
     g_m = law.smoothing_depth
     ids, place, lasts, within = near.node, near.place, near.lasts, near.within
     x, side = nodes.x, nodes.contact_side
     work = stored = absorbed = deepest = 0.0
-    n_inside = 0
+    n_touching = 0
     for i in range(ids.shape[0]):
         n = ids[i]
         p = to_body(load(x, n), pose)
@@ -428,7 +411,7 @@ def _add_contact_forces(
         near.depth[i] = g
         store(near.out, i, outward)
         impact, back = _impact(n, p, g, dt, pose_before, tables)
-        n_inside, deepest = n_inside + 1, max(deepest, g)
+        n_touching, deepest = n_touching + 1, max(deepest, g)
         stiffness = nodes.contact_share[n] * node_stiffness(nodes.contact_area[n], law)
         loaded, absorbed = _loaded_depth(n, g, stiffness, dt, absorbed, tables)
         magnitude = stiffness * smoothed(loaded, g_m)
@@ -447,4 +430,5 @@ def _add_contact_forces(
         f = scale(magnitude, direction)
         work += 0.5 * dt * dot(add(old, f), moved)
         _put_on(n, f, tool.triangle_body[triangle], pose, nodes, wrench)
-    return work, stored, absorbed, n_inside, deepest
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
+    return deepest

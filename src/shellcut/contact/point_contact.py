@@ -50,6 +50,7 @@ from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.vec3 import cross, dot, load, norm, scale, store, sub
 from shellcut.state import KnownTopology, State, local_edge_length
 from shellcut.tool.pose import Pose, to_space, turn
+from shellcut.tool.touch import Touch
 
 from .contact_points import contact_points
 from .foot_on_quad import (
@@ -64,7 +65,7 @@ from .near_nodes import largest_speed, tool_way
 from .penalty_contact import PenaltyContact
 from .point_search import list_pairs, whole_quads_near
 from .point_tables import PointFilm, PointPairs, PointSprings, PointTables
-from .press_forces import PressForces
+from .press_forces import BOOKED, N_SUM, STORED, PressForces
 from .settings import STEEPEST, node_stiffness, smoothed, smoothed_integral
 
 CAPTURE = 0.5
@@ -106,7 +107,6 @@ class PointContact:
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         self.name = "points"
         self._contact, self._slack = contact, _SLACK * edge_length
-        self._none = np.zeros((contact.tool.n_body, 6))
         self.points = contact_points(contact.tool, edge_length)
         """Those of the tool, in its body frame."""
         self._radius = float(np.linalg.norm(self.points.place, axis=1).max(initial=0.0))
@@ -125,18 +125,22 @@ class PointContact:
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
         self._soon = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
-        self.forces = PressForces(self._none, 0.0, 0.0, 0.0, 0, 0.0)
-        """Results of the last evaluation."""
+        self.touch, self.booked = Touch.none(contact.tool.n_body, N_SUM), BOOKED
+        self._touch = Holder()(self.touch)
 
-    def add_forces(self, state: State, pose: Pose) -> PressForces:
+    @property
+    def forces(self) -> PressForces:
+        """Results of the last evaluation."""
+        return PressForces.of(self.touch)
+
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose, pose
         if not self._known.is_of(state) or self._walked > self._look_at or state.step == 0:
             self._renew(state, pose)
-        wrench = self._none.copy()
-        found = self._call.code(pose, before, state.dt, self._walked, self.tables, wrench)
-        self.forces, self._walked = PressForces(wrench, *found[:5]), found[5]
-        return self.forces
+        self._walked = self._call.code(
+            pose, before, state.dt, self._walked, self.tables, self._touch
+        )
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -154,7 +158,7 @@ class PointContact:
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the penalty energy at the last evaluation, by its name in the ledger [N·mm]."""
-        return {"contact_stored": self.forces.stored}
+        return {"contact_stored": float(self.touch.sums[STORED])}
 
     def saved(self) -> dict[str, Any]:
         """Return the springs, the list with the pose and places of its search, the last forces."""
@@ -167,7 +171,7 @@ class PointContact:
             "look_at": self._look_at,
             "pose": self._listed_pose._asdict(),
             "revision": self._known.revision,
-            "forces": self.forces._asdict(),
+            "touch": self.touch._asdict(),
         }
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
@@ -179,7 +183,7 @@ class PointContact:
         self._listed_pose, self._pose = Pose(**saved["pose"]).copied(), pose
         self.n_search = saved["n_search"]
         self._known.restore(saved["revision"], state)
-        self.forces = PressForces(**saved["forces"])
+        self.touch.take(saved["touch"])
         self._collect(state)
 
     def _renew(self, state: State, pose: Pose) -> None:
@@ -287,15 +291,16 @@ def _closest_quad(i: int, p: Vec3, tables: PointTables) -> tuple[int, float, flo
 
 @kernel
 def _add_point_forces(
-    pose: Pose, before: Pose, dt: float, walked: float, tables: PointTables, wrench: Floats
-) -> tuple[float, float, float, int, float, float]:
-    """Add the forces of the listed points to those of the nodes and to wrench : (n_body, 6).
+    pose: Pose, before: Pose, dt: float, walked: float, tables: PointTables, touch: Touch
+) -> float:
+    """Add the forces of the listed points to those of the nodes; return the way walked.
 
     walked : way that points and film may have come nearer since the list was made [mm].  Writes the
-    springs.  Returns the work on the nodes over the last step, the stored energy, that of springs
-    that have let go, the number of points that press, the largest depth and the way walked.
+    springs and touch, see :class:`.press_forces.PressForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     points, springs, film, law = tables.points, tables.springs, tables.film, tables.law
     pairs, side, depth, until = tables.pairs, springs.side, springs.depth, springs.until
     origin = pose.translation
@@ -365,7 +370,8 @@ def _add_point_forces(
                 film.force[springs.node[k, corner], c] += springs.weight[k, corner] * f[c]
             wrench[body, c] -= f[c]
             wrench[body, 3 + c] -= moment[c]
-    return work, stored, absorbed, n_touching, deepest, walked
+    sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
+    return walked
 
 
 @inline

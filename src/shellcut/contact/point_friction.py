@@ -32,9 +32,9 @@ from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, store, sub
 from shellcut.state import State
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
+from shellcut.tool.touch import Touch
 
-from .coulomb_friction import FrictionForces
-from .friction_term import TANGENTIAL, FrictionTerm
+from .friction_term import TANGENTIAL, ToolFriction
 from .point_contact import PointContact
 from .point_tables import PointFilm, PointTables
 from .settings import node_stiffness
@@ -68,7 +68,7 @@ class _Springs(NamedTuple):
         )
 
 
-class PointFriction(FrictionTerm[FrictionForces]):
+class PointFriction(ToolFriction):
     """Friction of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
 
     Parameters
@@ -80,38 +80,33 @@ class PointFriction(FrictionTerm[FrictionForces]):
     """
 
     def __init__(self, points: PointContact, coefficient: float) -> None:
-        super().__init__(points, coefficient)
-        self.name = "point_friction"
+        super().__init__("point_friction", points, coefficient)
         self._points = points
         self._take(_Springs.at_rest(len(points.points.place)))
         self._pose: Pose | None = None
         self._call = BoundOnce(_add_point_friction)
-        self._none = np.zeros_like(points.forces.wrench)
-        self.forces = self._idle = FrictionForces(self._none, 0.0, 0.0, 0.0, 0)
-        """Results of the last evaluation."""
 
-    def add_forces(self, state: State, pose: Pose) -> FrictionForces:
+    def add_forces(self, state: State, pose: Pose) -> None:
         """Add the friction at t_n to the nodal forces, with the tool at the given pose."""
         before, self._pose = self._pose or pose, pose
-        if not self._points.forces.n_touching and self.forces.stored == 0.0:
-            self.forces = self._idle  # nothing presses, and no spring is held
-            return self.forces
-        wrench = self._none.copy()
-        found = self._call.code(
-            pose, before, state.dt, self.coefficient, self._points.tables, self._held, wrench
+        quiet = self._is_quiet()
+        if quiet and self._rests:
+            return
+        self._call.code(
+            pose, before, state.dt, self.coefficient, self._points.tables, self._held, self._touch
         )
-        self.forces = FrictionForces(wrench, *found)
-        return self.forces
+        self._rests = quiet
 
     def saved(self) -> dict[str, Any]:
         """Return the springs and the last forces."""
-        return {"springs": self._springs._asdict(), "forces": self.forces._asdict()}
+        return {"springs": self._springs._asdict(), "touch": self.touch._asdict()}
 
     def restore(self, _state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose; after the points'."""
         self._pose = pose
         self._take(_Springs(**{name: rows.copy() for name, rows in saved["springs"].items()}))
-        self.forces = FrictionForces(**saved["forces"])
+        self.touch.take(saved["touch"])
+        self._rests = False
 
     def _take(self, springs: _Springs) -> None:
         self._springs, self._held = springs, Holder()(springs)
@@ -138,15 +133,16 @@ def _add_point_friction(
     coefficient: float,
     tables: PointTables,
     springs: _Springs,
-    wrench: Floats,
-) -> tuple[float, float, float, int]:
-    """Add the friction of the points to the forces of their nodes and to wrench : (n_body, 6).
+    touch: Touch,
+) -> None:
+    """Add the friction of the points to the forces of their nodes.
 
-    Writes the springs.  Returns the work on the nodes over the last step, the stored and the
-    dissipated energy, and the number of points that slip.
+    Writes the springs and touch, see :class:`.friction_term.FrictionForces`.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     springs = borrowed(springs)
+    wrench, sums = borrowed(touch)
+    wrench[:] = 0.0
     points, presses, film, origin = tables.points, tables.springs, tables.film, pose.translation
     work = stored = dissipated = 0.0
     n_slipping = 0
@@ -193,4 +189,4 @@ def _add_point_friction(
         store(springs.spring, k, new)
         store(springs.pull, k, pull)
         store(springs.force, k, f)
-    return work, stored, dissipated, n_slipping
+    sums[0], sums[1], sums[2], sums[3] = work, dissipated, stored, n_slipping

@@ -75,7 +75,7 @@ class SelfFrictionForces(NamedTuple):
 _IDLE = SelfFrictionForces(0.0, 0.0, 0.0, 0)
 
 
-class SelfFriction(FrictionTerm[SelfFrictionForces]):
+class SelfFriction(FrictionTerm):
     """Friction of the film on itself, a :class:`shellcut.simulation.film_terms.FilmTerm`.
 
     Parameters
@@ -111,6 +111,10 @@ class SelfFriction(FrictionTerm[SelfFrictionForces]):
         work, stored, n_slipping = self._call.code(state.dt, self.coefficient, held, self._held)
         self.forces = SelfFrictionForces(work, stored, before - stored - work, n_slipping)
         return self.forces
+
+    def stored(self, _state: State) -> dict[str, float]:
+        """Return the energy of the springs at the last evaluation, by its name in the ledger."""
+        return {"friction_stored": self.forces.stored}
 
     def saved(self) -> dict[str, Any]:
         """Return the last forces; the springs are in the contact's memory."""

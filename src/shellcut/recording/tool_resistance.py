@@ -118,7 +118,7 @@ class Resistance:
         """Yield name, unit and value of its columns of the history."""
         time, origin = sim.state.time, sim.pose.translation
         of_terms = [
-            (term.name, self.of(term.forces.wrench.sum(axis=0), origin, time))
+            (term.name, self.of(term.touch.wrench.sum(axis=0), origin, time))
             for term in sim.tool_terms
         ]
         for k, (figure, unit) in enumerate(self.columns):
@@ -128,7 +128,7 @@ class Resistance:
         first, unit = self.columns[0]
         for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
             yield f"{first}_tooth_{tooth}", unit, self.of(wrench, origin, time)[0]
-        whole = sum(term.forces.wrench.sum(axis=0) for term in sim.tool_terms)
+        whole = sum(term.touch.wrench.sum(axis=0) for term in sim.tool_terms)
         components = self.components(whole, origin)
         for (component, unit), value in zip(COMPONENTS, components, strict=True):
             yield component, unit, value

@@ -167,7 +167,7 @@ class Simulation:
             tool, contact, *film, self.fracture, polygons_of(self)
         )
         touching.append(self.cables)
-        self.tool_terms = ToolTerms(touching, self.motion, tool.n_body if tool else 1)
+        self.tool_terms = ToolTerms(touching, self.motion)
         """What touches the tool."""
         self.pose = Pose.at_origin()
         """Of the tool at t_n."""

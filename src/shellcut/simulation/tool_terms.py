@@ -3,7 +3,7 @@
 Contact and cables touch the tool, each in its own way. :class:`ToolTerm` names what the simulation
 asks of such a term: forces on the nodes with the wrench on the tool, its stiffness for the time
 step, its entries in the ledger, and what it keeps from step to step. :class:`ToolTerms` goes
-through the list, sums the wrenches and works out the work of the tool.
+through the list, sums the wrenches, works out the work of the tool and books what each has done.
 """
 
 from __future__ import annotations
@@ -13,31 +13,16 @@ from typing import Annotated, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from shellcut.arrays import Floats, Held, HeldBy
+from shellcut.arrays import Floats, Held, HeldBy, Ints
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.held_table import Holder
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
+from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 from .ledger import Ledger
-
-
-class TouchForces(Protocol):
-    """What a term did in one evaluation."""
-
-    @property
-    def wrench(self) -> Floats:
-        """Force [N] and moment about the body origin [N·mm] on each tooth, shape (n_body, 6)."""
-        ...
-
-    def add_works(self, entries: dict[str, float], on_tool: float) -> None:
-        """Add what it has done in this step to entries of the ledger, by their names [N·mm].
-
-        ``on_tool`` is the work of the wrench on the tool since t_{n-1}.
-        """
-        ...
 
 
 class ToolTerm(Protocol):
@@ -49,12 +34,20 @@ class ToolTerm(Protocol):
         ...
 
     @property
-    def forces(self) -> TouchForces:
-        """What it did in the last evaluation; zeros before the first."""
+    def touch(self) -> Touch:
+        """What it did in the last evaluation; its arrays stay in their place."""
         ...
 
-    def add_forces(self, state: State, pose: Pose) -> TouchForces:
-        """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n."""
+    @property
+    def booked(self) -> Sequence[Booking]:
+        """What goes from there into the ledger at every step."""
+        ...
+
+    def add_forces(self, state: State, pose: Pose) -> None:
+        """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
+
+        Writes ``touch``.
+        """
         ...
 
     @property
@@ -96,17 +89,27 @@ class ToolTerms:
         Later ones see the nodal forces of those before.
     motion : Motion, optional
         Of the tool, if there is one.
-    n_body : int
-        Number of teeth.
     """
 
-    def __init__(self, terms: Sequence[ToolTerm], motion: Motion | None, n_body: int) -> None:
+    def __init__(self, terms: Sequence[ToolTerm], motion: Motion | None) -> None:
         self._terms, self._motion = tuple(terms), motion
+        touches = [term.touch for term in self._terms]
+        booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked]
+        self._entries = sorted({entry for _, entry, *_ in booked})
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
         self._last = np.zeros((len(self._terms) + 1, 6))
-        self._works = np.zeros(len(self._terms))
-        self._none = self._works.tolist()
-        self._book = Holder()(WorkBook(last=self._last, works=self._works))
+        self._amounts = np.zeros(len(self._entries))
+        self._book = Holder()(
+            WorkBook(
+                last=self._last,
+                works=np.zeros(len(self._terms)),
+                wrenches=tuple(touch.wrench for touch in touches),
+                sums=tuple(touch.sums for touch in touches),
+                row=np.array([(k, c, self._entries.index(e)) for k, e, c, _ in booked], np.int64),
+                factor=np.array([factor for *_, factor in booked]),
+                amounts=self._amounts,
+            )
+        )
         self._work_on_tool = BoundOnce(work_on_tool)
 
     def __iter__(self) -> Iterator[ToolTerm]:
@@ -115,27 +118,23 @@ class ToolTerms:
     @property
     def wrench(self) -> Floats:
         """Wrench on each tooth, of all terms together, shape (n_body, 6)."""
-        first, *others = (term.forces.wrench for term in self._terms)
-        return np.asarray(sum(others, first))
+        first, *others = (term.touch.wrench for term in self._terms)
+        return np.asarray(sum(others, first.copy()))
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
-        wrenches = []
         for term in self._terms:
-            wrenches.append(term.add_forces(state, pose).wrench)
-        works = self._none
+            term.add_forces(state, pose)
+        spin = velocity = _STILL
         if self._motion is not None:
             spin, velocity = self._motion.twist(state.time - 0.5 * state.dt)
             # A motion may give views of any kind; kernels take rows.
             spin = np.ascontiguousarray(spin, float)
             velocity = np.ascontiguousarray(velocity, float)
-            ledger.tool_work -= self._work_on_tool.code(
-                tuple(wrenches), spin, velocity, state.dt, self._book
-            )
-            works = self._works.tolist()
+        ledger.tool_work -= self._work_on_tool.code(spin, velocity, state.dt, self._book)
         entries = vars(ledger)
-        for term, on_tool in zip(self._terms, works, strict=True):
-            term.forces.add_works(entries, on_tool)
+        for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
+            entries[entry] += amount
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and the wrenches of the last step."""
@@ -148,29 +147,35 @@ class ToolTerms:
             term.restore(state, pose, saved[term.name])
 
 
+_STILL = np.zeros(3)
+
+
 class WorkBook(NamedTuple):
-    """Wrenches and works, which the kernel writes."""
+    """What the terms have done, and where it goes."""
 
     last: Annotated[Floats, "(n_sum, 6)"]
     """Wrenches on the whole tool at t_{n-1}, of each term and of all; replaced by those at t_n."""
     works: Annotated[Floats, "(n_term,)"]
-    """Of each term over the step [N·mm]."""
+    """Of each term on the tool over the step [N·mm], written."""
+    wrenches: tuple[Floats, ...]
+    """Of each term, (n_body, 6)."""
+    sums: tuple[Floats, ...]
+    """Of each term, see :class:`shellcut.tool.touch.Touch`."""
+    row: Annotated[Ints, "(n_booked, 3)"]
+    """Term, column and entry of what is booked."""
+    factor: Annotated[Floats, "(n_booked,)"]
+    """Times which it is."""
+    amounts: Annotated[Floats, "(n_entry,)"]
+    """What comes to the entries over the step [N·mm], written."""
 
 
 @kernel
-def work_on_tool(
-    wrenches: tuple[Floats, ...],
-    spin: Floats,
-    velocity: Floats,
-    dt: float,
-    book: WorkBook,
-) -> float:
-    """Return the work on the tool over a step [N·mm]; write that of each term.
+def work_on_tool(spin: Floats, velocity: Floats, dt: float, book: WorkBook) -> float:
+    """Return the work on the tool over a step [N·mm]; write that of each term, and the amounts.
 
-    wrenches : of each term (n_body, 6), force [N] and moment [N·mm] on each tooth at t_n.  spin,
-    velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.
+    spin, velocity : (3,), of the body's origin [rad/s, mm/s] at t_{n-1/2}.
     """
-    last, works = borrowed(book)
+    last, works, wrenches, sums, row, factor, amounts = borrowed(book)
     n_term = len(wrenches)
     works[:] = 0.0
     work = 0.0
@@ -186,4 +191,9 @@ def work_on_tool(
             total += one
         work += 0.5 * (last[n_term, c] + total) * moved
         last[n_term, c] = total
+    amounts[:] = 0.0
+    for i in range(row.shape[0]):
+        k, column = row[i, 0], row[i, 1]
+        done = works[k] if column == ON_TOOL else sums[k][column]
+        amounts[row[i, 2]] += factor[i] * done
     return work

@@ -1,0 +1,46 @@
+"""What a force term does to the tool and puts into the ledger, as its kernel writes it.
+
+Everything a term has to tell after a step lies in two arrays that stay where they are. Kernels take
+them, with other tables, as one address; nothing is made anew in a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arrays import Floats
+
+ON_TOOL = -1
+"""Column of a :class:`Booking` that stands for the work of the wrench on the tool."""
+
+
+class Touch(NamedTuple):
+    """Results of the last evaluation of a term; zeros before the first."""
+
+    wrench: Annotated[Floats, "(n_body, 6)"]
+    """Force [N] and moment about the body origin [N·mm] on each tooth."""
+    sums: Annotated[Floats, "(n_sum,)"]
+    """Works since t_{n-1} and energies [N·mm], counts and depths, in the term's own order."""
+
+    @classmethod
+    def none(cls, n_body: int, n_sum: int) -> Touch:
+        """Return one that nothing has been written to."""
+        return cls(np.zeros((n_body, 6)), np.zeros(n_sum))
+
+    def take(self, saved: Mapping[str, Any]) -> None:
+        """Take over ``_asdict()`` of another, in place."""
+        self.wrench[:], self.sums[:] = saved["wrench"], saved["sums"]
+
+
+class Booking(NamedTuple):
+    """A sum that goes into the ledger at every step."""
+
+    entry: str
+    """Of the ledger."""
+    column: int
+    """Of ``sums``, or ``ON_TOOL``."""
+    factor: float = 1.0
+    """Times which it is added."""
