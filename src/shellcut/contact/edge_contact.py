@@ -26,7 +26,7 @@ linear and Phi convex.
 not cut and turn by more than 10 deg, or less where a chord of the film's length may lie an eighth
 of the film's thickness deep under them, as on a round bar of facets; both are listed whenever the
 contact of the nodes lists those near. A pair is looked at again when film and tool may have come so
-near that they touch, and the step when they have walked a quarter of an edge.
+near that they touch, and the step when they have walked half of an edge.
 
 *Sides.* An edge takes the side of the blade that its ends have, and keeps it while it is deeper
 than its chord. Where they have different ones, or it is closer to the other side than to its own,

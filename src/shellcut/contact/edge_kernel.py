@@ -285,7 +285,8 @@ def _put_on(
 def edge_springs(pose: Pose, reach: float, held: EdgeTables, node: Ints, k: Floats) -> int:
     """Write the ends of edges that may press soon, and a bound on their stiffness [N/mm].
 
-    Those closer to the round of an edge of the tool than ``reach`` [mm].  node, k : (2 n_film,).
+    Those that an edge of the tool may touch before they have walked ``reach`` together [mm].  node,
+    k : (2 n_film,).
     Returns how many were written.
     """
     pose, tables = borrowed(pose), borrowed(held)
@@ -297,7 +298,7 @@ def edge_springs(pose: Pose, reach: float, held: EdgeTables, node: Ints, k: Floa
         for j in range(pairs.first[i], pairs.first[i + 1]):
             e = pairs.edge[j]
             _, away = closest_along(a, u, load(edges.start, e), load(edges.way, e))
-            if away - edges.reach[e] < max(reach, CAPTURE * size):
+            if away - edges.reach[e] < reach + CAPTURE * size:
                 stiffness = STEEPEST * edge_stiffness(i, pairs, nodes, tables.law)
                 for c in range(2):
                     node[count], k[count] = pairs.node[i, c], stiffness

@@ -118,7 +118,7 @@ class ToolFriction(FrictionTerm):
 
     def __init__(self, name: str, pressing: _PressingOnTool, coefficient: float) -> None:
         super().__init__(pressing, coefficient)
-        self.name, self._on_tool = name, pressing.touch
+        self.name, self._pressed_by = name, pressing.touch
         n_body = len(pressing.touch.wrench)
         self.touch = Touch.none(n_body, len(FrictionForces._fields) - 1)
         self._touch = Holder()(self.touch)
@@ -131,7 +131,7 @@ class ToolFriction(FrictionTerm):
 
     def _is_quiet(self) -> bool:
         """Whether nothing presses and no spring is held."""
-        pressed = self._on_tool.sums[TOUCHING] > 0.0
+        pressed = self._pressed_by.sums[TOUCHING] > 0.0
         return not pressed and bool(self.touch.sums[STORED] == 0.0)
 
     def stored(self, _state: State) -> dict[str, float]:

@@ -20,9 +20,10 @@ or whose film is cut, lets go; what its spring held is booked as absorbed. A poi
 ``CAPTURE`` of an edge away has passed the film elsewhere (through a cut).
 
 *Stiffness.* A spring k_p on the foot is no stiffer than springs k_p N_a at the nodes (the N_a weigh
-a mean). Until the next look at the step, which comes with the next search, a point moves by three
-tenths of an edge at most. So only points count that press or are no farther from a quad, and N_a of
-its nodes is taken as 1.3 - distance over edge length, from 0 to 1.
+a mean). Between two searches a point moves by half of the slack at most from where it was listed,
+so by the whole of it from where it is at a look at the step. So only points count that press or are
+no farther from a quad, and N_a of its nodes is taken as 1 + ``_SLACK`` - distance over edge length,
+from 0 to 1.
 
 *Search.* Pairs of points and quads closer than the capture and ``_SLACK`` edges are listed, among
 the quads at the nodes near the tool, until points and nodes have moved by half of the slack; the
@@ -89,9 +90,6 @@ _LEAST_LEFT = 0.05
 # Of the edge length, far above the round-off of a place.
 _ROUND_OFF = 1e-10
 
-# Reach of a point in the bound on the step beyond its own shape functions, over the edge length.
-_SOON = 0.3
-
 
 class PointContact:
     """Contact of the tool's points, a :class:`shellcut.simulation.tool_terms.ToolTerm`.
@@ -123,7 +121,7 @@ class PointContact:
         """For kernels, good until the list is made anew."""
         self._hold = Holder()
         self._call, self._way = BoundOnce(_add_point_forces), BoundOnce(_farthest)
-        self._soon = BoundOnce(_stiffness_soon)
+        self._stiffness = BoundOnce(_stiffness_soon)
         self._quads, self._pair = BoundOnce(whole_quads_near), BoundOnce(list_pairs)
         self.touch, self.booked = Touch.none(contact.tool.n_body, N_SUM), BOOKED
         self._touch = Holder()(self.touch)
@@ -153,7 +151,7 @@ class PointContact:
             return np.zeros(0, np.int64), np.zeros(0)
         room = 4 * int(self._pairs.first[self._pairs.used[0]])
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._soon(self._pose, 0.5 * self._slack, self.tables, node, stiffness)
+        count = self._stiffness(self._pose, self._slack, self.tables, node, stiffness)
         return node[:count], stiffness[:count]
 
     def stored(self, _state: State) -> dict[str, float]:
@@ -417,7 +415,7 @@ def _stiffness_soon(
         for j in range(begin, count):
             area = film.contact_area[node[j]]
             away = norm(sub(load(film.x, node[j]), p)) / local_edge_length(area)
-            weight = min(max(1.0 + _SOON - away, 0.0), 1.0)
+            weight = min(max(1.0 + _SLACK - away, 0.0), 1.0)
             stiffness[j] = points.share[k] * weight * STEEPEST * node_stiffness(area, law)
     return count
 

@@ -293,6 +293,7 @@ class PartingTable:
 
 
 def _admissible(ways: Sequence[Parting], cos_limit: float) -> list[int]:
+    """Return which partings of a node turn an arriving crack by no more than it may."""
     largest = max((way.cosine for way in ways), default=1.0)
     least = min(cos_limit, largest) - _SAME_TURN
     return [k for k, way in enumerate(ways) if way.cosine >= least]

@@ -45,22 +45,38 @@ class StretchSince:
         self._last = LastLook(np.zeros(0), np.zeros((0, 3)))
 
     def take(self, state: State, squared: Floats) -> None:
-        """Begin anew, with the bounds of all quads [1/s²]."""
+        """Begin anew, with the bounds of all quads [1/s²], an array that is kept."""
         self._last = LastLook(squared, np.empty((state.n_quad, 3)))
-        self._store(state.node.x, state.quads, self._last.metric)
+        self._store(0, state.node.x, state.quads, self._last.metric)
 
-    def follow_cuts(self, state: State, squared: Floats) -> None:
-        """Go on with other bounds at the last look [1/s²], and copies that have come since."""
-        metric = self._last.metric
-        self.take(state, squared)
-        self._last.metric[: len(metric)] = metric
+    def follow(self, state: State, squared: Floats) -> None:
+        """Go on with other bounds [1/s²]: what holds the quads has changed, or copies have come.
+
+        What quads have been stretched since the last look stays; some of them may have been
+        evaluated meanwhile, their stretch then counts twice.
+        """
+        known = len(self._last.metric)
+        metric = np.concatenate([self._last.metric, np.empty((state.n_quad - known, 3))])
+        self._store(known, state.node.x, state.quads, metric)
+        self._last = LastLook(squared, metric)
+
+    @property
+    def largest(self) -> float:
+        """Largest bound of omega² at the last look [1/s²]."""
+        return float(self._last.squared.max())
 
     def growth(self, state: State) -> float:
-        """Return the largest omega² by stretch since, over the largest then."""
+        """Return the largest omega² by stretch since, over the largest then.
+
+        Returns
+        -------
+        float
+            1 before the first look. Copies that nobody has followed yet are left out.
+        """
         if not self._last.squared.size:
             return 1.0
         most = self._most(state.node.x, state.quads, self._last, 2.0 * self._by_stretch)
-        return most / float(self._last.squared.max())
+        return most / self.largest
 
     def saved(self) -> dict[str, Any]:
         """Return the last look."""
@@ -80,18 +96,24 @@ def _metric(x: Floats, quads: Ints, e: int) -> tuple[float, float, float]:
 
 
 @kernel
-def _store_metrics(x: Floats, quads: Ints, metric: Floats) -> None:
-    """Write the metrics of all quads to metric : (n_quad, 3)."""
-    for e in range(quads.shape[0]):
+def _store_metrics(first: int, x: Floats, quads: Ints, metric: Floats) -> None:
+    """Write the metrics of the quads from the first on to metric : (n_quad, 3).
+
+    x : (n_node, 3).  quads : (n_quad, 4).
+    """
+    for e in range(first, quads.shape[0]):
         metric[e, 0], metric[e, 1], metric[e, 2] = _metric(x, quads, e)
 
 
 @kernel
 def _most_stretched(x: Floats, quads: Ints, last: LastLook, rate: float) -> float:
-    """Return the largest of squared, each grown by rate times its largest stretch."""
+    """Return the largest of squared, each grown by rate times its largest stretch.
+
+    x : (n_node, 3).  quads : (n, 4), of the last look and, behind these, copies that are newer.
+    """
     last = borrowed(last)
     most = 0.0
-    for e in range(quads.shape[0]):
+    for e in range(last.squared.shape[0]):
         a, b, c = last.metric[e, 0], last.metric[e, 1], last.metric[e, 2]
         pp, qq, pq = _metric(x, quads, e)
         # The largest eigenvalue of the metric on the old one is the square of the stretch.

@@ -53,9 +53,9 @@ _TIGHT = 0.99
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
 
-# Steps after which it is asked whether stretch has taken up what safety leaves, and how much of
-# omega² that is: 4 % of the step.
-_STRETCH_EVERY, _STRETCHED = 50, 1.08
+# Steps after which it is asked whether stretch has taken up what safety leaves, and the growth of
+# omega² from which on all quads are looked at then.
+_STRETCH_EVERY, _LEAST_GROWTH = 100, 1.01
 
 # Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
 # its relative error is 2 eps xi², 4e-8 at this.
@@ -138,8 +138,16 @@ class StableStep:
         return self._dt
 
     def _is_stretched(self, state: State) -> bool:
-        """Whether the film may have been stretched too far since the last look at all quads."""
-        return state.step % _STRETCH_EVERY == 0 and self._stretch.growth(state) > _STRETCHED
+        """Whether the bound, grown by stretch since the last look at all quads, is exceeded.
+
+        The growth is estimated high: what a step really takes up by then lies below.
+        """
+        if state.step % _STRETCH_EVERY:
+            return False
+        growth, dt, beta = self._stretch.growth(state), self._dt, self._shell.damping_beta
+        damped = float(self._shell.frequencies.damped.max())
+        used_up = 0.25 * growth * (dt * dt * self._stretch.largest + 2.0 * dt * beta * damped)
+        return used_up > 1.0 and growth > _LEAST_GROWTH
 
     def _take(self, safe: float, due: bool) -> None:
         """Choose the step after a look, at all quads when that was due."""
@@ -257,13 +265,12 @@ class StableStep:
     def _look_at_held(self, state: State) -> float:
         copies = state.n_quad - self._known.size
         self._known = np.append(self._known, np.zeros(copies, np.bool_))
-        is_new = not self._topology.is_of(state)
-        held, of_held = self._held_quads(state, self._ask(state, again=is_new))
+        again = not self._topology.is_of(state)
+        held, of_held = self._held_quads(state, self._ask(state, again=again))
         bound = min(self._free, self._settle(state, held, of_held))
-        if is_new:
-            omega2 = self._shell.frequencies.squared.copy()
-            omega2[held] += of_held
-            self._stretch.follow_cuts(state, omega2)
+        omega2 = self._shell.frequencies.squared.copy()
+        omega2[held] += of_held
+        self._stretch.follow(state, omega2)
         return bound
 
     def _ask(self, state: State, *, again: bool) -> dict[str, Held]:

@@ -46,7 +46,7 @@ class ToolTerm(Protocol):
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
 
-        Writes ``touch``.
+        Writes ``touch`` at every call: what stands there is booked again after every step.
         """
         ...
 
@@ -62,8 +62,8 @@ class ToolTerm(Protocol):
         """Return the nodes that it holds and a bound of its stiffness on each [N/mm].
 
         It is good until the next search, if it searches, or cut. A node may come more than once:
-        its stiffnesses add up. ``counted`` is what the terms before it hold: it may tell only what
-        it adds to that.
+        its stiffnesses add up. ``counted`` holds what the terms before it hold, by their names: it
+        may tell only what it adds to that.
         """
         ...
 
@@ -95,6 +95,9 @@ class ToolTerms:
         self._terms, self._motion = tuple(terms), motion
         touches = [term.touch for term in self._terms]
         booked = [(k, *one) for k, term in enumerate(self._terms) for one in term.booked]
+        for k, entry, column, _ in booked:
+            if not ON_TOOL <= column < touches[k].sums.size:
+                raise IndexError(f"{self._terms[k].name} books column {column} as {entry}")
         self._entries = sorted({entry for _, entry, *_ in booked})
         # Wrenches on the whole tool at t_{n-1}: of each term, and of all.
         self._last = np.zeros((len(self._terms) + 1, 6))
@@ -105,7 +108,9 @@ class ToolTerms:
                 works=np.zeros(len(self._terms)),
                 wrenches=tuple(touch.wrench for touch in touches),
                 sums=tuple(touch.sums for touch in touches),
-                row=np.array([(k, c, self._entries.index(e)) for k, e, c, _ in booked], np.int64),
+                row=np.array(
+                    [(k, c, self._entries.index(e)) for k, e, c, _ in booked], np.int64
+                ).reshape(-1, 3),
                 factor=np.array([factor for *_, factor in booked]),
                 amounts=self._amounts,
             )
