@@ -222,6 +222,30 @@ def test_forces_are_minus_the_gradient_on_film_and_tool():
     assert tried > 12
 
 
+def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():
+    rng = np.random.default_rng(7)
+    sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
+    eps, shares, with_ends = 1e-6, [], 0
+    for corners in random_quads(rng, 80):
+        place(sim, corners)
+        _, pressed, found = evaluated(sim)
+        if found.stored == 0.0:
+            continue
+        with_ends += (sim.state.node.contact_depth[sim.corners] > 0.0).any()
+        held = {"contact": sim.contact.stiffness(sim.state, {})}
+        held["edges"] = term(sim).stiffness(sim.state, held)
+        k = sum(np.bincount(nodes, some, sim.state.n_node) for nodes, some in held.values())
+        for moved in (pressed / np.abs(pressed).max(), *rng.normal(size=(8, *corners.shape))):
+            forces = []
+            for sign in (1.0, -1.0):
+                place(sim, corners + sign * eps * moved)
+                forces.append(evaluated(sim)[1])
+            tangent = -((forces[0] - forces[1]) * moved).sum() / (2.0 * eps)
+            shares.append(tangent / (k[sim.corners] * (moved**2).sum(axis=1)).sum())
+    assert with_ends > 5
+    assert 0.05 < max(shares) < 1.0
+
+
 def swept(corners_of, steps):
     """Largest change of the forces on film along a path of quads, over k times the way."""
     first = corners_of(0.0)
@@ -291,7 +315,7 @@ def test_no_end_in_the_tool_is_pulled_in():
     rng = np.random.default_rng(8)
     sim = one_quad(quad_with(np.zeros(3), np.array([0.0, 1.0, 0.0])))
     tool, r, pressed = bar(), sim.contact.law.rounding, 0
-    for corners in random_quads(rng, 40):
+    for corners in random_quads(rng, 80):
         # One end is moved towards the face that is closest to it, and a little into it.
         depth, out = depth_at(corners[0], tool, r)
         corners[0] += (depth - 1e-3 * rng.uniform(1.0, 8.0)) * out
