@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from shellcut.arrays import Ints
 from shellcut.contact.edge_contact import EdgeContact
 from shellcut.contact.flank_penetration import FlankPenetration
 from shellcut.contact.missed_penetration import ToolWires, missed_penetration
@@ -45,9 +48,20 @@ class UnfeltPenetration:
         if self._wires is None or self._flanks is None:
             return Unfelt()
         sim = self._sim
-        felt = felt_nodes(sim.tool_terms)
+        felt = np.append(felt_nodes(sim.tool_terms), self._about_to_be_cut())
         _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
+
+    def _about_to_be_cut(self) -> Ints:
+        """Return the tips of cracks along edges: a cutting edge is in the quad ahead of its tip.
+
+        It has come there before the tip splits, and splits are looked for every few steps.
+        """
+        sim = self._sim
+        cuts = sim.tool is not None and sim.tool.n_edge > 0
+        if not cuts or sim.cracks is None or sim.cracks.edges is None:
+            return np.zeros(0, np.int64)
+        return np.array(sim.cracks.edges.tips, np.int64)
 
     def _polygon(self, row: int) -> Part:
         cracks = self._sim.cracks
