@@ -24,7 +24,7 @@ from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
 from shellcut.recording.run_summary import run_summary
 from shellcut.recording.tool_resistance import Resistance
-from shellcut.recording.unfelt_penetration import Unfelt
+from shellcut.recording.unfelt_penetration import Unfelt, UnfeltPenetration
 from shellcut.results.frame_writer import FrameOutput
 from shellcut.results.history import read_history
 from shellcut.results.run_results import read
@@ -289,6 +289,18 @@ def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, m
         # A hundred times in a run, or every ten steps of a short one.
         assert len(looked) >= 100 or len(looked) == 1 + looked[-1] // 10
     assert histories[0] == histories[1] == histories[2]
+
+
+def test_a_cutting_edge_ahead_of_a_tip_is_not_unfelt(monkeypatch):
+    left_out = []
+    monkeypatch.setattr(
+        shellcut.recording.unfelt_penetration,
+        "missed_penetration",
+        lambda _wires, _state, _pose, felt: (left_out.append(felt.tolist()), 0.0),
+    )
+    sim = cutting()
+    UnfeltPenetration(sim).now()
+    assert left_out == [sim.cracks.edges.tips] != [[]]  # no point presses yet
 
 
 def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):

@@ -100,6 +100,13 @@ class CableSet:
         False gives classical cables that never meet the blade, for comparison.
     """
 
+    booked = (
+        Booking("cohesive_work", 0),
+        Booking("cohesive_start_work", 1),
+        Booking("joint_friction", 2),
+    )
+    """What goes from the sums into the ledger."""
+
     def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"
         self.law = law
@@ -123,13 +130,6 @@ class CableSet:
         self._touch = Holder()(self.touch)
         self.n_joint_made = self.n_broken = 0
         """Joints made and cables broken so far."""
-
-    booked = (
-        Booking("cohesive_work", 0),
-        Booking("cohesive_start_work", 1),
-        Booking("joint_friction", 2),
-    )
-    """What goes from the sums into the ledger."""
 
     @property
     def forces(self) -> CableForces:

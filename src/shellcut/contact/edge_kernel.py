@@ -285,9 +285,8 @@ def _put_on(
 def edge_springs(pose: Pose, reach: float, held: EdgeTables, node: Ints, k: Floats) -> int:
     """Write the ends of edges that may press soon, and a bound on their stiffness [N/mm].
 
-    Those that an edge of the tool may touch before they have walked ``reach`` together [mm].  node,
-    k : (2 n_film,).
-    Returns how many were written.
+    Those that an edge of the tool may touch before they have walked ``reach`` together [mm].
+    node, k : (2 n_film,).  Returns how many were written.
     """
     pose, tables = borrowed(pose), borrowed(held)
     pairs, edges, nodes = tables.pairs, tables.edges, tables.nodes

@@ -53,8 +53,9 @@ _TIGHT = 0.99
 # short for the rest of a run after one moment in which it had to be.
 _AT_ONCE, _AFTER_ALL = 1.08, 1.01
 
-# Steps after which it is asked whether stretch has taken up what safety leaves, and the growth of
-# omega² from which on all quads are looked at then.
+# Steps after which it is asked whether stretch has taken up what safety leaves: often enough for a
+# strip drawn out by a fifth in between. A growth of omega² below the second factor is not worth a
+# look, whatever the safety.
 _STRETCH_EVERY, _LEAST_GROWTH = 100, 1.01
 
 # Damping over the critical one beyond which the root in the bound on the step is lost to round-off:
