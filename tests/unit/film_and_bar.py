@@ -18,6 +18,17 @@ def bar(side=0.6, length=3.0):
     """A square bar along z; one of its edges is at the origin, the bar lies in x < 0."""
     w = side / np.sqrt(2.0)
     section = np.array([[-w, -w], [-2.0 * w, 0.0], [-w, w], [0.0, 0.0]])
+    return prism(section, length)
+
+
+def flat_bar(width=0.3, deep=0.6, length=3.0):
+    """A bar along z that ends in x = 0 with a flat face between two of its edges."""
+    w = 0.5 * width
+    return prism(np.array([[0.0, -w], [-deep, -w], [-deep, w], [0.0, w]]), length)
+
+
+def prism(section, length):
+    """A bar along z of a section of four corners, (4, 2)."""
     ends = [np.column_stack([section, np.full(4, z)]) for z in (-0.5 * length, 0.5 * length)]
     sides = [t for i in range(4) for j in [(i + 1) % 4] for t in ((i, i + 4, j), (j, i + 4, j + 4))]
     caps = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]

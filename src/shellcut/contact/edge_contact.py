@@ -289,7 +289,7 @@ def _take_over(
 ) -> tuple[float, float]:
     """Give edges what was kept of them; return half the last work, and energy, of those gone."""
     was, to = old.pairs.node, np.flatnonzero(kept >= 0)
-    for name in ("side", "depth", "place", "offset", "stored", "force"):
+    for name in ("side", "depth", "place", "offset", "stored", "force", "put_in"):
         getattr(memory, name)[to] = getattr(old.memory, name)[kept[to]]
     gone = np.setdiff1d(np.arange(len(was)), kept)
     power = (old.memory.force[gone] * state.node.velocity_half[was[gone]]).sum()

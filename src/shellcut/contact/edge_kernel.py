@@ -16,6 +16,7 @@ from shellcut.tool.touch import Touch
 
 from .captured_edges import closest_along, place_at
 from .edge_hills import Hills, hills_of, no_hills
+from .edge_rebound import put_in_by_last, returned, way_back
 from .edge_tables import EdgeNodes, EdgePairs, EdgeTables, ToolEdges
 from .followed_edge import NO_HILL, follow, followed_hill, is_followed, is_idle, way_since
 from .near_nodes import largest_speed, tool_way
@@ -214,25 +215,45 @@ def add_edge_forces(
         memory.across[i] = tables.across[0]
         memory.offset[i] = min(memory.offset[i], g)
         memory.depth[i], memory.place[i], memory.stored[i] = g, look.hills.deepest.s, 0.0
-        memory.force[i] = 0.0
         presses.pressure[i] = 0.0
-        if g > memory.offset[i]:
-            _put_on_ends(i, look, pose, held, wrench)
+        if had > 0.0 or look.hills.press.stored > 0.0:
+            back_a = way_back(i, 0, dt, pose, before, held)
+            back_b = way_back(i, 1, dt, pose, before, held)
+            put_in_by_last(i, back_a, back_b, held)
+            memory.force[i] = 0.0
+            if g > memory.offset[i]:
+                _put_on_ends(i, look, back_a, back_b, dt, pose, held, wrench)
         if memory.stored[i] > 0.0:
             n_touching += 1
             deepest = max(deepest, g - memory.offset[i])
             stored += memory.stored[i]
             work += _half_work(i, dt, held)
         if -change > jump:  # its side is another one now
-            absorbed += had - memory.stored[i]
+            lost = min(had - memory.stored[i], max(memory.put_in[i], 0.0))
+            memory.put_in[i] -= lost
+            absorbed += lost
+        if memory.stored[i] == 0.0:
+            memory.put_in[i] = 0.0
     tables.captured[:], tables.across[:] = 0, -1  # tables are compared after a restart
     sums[0], sums[1], sums[2], sums[3], sums[4] = work, absorbed, stored, n_touching, deepest
     return walked
 
 
 @inline
-def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Floats) -> None:
-    """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down."""
+def _put_on_ends(
+    i: int,
+    look: Look,
+    back_a: Vec3,
+    back_b: Vec3,
+    dt: float,
+    pose: Pose,
+    held: EdgeTables,
+    wrench: Floats,
+) -> None:
+    """Add what the i-th edge presses with to its ends and minus it to its tooth; write it down.
+
+    back_a, back_b : of :func:`.way_back` [mm].
+    """
     tables = borrowed(held)
     memory, presses, beside = tables.memory, tables.presses, look.beside
     found = look.hills.press
@@ -244,12 +265,14 @@ def _put_on_ends(i: int, look: Look, pose: Pose, held: EdgeTables, wrench: Float
     s, by = found.s, found.pressure
     on_a = combine((1.0 - s) * by, found.out, -found.from_a, beside.end_a.out)
     on_b = combine(s * by, found.out, -found.from_b, beside.end_b.out)
-    _put_on(i, 0, scale(k, turn(on_a, pose)), body, pose, held, wrench)
-    _put_on(i, 1, scale(k, turn(on_b, pose)), body, pose, held, wrench)
+    f_a, f_b = scale(k, turn(on_a, pose)), scale(k, turn(on_b, pose))
+    part = returned(i, f_a, f_b, back_a, back_b, dt, held)
+    _put_on(i, 0, scale(part, f_a), body, pose, held, wrench)
+    _put_on(i, 1, scale(part, f_b), body, pose, held, wrench)
     presses.body[i], presses.place[i] = body, s
     memory.drift[i], memory.press_place[i] = s - memory.press_place[i], s
     more = by * norm(found.out) - found.from_a - found.from_b
-    presses.pressure[i] = k * max(more, 0.0)
+    presses.pressure[i] = part * k * max(more, 0.0)
     store(presses.out, i, found.out)
 
 

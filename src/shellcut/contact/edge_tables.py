@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Bools, Floats, Ints, SmallInts
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 from shellcut.tool.surface import Surface
@@ -131,6 +131,8 @@ class EdgeMemory(NamedTuple):
     """Penalty energy [N·mm]."""
     force: Annotated[Floats, "(n_film, 2, 3)"]
     """On its ends [N]."""
+    put_in: Annotated[Floats, "(n_film,)"]
+    """Work that its contact has got since it presses, see :mod:`.edge_rebound` [N·mm]."""
     follows: Annotated[Ints, "(n_film,)"]
     """What its hill is followed in until all of the tool is searched again, see
     :mod:`.followed_edge`."""
@@ -162,6 +164,7 @@ class EdgeMemory(NamedTuple):
             offset=np.zeros(n),
             stored=np.zeros(n),
             force=np.zeros((n, 2, 3)),
+            put_in=np.zeros(n),
             follows=np.zeros(n, np.int64),
             then=np.zeros((n, 2, 3)),
             reach=np.zeros(n),
@@ -200,6 +203,8 @@ class EdgeNodes(NamedTuple):
     contact_area: Annotated[Floats, "(n_node,)"]
     contact_share: Annotated[Floats, "(n_node,)"]
     contact_side: Annotated[SmallInts, "(n_node,)"]
+    contact_mass: Annotated[Floats, "(n_node,)"]
+    supported: Annotated[Bools, "(n_node,)"]
     force: Annotated[Floats, "(n_node, 3)"]
     """Written."""
 
