@@ -139,7 +139,9 @@ def flat_stiffness(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
     plane, _ = _integrated_laws(material)
     points = gauss_geometry(X, T)
     volume = [np.einsum("ei,ei->e", _cross(A1, A2), T0) for _, A1, A2, T0, _, _ in points]
-    return np.asarray(plane[0, 0] / 2**14 / np.stack(volume, axis=1) ** 3)
+    J = np.stack(volume, axis=1)
+    # Products round alike on all processors; NumPy's powers do not.
+    return np.asarray(plane[0, 0] / 2**14 / (J * J * J))
 
 
 def flat_moduli(material: ShellMaterial) -> FlatModuli:
