@@ -102,7 +102,7 @@ def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> Non
     ("thickness", "young"),
     [
         *((thickness, 1678.0) for thickness in (0.005, 0.02, 0.15, 0.3, 0.6, 1.0)),
-        *((0.074, 200.0), (0.3, 200.0)),
+        *((0.074, 200.0), (0.3, 200.0), (0.074, 20000.0)),
     ],
 )
 def test_the_opening_of_any_film(thickness: float, young: float) -> None:
@@ -119,11 +119,9 @@ def test_the_opening_of_any_film(thickness: float, young: float) -> None:
     # runs of 74 µm of 200 MPa 0.07 to 0.13, while the whole depth is 0.08 to 0.74 by chance.
     assert found.pressed < 0.25
     assert found.aside < MOST_SET_ASIDE
-    if thickness > 0.1 and found.held < -6e-3:
-        # -0.9, -2.3, -7.7 and -10.6 % at 0.15, 0.3, 0.6 and 1 mm; +1.1 % without film edges.
-        pytest.xfail("an edge of the film across a tooth swings between two hills: docs/limits.md")
-    # -0.35 to +0.24 % of the work, of which absorbed jumps are 0.13 % at most; 1.1 % taken in 0.6
-    # and 1 mm, as by the blade above.
-    assert -6e-3 < found.held < (6e-3 if thickness < 0.5 else 2e-2)
+    # Nothing is given beside round-off of the steps: -0.01 % of the work at most, where edges that
+    # swing on a tooth gave 0.5 to 11 %, and 8 % to 74 µm of 20 GPa. Up to 0.8 % are taken in 0.6
+    # and 1 mm, as by the blade above; absorbed jumps are 0.16 % at most.
+    assert -1e-3 < found.held < (6e-3 if thickness < 0.5 else 2e-2)
     assert abs(found.absorbed) < 3e-3
     assert abs(found.imbalance) < 6e-3

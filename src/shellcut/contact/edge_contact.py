@@ -22,6 +22,9 @@ slope zero. The potential goes to zero as the tool's edge slides along the film'
 ends, where the node takes over, and as the film's edge turns until it lies on a face, on which D is
 linear and Phi convex.
 
+*Nothing is gained.* Where the edge lies on a flat end of the tool, the energy has a corner, at
+which a step may give more than was put in: see :mod:`.edge_rebound` for how that is kept back.
+
 *Which pairs.* Edges of the film at the nodes near the tool, and convex edges of the tool that do
 not cut and turn by more than 10 deg, or less where a chord of the film's length may lie an eighth
 of the film's thickness deep under them, as on a round bar of facets; both are listed whenever the

@@ -1,23 +1,22 @@
 """The contact of an edge of the film returns no more energy than it has got, for kernels.
 
-An edge that lies across a flat end of a tooth presses at one or the other edge of that, wherever it
-has more energy: its energy has a kink, over which the force jumps from one of its ends to the
-other. There no step is short enough: a stiff film that is pressed on such a face swings between
-both edges from step to step, and each crossing changes the energy of the film by up to the jump
-times the way of the step, while the contact's is what it was. In a film of 1 mm that opening heated
-itself with a tenth of the tool's work, at half the step with three quarters of that.
+An edge that lies on a flat end of a tooth presses at one or the other edge of that, wherever it has
+more energy. So its energy has a corner, at which the force jumps from one of its ends to the other.
+There no step is short enough: a stiff film that is pressed on such a face swings between both edges
+from step to step, and each crossing changes the energy of the film by up to the jump times the way
+of the step, while that of the contact is what it was. The opening of a film of 1 mm heated itself
+so with a tenth of the tool's work.
 
-So it is kept what an edge has got, W, by the work of its forces f_a, f_b on its ends and on the
-tool. With d_a, d_b the way of the ends into the tool over the last step, in its frame,
+So each edge keeps the work W that its contact has got. With f the forces on its ends and d the ways
+of these against the tool over the last step, in space, sums over both ends,
 
-    W' = W + ½ (f_a + f_a') · d_a + ½ (f_b + f_b') · d_b,      d counted against f.
+    W' = W - ½ Σ (f + f') · d.
 
-Where the energy is smooth, W is that energy but for errors of the third order in d, and nothing is
-limited. Else all of f' is scaled down until, over the next step, W does not get below zero if the
-tool goes on as it does and nothing but the forces known by now acts on the ends
-(:func:`.settings.largest_rebound`, along the direction of f' in the space of both ends). What
-stops the ends is never more than that, so an edge at rest on the tool is held. W begins with zero
-whenever the edge comes to press.
+Where the energy is smooth, W is that energy but for errors of the third order in d, and all of f'
+acts. Else f' is scaled down so far that W is not below zero a step later, if the tool goes on as it
+does and the ends feel f' and the forces known by now (:func:`.settings.largest_rebound`, along the
+direction of f' in the space of both ends). That stops whatever presses the ends, so an edge that
+rests on the tool is held. W begins with zero when the edge comes to press.
 """
 
 from __future__ import annotations
