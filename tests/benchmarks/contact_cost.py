@@ -33,11 +33,11 @@ PAUSE = 20.0
 
 ANGLE = 95.0  # degrees
 
-OFF = {"tool_points": False}
+OFF = {"tool_points": False, "film_edges": False}
 ALL: dict[str, Any] = {"friction": 0.2, "self_contact": True, "self_friction": 0.2}
 CONFIGURATIONS: dict[str, dict[str, Any]] = {
     "faces": OFF,
-    "faces, points": {},
+    "faces, points": {"film_edges": False},
     "and film edges": {"film_edges": True},
     "all but film edges": ALL | {"film_edges": False},
     "all": ALL | {"film_edges": True},

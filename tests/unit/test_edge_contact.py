@@ -17,6 +17,7 @@ from shellcut.contact.followed_edge import FOLLOWED, LEAST, NO_HILL
 from shellcut.contact.settings import Contact, node_stiffness
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
+from shellcut.models import opening_test
 from shellcut.recording.unfelt_penetration import UnfeltPenetration
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import StraightMotion
@@ -494,6 +495,19 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     # Where two edges of a flank meet they share the node.
     flanks = ends[s.node.halved[ends].any(axis=1)]
     assert np.unique(flanks).size < 0.8 * flanks.size
+
+
+def test_the_opening_test_has_them_unless_told_otherwise():
+    def has_edges(**options):
+        sim = opening_test("quick", angle_deg=5.0, **options).simulation
+        return any(t.name == "edges" for t in sim.tool_terms)
+
+    assert has_edges()
+    assert has_edges(contact=None)
+    assert has_edges(contact=Contact(friction=0.2))
+    assert not has_edges(contact=Contact(film_edges=False))
+    with pytest.raises(ValueError, match=r"contact must be a Contact, got \{"):
+        has_edges(contact={"friction": 0.2})
 
 
 def test_off_there_is_no_term():

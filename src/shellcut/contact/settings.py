@@ -102,10 +102,10 @@ class Contact:
     tool_points : bool
         Whether corners and edges of the tool push the film between its nodes, see
         :mod:`shellcut.contact.point_contact`.
-    film_edges : bool
+    film_edges : bool, optional
         Whether rims and flanks of the film touch edges of the tool between their nodes, see
-        :mod:`shellcut.contact.edge_contact`. The opening test has it on. Where it is off, how deep
-        they go in is measured, and the verdict of a run says so.
+        :mod:`shellcut.contact.edge_contact`. By default they do in the opening test only. Where it
+        is off, how deep they go in is measured, and the verdict of a run says so.
 
     Examples
     --------
@@ -117,7 +117,7 @@ class Contact:
     smoothing: float = 0.25
     friction: float = 0.0
     tool_points: bool = True
-    film_edges: bool = False
+    film_edges: bool | None = None
     self_contact: bool = False
     self_friction: float = 0.0
 

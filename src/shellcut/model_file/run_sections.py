@@ -104,7 +104,9 @@ class ContactSection(Section):
     smoothing: float = key(number(), "largest g_M as a fraction of the thickness")
     friction: float = key(number(), "Coulomb coefficient of tool and film; 0 for none")
     tool_points: bool = key(flag, "whether the tool's corners and edges push between nodes")
-    film_edges: bool = key(flag, "whether rims and flanks touch the tool's edges between nodes")
+    film_edges: bool = key(
+        flag, "whether rims and flanks touch the tool's edges between nodes", default=False
+    )
     self_contact: bool = key(flag, "whether film near cracks and loose pieces touch the film")
     self_friction: float = key(number(), "Coulomb coefficient of film and film; 0 for none")
 

@@ -15,6 +15,7 @@ radian, so that in steady cutting the work of the cables is
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
@@ -61,8 +62,8 @@ def opening_test(
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``directional``.
         Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
         path, as in the package's discs under the default teeth, and go through quads elsewhere.
-        The default ``contact`` is ``Contact(film_edges=True)``: flanks of the cuts cross the
-        teeth's bottom edges between their nodes.
+        Edges of the film touch those of the tool unless ``Contact(film_edges=False)`` says
+        otherwise: flanks of the cuts cross the teeth's bottom edges between their nodes.
 
     Returns
     -------
@@ -92,7 +93,9 @@ def opening_test(
         law=law,
         fracture=options.pop("fracture", None),
     )
-    options.setdefault("contact", Contact(film_edges=True))
+    contact = options.pop("contact", None) or Contact()
+    if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
+        contact = replace(contact, film_edges=True)
     simulation = Simulation(
         way.mesh,
         section,
@@ -101,6 +104,7 @@ def opening_test(
         motion=motion,
         law=law or CohesiveLaw(),
         fracture=way.fracture,
+        contact=contact,
         **options,
     )
     check_length(simulation, duration)
