@@ -243,6 +243,10 @@ def test_initial_velocity_is_put_in():
     [
         ({"damping_alpha": -1.0}, "damping_alpha must be a number that is not negative, got -1.0"),
         ({"damping_beta": float("nan")}, "damping_beta must be"),
+        (
+            {"contact": {"friction": 0.2}, "fracture": "free"},
+            r"contact must be a Contact, got \{.*; fracture must be a Fracture, got 'free'",
+        ),
         ({"tool": straight_blade()}, "tool and motion go together"),
         ({"motion": StraightMotion((1, 0, 0), 1.0)}, "tool and motion go together"),
         (
