@@ -77,12 +77,12 @@ def test_an_edge_that_swings_on_a_flat_end_gains_nothing(step):
     strip, push = Strip(flat_bar()), 2.0
     works = pressed_and_pulled(strip, step, limited=True, push=push)
     held = (2.0 * push) ** 2 / (2.0 * strip.k)
-    # What swings is taken, measured 1.1 to 1.8 times the energy of the edge pressed at rest.
+    # What swings is taken, measured 1.1 to 1.5 times the energy of the edge pressed at rest.
     assert -3.0 * held < works[-1] < 0.0
-    # Of a step in which it swings. Measured 0.002 to 0.034.
+    # Within the steps in which it swings. Measured 0 to 0.034.
     assert works.max() < 0.05 * held
     if step == 1.0:
-        # Without the limit, measured 17.6 and 12.5 times that.
+        # Without the limit, measured 12.5 times that.
         assert pressed_and_pulled(Strip(flat_bar()), step, limited=False)[-1] > 5.0 * held
 
 
@@ -119,8 +119,11 @@ def test_forces_and_work_are_those_of_a_plain_twin():
         moved[:, 0] -= 0.028 + 0.012 * np.sin(0.3 * i)
         known = rng.normal(size=(2, 3))
         strip.node.supported[strip.ends] = rng.random(2) < 0.2
-        twin.got = rng.uniform(-0.2, 0.5) * strip.memory.stored[0]  # of whatever came before
-        strip.memory.put_in[0] = twin.got
+        if strip.memory.stored[0] > 0.0:
+            twin.got = rng.uniform(-0.2, 0.5) * strip.memory.stored[0]  # of whatever came before
+            strip.memory.put_in[0] = twin.got
+        if i % 20 == 10:
+            strip.sim.contact.near._known.revision = -1  # what is near is listed anew
         found = strip.move(moved, known, dt, pose)
         in_tool = pose.to_body(moved) - FAR
         whole = pressing(in_tool, strip.tool, radius, strip.k, g_m) @ turn.T
@@ -131,6 +134,9 @@ def test_forces_and_work_are_those_of_a_plain_twin():
         np.testing.assert_allclose(found, wanted, atol=1e-4)
         got = strip.memory.put_in.sum()
         np.testing.assert_allclose(got, twin.got, atol=1e-6)
+        # With both ends outside friction takes mu times all that presses.
+        pressure = term(strip.sim).tables.presses.pressure.sum()
+        np.testing.assert_allclose(pressure, np.linalg.norm(wanted.sum(axis=0)), atol=1e-4)
         limited += 0.0 < twin.part < 1.0
         held += twin.part == 1.0 and whole.any()
     assert limited > 20
