@@ -2,11 +2,8 @@
 
 import ast
 import gc
-import importlib
-import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
@@ -155,47 +152,3 @@ def test_no_garbage_is_looked_for_while_a_kernel_is_compiled(monkeypatch, before
         assert gc.isenabled() is before
     finally:
         (gc.enable if was else gc.disable)()
-
-
-_OF_A_VERSION = """
-from typing import NamedTuple
-
-import numpy as np
-from shellcut.numerics.jit import bound, kernel
-
-
-class {name}(NamedTuple):
-    length: object
-
-
-@kernel
-def longest(rods):
-    return rods.length.max()
-
-
-@kernel
-def longest_of_bound(rods):
-    return rods.length.max()
-
-
-rods = {name}(np.arange(3.0))
-found = longest(rods), bound(longest_of_bound, rods)(rods)
-misses = len(longest.stats.cache_misses), len(longest_of_bound.stats.cache_misses)
-"""
-
-
-def test_a_cache_of_an_older_version_is_written_anew(tmp_path, monkeypatch):
-    """Numba cannot open it where the class of a table has another name by now."""
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.syspath_prepend(tmp_path)
-    misses, source = [], tmp_path / "of_a_version.py"
-    for name in ("Bars", "Rods", None):
-        if name:
-            source.write_text(_OF_A_VERSION.format(name=name))
-        # Anew, as in another process.
-        importlib.invalidate_caches()
-        version = importlib.import_module(source.stem)
-        del sys.modules[source.stem]
-        assert version.found == (2.0, 2.0)
-        misses.append(version.misses)
-    assert misses == [(1, 1), (1, 1), (0, 0)]

@@ -9,9 +9,11 @@
 ``nogil=True``
     Kernels use no Python objects, so threads may run them in parallel
     (:mod:`shellcut.numerics.threads`).
-``cache=True``
-    Compile once per machine. A cached caller does not notice an edit in a kernel it imports, so the
-    tests key ``NUMBA_CACHE_DIR`` by a hash of the sources.
+``forceinline=False``
+    Said, because Numba gives what is not said to a function from the one that is compiled with a
+    call of it: machine code would depend on which of its callers came first.
+
+Kernels are compiled once per machine (:mod:`shellcut.numerics.kernel_cache`).
 
 Kernels do not call kernels: the machine code of a cached kernel contains a copy of its callees,
 which may differ in the last bit from the callees compiled by themselves. A process that compiled
@@ -33,6 +35,7 @@ from numba.core import event, types
 from numba.extending import register_jitable
 
 from .inlined_code import InlinedCompiler
+from .kernel_cache import kernel_cache
 from .kernel_tables import check_tables
 
 P = ParamSpec("P")
@@ -46,6 +49,7 @@ _CHECKED_FIRST, _CHECKED_EVERY = 3, 1000
 _OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "fastmath": {"contract"},
+    "forceinline": False,
     "no_cfunc_wrapper": True,
 }
 # Without Numba's wrapper for calls from Python, too, and compiled as part of the kernel only.
@@ -58,30 +62,11 @@ _WITHIN_KERNELS: dict[str, Any] = {
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
-    compiled: Any = nb.njit(cache=True, nogil=True, **_OPTIONS)(function)
+    compiled: Any = nb.njit(nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
-        compiled.compile = _uncollected(_despite_an_older_cache(compiled, compiled.compile))
+        compiled._cache = kernel_cache(function)
+        compiled.compile = _uncollected(compiled.compile)
     return cast("Callable[P, R]", compiled)
-
-
-def _despite_an_older_cache(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap the compilation of a kernel, which may have a cache that Numba cannot open.
-
-    The index of a cache names the classes of the tables among the arguments. If an older version
-    has written it, and one of them has another name by now, Numba fails before it sees that the
-    cache is out of date.
-    """
-
-    def compile_anew(types: object) -> Any:
-        try:
-            return compile_(types)
-        except (AttributeError, ImportError):
-            if compiled.overloads:  # the cache has been opened before: it is another fault
-                raise
-            compiled.recompile()  # empties the cache
-            return compile_(types)
-
-    return compile_anew
 
 
 def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
@@ -201,7 +186,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(forceinline=True, **_WITHIN_KERNELS)(function)
+    compiled: Any = nb.njit(**{**_WITHIN_KERNELS, "forceinline": True})(function)
     if hasattr(compiled, "get_call_template"):  # else Numba is switched off
         compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
     return _for_kernels_only(compiled, function)
@@ -239,8 +224,7 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     their own, and a kernel with several calls compiles faster. The function begins with
     :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
     """
-    # Said, or Numba takes it from the function that is compiled with a call of this one.
-    return _for_kernels_only(nb.njit(forceinline=False, **_WITHIN_KERNELS)(function), function)
+    return _for_kernels_only(nb.njit(**_WITHIN_KERNELS)(function), function)
 
 
 def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
