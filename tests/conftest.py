@@ -13,8 +13,6 @@ from pathlib import Path
 
 import pytest
 
-from compile_once import compile_once
-
 os.environ["SHELLCUT_CHECK_TYPES"] = "1"
 
 if "NUMBA_CACHE_DIR" not in os.environ:
@@ -95,11 +93,6 @@ def _one_grid_for_equal_tools():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ClosestTriangleGrid, "build", staticmethod(built))
         yield
-
-
-def pytest_configure(config):
-    if hasattr(config, "workerinput"):  # one of several processes
-        compile_once()
 
 
 @pytest.hookimpl(wrapper=True)

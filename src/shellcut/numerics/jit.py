@@ -35,7 +35,7 @@ from numba.core import event, types
 from numba.extending import register_jitable
 
 from .inlined_code import InlinedCompiler
-from .kernel_cache import kernel_cache
+from .kernel_cache import KernelCache, kernel_cache
 from .kernel_tables import check_tables
 
 P = ParamSpec("P")
@@ -65,8 +65,21 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     compiled: Any = nb.njit(nogil=True, **_OPTIONS)(function)
     if hasattr(compiled, "compile"):
         compiled._cache = kernel_cache(function)
-        compiled.compile = _uncollected(compiled.compile)
+        compiled.compile = _in_one_process(compiled, _uncollected(compiled.compile))
     return cast("Callable[P, R]", compiled)
+
+
+def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a compilation so that one process compiles a kernel, and the others load it."""
+
+    def compile_alone(types: object, wait: bool = True) -> Any:
+        cache = compiled._cache
+        if not isinstance(cache, KernelCache) or compiled.overloads.get(types) is not None:
+            return compile_(types)
+        with cache.alone(wait=wait) as is_alone:
+            return compile_(types) if is_alone else None
+
+    return compile_alone
 
 
 def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
@@ -86,6 +99,18 @@ def _uncollected(compile_: Callable[..., Any]) -> Callable[..., Any]:
             gc.enable()
 
     return compile_uncollected
+
+
+def compile_if_free(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+    """Compile a kernel for types of its arguments, or load it, unless another process is at it."""
+    compile_: Any = getattr(function, "compile", None)
+    return compile_ is None or compile_(types, wait=False) is not None
+
+
+def is_stored(function: Callable[..., Any], types: tuple[Any, ...]) -> bool:
+    """Return whether a kernel for types of its arguments need not be compiled."""
+    cache = getattr(function, "_cache", None)
+    return not isinstance(cache, KernelCache) or cache.has(types)
 
 
 def bound(function: Callable[..., Any], *arguments: object) -> Callable[..., Any]:

@@ -5,6 +5,9 @@ functions that it calls, which stand in other files: here the stamp is the diges
 (:mod:`shellcut.numerics.source_digest`). A stored file that is cut short, of other content or out
 of date counts as none, and the kernel is compiled anew; where nothing can be stored, it is compiled
 in every process.
+
+Several processes may need a kernel at once, as those of a study on a new machine. One compiles it,
+the others wait and take what it has stored.
 """
 
 # Numba's classes have no types.
@@ -14,11 +17,15 @@ from __future__ import annotations
 
 import hashlib
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+from numba.core.registry import cpu_target
+
+from shellcut.files import file_lock
 
 from .source_digest import in_package, source_digest
 
@@ -28,7 +35,7 @@ _N_DIGEST = hashlib.sha256().digest_size
 def kernel_cache(function: Callable[..., Any]) -> Any:
     """Return the cache of a kernel, or one that stores nothing where no folder can be written."""
     try:
-        return _KernelCache(function)
+        return KernelCache(function)
     except RuntimeError:  # Numba finds no folder
         return NullCache()
 
@@ -60,7 +67,7 @@ class _KernelFile(IndexDataCacheFile):
             file.write(hashlib.sha256(code).digest() + code)
 
 
-class _KernelCache(FunctionCache):
+class KernelCache(FunctionCache):
     """Numba's cache of one function, over such files."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -73,3 +80,32 @@ class _KernelCache(FunctionCache):
             super().save_overload(signature, result)
         except OSError:
             self.disable()
+
+    def has(self, signature: Any) -> bool:
+        """Return whether machine code for these types of arguments, and this machine, is stored."""
+        context = cpu_target.target_context
+        return self._index_key(signature, context.codegen()) in self._cache_file._load_index()
+
+    @contextmanager
+    def alone(self, *, wait: bool = True) -> Iterator[bool]:
+        """Keep other processes from compiling the kernel within the block.
+
+        Parameters
+        ----------
+        wait : bool
+            Whether to wait where another process compiles it. Without, the block is told whether
+            it is alone.
+        """
+        try:
+            self._impl.locator.ensure_cache_path()
+            lock = (Path(self.cache_path) / f"{self._impl.filename_base}.lock").open("ab")
+        except OSError:  # nothing can be stored, each compiles for itself
+            yield True
+            return
+        with lock:
+            try:
+                file_lock.take(lock, wait=wait)
+            except OSError as refusal:
+                yield refusal.errno not in file_lock.HELD_BY_ANOTHER
+                return
+            yield True
