@@ -158,7 +158,7 @@ def flat_moduli(material: ShellMaterial) -> FlatModuli:
     return FlatModuli(
         material.bending_ratio,
         float(2.0 * plane[2, 2] / plane[0, 0]),
-        float(material.shear_factor * shear[0, 0] / (8.0 * plane[0, 0])),
+        float(material.transverse_shear(shear)[0, 0] / (8.0 * plane[0, 0])),
     )
 
 
@@ -197,7 +197,7 @@ def point_stiffness(X: Floats, T: Floats, material: ShellMaterial, q: int) -> Fl
         volume = weight * np.einsum("ei,ei->e", _cross(G1, G2), T0)
         C = np.zeros((5, 5))
         C[:3, :3] = layer.plane_stress()
-        C[3:, 3:] = material.shear_factor * layer.transverse_shear()
+        C[3:, 3:] = material.transverse_shear(layer.transverse_shear())
         P = np.zeros((5, 8))
         P[:3, :3], P[:3, 3:6], P[3:, 6:] = np.eye(3), z * np.eye(3), np.eye(2)
         Q, _ = cartesian_map(G1, G2, T0)

@@ -11,7 +11,8 @@ from .key import Section, choice, default_of, file, key, number, numbers, sectio
 from .material_of_keys import made_with, material_of
 from .presets import preset_names
 
-_SHEAR = "factor on the transverse shear stiffness"
+_SHEAR = "on the transverse shear moduli of every layer"
+_BY_LAYERS = "what follows from the layers, 5/6 of one"
 _POINTS = "points through the thickness of each layer, 1 to 9"
 _ONCE = "once before the run; 5 for a law that is not linear"
 _ALONG = (1.0, 0.0, 0.0)
@@ -47,6 +48,12 @@ class Ply(Section):
     )
     shear: float | None = key(
         number("MPa"), "shear modulus in the plane", default=None, unset="isotropic"
+    )
+    shear_through: float | None = key(
+        number("MPa"), "G_13, transverse shear along young", default=None, unset="shear"
+    )
+    shear_through_across: float | None = key(
+        number("MPa"), "G_23, along young_across", default=None, unset="shear_through"
     )
     yield_stress: float | None = key(
         number("MPa"), "at which it yields, true", default=None, unset="from another hardening"
@@ -127,7 +134,7 @@ class Homogeneous(Ply):
         default=_ALONG,
         parameter="direction",
     )
-    shear_factor: float = key(number(), _SHEAR)
+    shear_factor: float | None = key(number(), _SHEAR, unset=_BY_LAYERS)
     points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
 
     def made(self) -> ShellMaterial:
@@ -148,7 +155,7 @@ class Laminate(Section):
         default=_ALONG,
         parameter="direction",
     )
-    shear_factor: float = key(number(), _SHEAR)
+    shear_factor: float | None = key(number(), _SHEAR, unset=_BY_LAYERS)
     points_per_layer: int | None = key(whole, _POINTS, unset=_ONCE)
     layers: tuple[Ply, ...] = key(tables(Ply), "from the bottom to the top")
 
