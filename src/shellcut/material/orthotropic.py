@@ -101,8 +101,8 @@ class Orthotropic(Material):
 
     def __post_init__(self) -> None:
         problems = []
-        through = ("shear_through", "shear_through_across")
-        for name in ("young_along", "young_across", "shear", *through):
+        moduli = ("young_along", "young_across", "shear", "shear_through", "shear_through_across")
+        for name in moduli:
             value = getattr(self, name)
             if not (value is None or (math.isfinite(value) and value > 0.0)):
                 problems.append(f"{name} must be a positive modulus in MPa, got {value!r}")

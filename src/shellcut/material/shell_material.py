@@ -196,6 +196,19 @@ class ShellMaterial:
         return tuple(self.layers) == tuple(reversed(self.layers))
 
     @property
+    def membrane_stiffness(self) -> Floats:
+        """A, the integral of C over the thickness, shape (3, 3) [N/mm]."""
+        points = zip(*self.thickness_points(), strict=True)
+        return np.asarray(np.sum([w * one.plane_stress() for _, w, one in points], axis=0))
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """The integral of the effective transverse shear moduli, shape (2, 2) [N/mm]."""
+        points = zip(*self.thickness_points(), strict=True)
+        moduli = np.sum([w * one.transverse_shear() for _, w, one in points], axis=0)
+        return self.transverse_shear(moduli)
+
+    @property
     def bending_ratio(self) -> float | None:
         """Bending over membrane stiffness [mm²] if it is one number without coupling, else None.
 
@@ -204,10 +217,8 @@ class ShellMaterial:
         """
         if not self.is_symmetric:
             return None
-        place, weight, materials = self.thickness_points()
-        plane = [w * m.plane_stress() for w, m in zip(weight, materials, strict=True)]
-        membrane = np.sum(plane, axis=0)
-        bending = np.sum([z * z * one for z, one in zip(place, plane, strict=True)], axis=0)
+        membrane, points = self.membrane_stiffness, zip(*self.thickness_points(), strict=True)
+        bending = np.sum([z * z * (w * one.plane_stress()) for z, w, one in points], axis=0)
         ratio = float(bending[0, 0] / membrane[0, 0])
         shear = 0.5 * (membrane[0, 0] - membrane[0, 1])
         aside = [membrane[1, 1] - membrane[0, 0], membrane[2, 2] - shear, *membrane[:2, 2]]
