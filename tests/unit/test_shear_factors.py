@@ -50,8 +50,8 @@ def deflection(material, span):
 @pytest.mark.parametrize(("span", "close"), [(1.0, 0.02), (2.0, 0.004), (4.0, 0.001), (10.0, 1e-3)])
 @pytest.mark.parametrize("layers", [SANDWICH, UNEVEN], ids=["even", "uneven"])
 def test_a_soft_core_bends_as_in_elasticity(layers, span, close):
-    # Elasticity by the sines of an even load. With 5/6 it is -72, -40, -14, -2.6 %. What is left falls
-    # with the third power of h/span, and 0.05 % is of the mesh.
+    # Elasticity by the sines of an even load. With 5/6 it is -72, -40, -14, -2.6 %. What is left
+    # falls with the third power of h/span; 0.05 % is of the mesh.
     waves = range(1, 10, 2)
     wanted = sum(4 / (m * np.pi) * (-1) ** (m // 2) * elasticity(layers, span / m) for m in waves)
     assert deflection(layers, span) == pytest.approx(wanted, rel=close)
