@@ -77,7 +77,7 @@ class ShellMaterial:
         At least one.
     shear_factor : float, optional
         Factor on the transverse shear moduli of every layer, in place of those that follow from the
-        layers (:attr:`shear_factors`); 1 is that of older sources.
+        layers (:attr:`shear_factors`); many published benchmarks take 1.
     points_per_layer : int, optional
         Integrate with this many points (1 to 9) in each layer, at every step. By default a section
         of linear layers is integrated once, before the run; one with a law that keeps a history
