@@ -76,7 +76,7 @@ def check_path(
         Whether cracks follow the edges of the mesh.
     """
     yield from _fates(sweep)
-    if not sweep.within.any():
+    if not len(sweep.place):
         return
     yield from _attack(sweep)
     rows = Rows(mesh, sweep)
@@ -120,8 +120,8 @@ class Rows:
         ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
         self.open: Bools = _open_sides(mesh, ends) & (self.off <= NEAR_HELD)
         """Whether the side was cut before the run, shape (n_place,)."""
-        found = length[at, best][np.isfinite(self.off) & sweep.within]
-        size = sweep.edge_length[sweep.within]
+        found = length[at, best][np.isfinite(self.off)]
+        size = sweep.edge_length
         self.spacing = float(np.median(found if len(found) else size))
         """Node spacing along the path [mm]."""
 
@@ -191,7 +191,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     speed = np.linalg.norm(across, axis=1)
     # An edge that moves along itself slices and has no direction; one at rest does nothing.
     whole = np.linalg.norm(sweep.velocity, axis=1)
-    moving = sweep.within & (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
+    moving = (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
     forward = -(across * sweep.back).sum(axis=1)
     astray = moving & (forward < np.cos(ATTACK) * speed)
     astray &= ~_seen_before(sweep, moving & ~astray)
@@ -229,8 +229,7 @@ def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
 
 
 def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    uncut = ~rows.open & sweep.within
-    if not uncut.any():
+    if rows.open.all():
         yield Finding(
             DOUBT,
             "there must be film to cut on the way of the cutting edges",
@@ -240,7 +239,7 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
 
 
 def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within & ~rows.open
+    asked = ~rows.open
     quads = np.unique(sweep.quad[asked])
     if not len(quads):
         return
@@ -268,10 +267,9 @@ def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
 
 
 def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within
-    nodes = mesh.quads[sweep.quad[asked]]
-    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[asked][:, None], axis=2)
-    near = off <= NEAR_HELD * sweep.edge_length[asked][:, None]
+    nodes = mesh.quads[sweep.quad]
+    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[:, None], axis=2)
+    near = off <= NEAR_HELD * sweep.edge_length[:, None]
     supported = np.asarray(support.any(axis=1))
     held = np.unique(nodes[near & supported[nodes]])
     if len(held):

@@ -26,7 +26,7 @@ from shellcut.numerics.trapezoid import integral
 from shellcut.tool.pose import Pose
 
 from .cut_quality import UNITS, cut_quality
-from .energy_balance import energy_shares, work_put_in
+from .energy_account import PUT_IN, energy_shares, total
 from .history import read_history
 from .splits_csv import read_splits
 from .steady_window import SteadyWindow, steady_window
@@ -249,7 +249,7 @@ class Results:
 
         path = self.folder / ENERGY_PICTURE if path is None else Path(path)
         coordinate, history = self.coordinate_name, self.history
-        work = work_put_in(history)
+        work = total(PUT_IN, history)
         # At first touch there is almost no work to compare with.
         tells = np.abs(work) >= _LEAST_WORK * np.abs(work).max(initial=0.0)
         draw_energy(
