@@ -57,7 +57,7 @@ def test_the_figures_are_the_whole_account_or_none():
     # Of what was dissipated: what is stored is not in it, what contact gave from nowhere is lost.
     asked, together = dissipated(figures)
     assert {line.words: line.share for line in asked} == pytest.approx(
-        {"cables": 4.0 / 7.4, "yielding or damage of the film": 3.0 / 7.4}
+        {"cables": 4.0 / 7.4, "yielding or damage of the material": 3.0 / 7.4}
     )
     assert together == pytest.approx(7.0 / 7.4)
     assert energy_figures(entries | {"strain": np.nan}) == {}

@@ -108,7 +108,7 @@ def test_what_a_run_shows_of_its_cut(figures, kind, said):
         # What film and friction take was asked for: the cables' share alone says nothing.
         (
             {"cables": 22.0, "material_dissipated": 60.0, "damping": 4.0},
-            "Cables took 25.6 % of the dissipated work, yielding or damage of the film 69.8 %, "
+            "Cables took 25.6 % of the dissipated work, yielding or damage of the material 69.8 %, "
             "together 95.3 %",
             "good",
         ),

@@ -33,6 +33,7 @@ Conditions for a correct cut, with reasons:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -44,6 +45,9 @@ from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
 from .sweep import Fate, Sweep
+
+if TYPE_CHECKING:
+    from shellcut.fracture.criterion import Fracture
 
 ATTACK = np.radians(60.0)
 """Largest angle between the motion of a cutting edge and the direction in which it points."""
@@ -60,7 +64,7 @@ RUNGS = 2.0
 
 
 def check_path(
-    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, *, along_edges: bool = True
+    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, fracture: Fracture
 ) -> Iterator[Finding]:
     """Yield findings on the path of the cutting edges.
 
@@ -72,9 +76,10 @@ def check_path(
     law : CohesiveLaw
     sweep : Sweep
         Of the tool's whole motion.
-    along_edges : bool
-        Whether cracks follow the edges of the mesh.
+    fracture : Fracture
+        Whether cracks follow the edges of the mesh, and whether they must.
     """
+    along_edges = fracture.path == "edges"
     yield from _fates(sweep)
     if not len(sweep.place):
         return
@@ -82,7 +87,7 @@ def check_path(
     rows = Rows(mesh, sweep)
     yield from _precut(rows, sweep)
     if along_edges:
-        yield from _off_row(rows, sweep)
+        yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
     h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
     if law.opening_u < RUNGS * h:
@@ -238,7 +243,7 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         )
 
 
-def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
+def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
     asked = ~rows.open
     quads = np.unique(sweep.quad[asked])
     if not len(quads):
@@ -261,8 +266,8 @@ def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
         came + ("; some run across it" if none else ""),
-        'let cracks go through the quads, fracture.path = "free", or put the path into the mesh, '
-        '"imprint"; or mesh along it',
+        'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
+        + 'put the path into the mesh, fracture.path = "imprint", or mesh along it',
     )
 
 

@@ -49,7 +49,7 @@ CABLES = Part("cables", "cables", ("cohesive_work", "cohesive_start_work"))
 STORED = Part("strain", "stored in the film", ("strain",))
 ASKED_FOR = (
     CABLES,
-    Part("material_dissipated", "yielding or damage of the film", ("material_dissipated",)),
+    Part("material_dissipated", "yielding or damage of the material", ("material_dissipated",)),
     Part("friction", "friction", ("friction_work",)),
     Part("joint_friction", "friction of the cables on the cutting edge", ("joint_friction",)),
 )
