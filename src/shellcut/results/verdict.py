@@ -126,7 +126,8 @@ def _share_of_work(figures: Figures, name: str) -> float | None:
 
 
 def _is_of_a_tool(figures: Figures) -> bool:
-    return "tool_work_Nmm" in figures
+    # a tool at rest, against which supports move the film, does no work
+    return "tool_work_Nmm" in figures or "deepest_penetration_mm" in figures
 
 
 def _ledger(figures: Figures) -> Iterator[Line]:
