@@ -56,7 +56,7 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         f"{r.coordinate_name}_end_{r.coordinate_unit}": r.coordinate(s.time),
-        **_of_energies(sim),
+        **_of_energies(sim, history),
         **largest_shares(history, trusted_rows(history)),
         "n_cable_created": s.n_cable,
         "n_cable_broken": sim.cables.n_broken,
@@ -83,15 +83,16 @@ def run_summary(
     return finite | {"resistance": r.meaning, "options": _options(sim)}
 
 
-def _of_energies(sim: Simulation) -> dict[str, float]:
-    """Return the account of the work, and what makes up that of the cables [N·mm]."""
-    ledger = sim.close_ledger()
-    return {
-        **energy_figures(vars(ledger)),
-        "cohesive_work_Nmm": ledger.cohesive_work,
-        "cohesive_dissipated_Nmm": ledger.cohesive_dissipated,
-        "cohesive_stored_Nmm": ledger.cohesive_stored,
-    }
+def _of_energies(sim: Simulation, history: Mapping[str, Floats]) -> dict[str, float]:
+    """Return the account of the work, and what makes up that of the cables [N·mm].
+
+    Of a run that broke off within a step it is that of the last row: its state means nothing.
+    """
+    entries = vars(sim.close_ledger())
+    if not sim.between_steps:
+        entries = {name: float(history[name][-1]) for name in entries if name in history}
+    of_cables = ("cohesive_work", "cohesive_dissipated", "cohesive_stored")
+    return energy_figures(entries) | {f"{name}_Nmm": entries[name] for name in of_cables}
 
 
 def _options(sim: Simulation) -> dict[str, Any]:

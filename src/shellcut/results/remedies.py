@@ -7,38 +7,31 @@ edges under the path, held nodes on it, a blunt back that presses) has its remed
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from contextlib import suppress
+from typing import Any
 
-Options = Mapping[str, Any]
-"""``options`` of ``summary.json``, and its other figures."""
-
-
-class _Remedy(NamedTuple):
-    text: str
-    is_left: Callable[[Options], bool] = lambda options: True
-    """Whether a run with these options could still take it."""
-
-
-_REMEDIES = {
-    "slower": _Remedy("a slower motion"),
-    "finer": _Remedy("a finer film near the tool"),
-    "damping": _Remedy("less damping"),
-    "penalty": _Remedy("a larger Contact.penalty"),
-    "film edges": _Remedy("Contact.film_edges = True", lambda o: not o["film_edges"]),
-    "shorter edges": _Remedy(
+_REMEDIES: dict[str, tuple[str, Callable[[Mapping[str, Any]], bool]]] = {
+    "slower": ("a slower motion", lambda _: True),
+    "finer": ("a finer film near the tool", lambda _: True),
+    "damping": ("less damping", lambda _: True),
+    "penalty": ("a larger Contact.penalty", lambda _: True),
+    "film edges": ("Contact.film_edges = True", lambda o: not o["film_edges"]),
+    "shorter edges": (
         "edges shorter than half of opening_u",
         lambda o: o["edge_length_mm"] > 0.5 * o["opening_u_mm"],
     ),
-    "through quads": _Remedy(
+    "through quads": (
         'cracks through the quads (fracture.path = "free")',
         lambda o: o["path"] == "edges" and not o["only_along_edges"],
     ),
-    "more checks": _Remedy(
-        "more checks (a smaller fracture.check_every)", lambda o: o["check_every"] > 1
+    "more checks": (
+        "more checks (a smaller fracture.check_every)",
+        lambda o: o["check_every"] > 1,
     ),
-    "smaller step": _Remedy("a smaller Stepping.safety", lambda o: not o["fixed_step"]),
-    "smaller fixed step": _Remedy("a smaller Stepping.fixed", lambda o: o["fixed_step"]),
+    "smaller step": ("a smaller Stepping.safety", lambda o: not o["fixed_step"]),
+    "smaller fixed step": ("a smaller Stepping.fixed", lambda o: o["fixed_step"]),
 }
+"""Words of each remedy, and whether a run with these figures and options could still take it."""
 SMALLER_STEP = "smaller step", "smaller fixed step"
 """Of which one is left."""
 
@@ -46,7 +39,8 @@ SMALLER_STEP = "smaller step", "smaller fixed step"
 def remedies(figures: Mapping[str, Any], *names: str) -> str:
     """Return a sentence with those of some remedies that are left, after a space; "" for none.
 
-    What depends on an option that is not in the figures is left out.
+    What depends on an option that is not in the figures, or that the run does not have, is left
+    out.
 
     Examples
     --------
@@ -55,15 +49,11 @@ def remedies(figures: Mapping[str, Any], *names: str) -> str:
     ' Use a slower motion or a finer film near the tool.'
     """
     options = {**figures, **figures.get("options", {})}
-    texts = [_REMEDIES[name].text for name in names if _is_left(_REMEDIES[name], options)]
+    texts = []
+    for text, is_left in (_REMEDIES[name] for name in names):
+        with suppress(KeyError, TypeError):  # an option that is not there, or None
+            texts += [text] * bool(is_left(options))
     if not texts:
         return ""
     *others, last = texts
     return f" Use {', '.join(others)}{' or ' if others else ''}{last}."
-
-
-def _is_left(remedy: _Remedy, options: Options) -> bool:
-    try:
-        return remedy.is_left(options)
-    except (KeyError, TypeError):  # not recorded, or None: the run has no such thing
-        return False

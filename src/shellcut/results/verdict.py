@@ -114,6 +114,14 @@ def _judged(within: bool, good: str, bad: str) -> Line:
     return Line("good", good) if within else Line("doubt", bad)
 
 
+def _limited(said: str, share: float, limit: float, why: str) -> Line:
+    """Return a line on a share that should keep to a limit; ``why`` tells what it means else."""
+    most = _percent(limit)
+    return _judged(
+        abs(share) <= limit, f"{said} (limit {most}).", f"{said}, more than {most}: {why}"
+    )
+
+
 def _percent(share: float) -> str:
     # three digits near 100 %: 97.5 %, not 98 %
     return f"{100.0 * share:.{2 if abs(share) < 0.095 else 3}g} %"
@@ -186,12 +194,11 @@ def _damping(figures: Figures) -> Iterator[Line]:
     damping = _share_of_work(figures, "damping_Nmm")
     if damping is None or _not_come_far(figures):
         return
-    share, limit = _percent(damping), _percent(DAMPING_LIMIT)
-    yield _judged(
-        abs(damping) <= DAMPING_LIMIT,
-        f"Damping dissipates {share} of the tool's work (limit {limit}).",
-        f"Damping dissipates {share} of the tool's work, more than {limit}: the resistance is "
-        "that much too high. Film that springs open causes it."
+    yield _limited(
+        f"Damping dissipates {_percent(damping)} of the tool's work",
+        damping,
+        DAMPING_LIMIT,
+        "the resistance is that much too high. Film that springs open causes it."
         + remedies(figures, "shorter edges", "slower", "damping"),
     )
 
@@ -200,23 +207,22 @@ def _contact(figures: Figures) -> Iterator[Line]:
     contact = _share_of_work(figures, "contact_Nmm")
     if contact is None or not _is_of_a_tool(figures):
         return
-    share, limit = _percent(contact), _percent(CONTACT_LIMIT)
-    if contact < -GIVEN_LIMIT:
-        yield Line(
-            "doubt",
-            f"Contact gave the film {_percent(-contact)} of the tool's work, more than "
-            f"{_percent(GIVEN_LIMIT)}, but contact is no source of energy: jumps were absorbed, or "
-            "nodes hit the tool so fast that a step is too long for it."
-            + remedies(figures, *SMALLER_STEP),
+    did, limit, why = (
+        "took",
+        CONTACT_LIMIT,
+        "penetrations or their changes between steps are large.",
+    )
+    if contact < 0.0:
+        did, limit = "gave the film", GIVEN_LIMIT
+        why = (
+            "it is no source of energy: jumps were absorbed, or nodes hit the tool so fast that a "
+            "step is too long for it."
         )
-        return
-    yield _judged(
-        contact <= CONTACT_LIMIT,
-        f"Contact took {share} of the tool's work (limit {limit}); friction counted "
-        "apart, it should take almost none.",
-        f"Contact took {share} of the tool's work, more than {limit}, friction not counted: "
-        "penetrations or their changes between steps are large."
-        + remedies(figures, "finer", *SMALLER_STEP),
+    yield _limited(
+        f"Contact {did} {_percent(abs(contact))} of the tool's work, friction not counted",
+        contact,
+        limit,
+        why + remedies(figures, "finer", *SMALLER_STEP),
     )
 
 
@@ -228,11 +234,10 @@ def _absorbed(figures: Figures) -> Iterator[Line]:
         yield Line("good", "No node was set to the other flank of the blade: no jump was absorbed.")
         return
     did = "took" if absorbed > 0.0 else "gave the film"
-    share, limit = _percent(abs(absorbed)), _percent(GIVEN_LIMIT)
-    yield _judged(
-        abs(absorbed) <= GIVEN_LIMIT,
-        f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work (limit {limit}).",
-        f"Absorbed jumps of nodes in the tool {did} {share} of the tool's work, more than {limit}: "
+    yield _limited(
+        f"Absorbed jumps of nodes in the tool {did} {_percent(abs(absorbed))} of the tool's work",
+        absorbed,
+        GIVEN_LIMIT,
         "nodes are set to the other flank of the blade." + remedies(figures, "finer"),
     )
 
@@ -242,11 +247,10 @@ def _self_contact(figures: Figures) -> Iterator[Line]:
     if lost is None or "self_contact_Nmm" not in figures:
         return
     did = "lost" if lost >= 0.0 else "gave the film"
-    share, limit = _percent(abs(lost)), _percent(GIVEN_LIMIT)
-    yield _judged(
-        abs(lost) <= GIVEN_LIMIT,
-        f"Contact of the film with itself {did} {share} of the tool's work (limit {limit}).",
-        f"Contact of the film with itself {did} {share} of the tool's work, more than {limit}: "
+    yield _limited(
+        f"Contact of the film with itself {did} {_percent(abs(lost))} of the tool's work",
+        lost,
+        GIVEN_LIMIT,
         "its parts hit each other so fast that a step is too long for it."
         + remedies(figures, *SMALLER_STEP),
     )
@@ -367,14 +371,12 @@ def _stored(figures: Figures) -> Iterator[Line]:
     if "stored_growth_rel" not in figures or not _is_of_a_tool(figures):
         return
     stored = figures["stored_growth_rel"]
-    share, limit = _percent(stored), _percent(STORED_LIMIT)
-    yield _judged(
-        stored <= STORED_LIMIT,
-        f"In the steady window the film stored {share} of the tool's work (limit {limit}): it "
-        "gives way as it is cut.",
-        f"In the steady window the film stored {share} of the tool's work, more than {limit}: it "
-        "does not give way beside the tool, as a flat film that is pressed in its plane and does "
-        "not buckle, and the resistance is higher by that much.",
+    yield _limited(
+        f"In the steady window the film stored {_percent(stored)} of the tool's work",
+        max(stored, 0.0),
+        STORED_LIMIT,
+        "it does not give way beside the tool, as a flat film that is pressed in its plane and "
+        "does not buckle, and the resistance is higher by that much.",
     )
 
 

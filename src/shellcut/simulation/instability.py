@@ -170,7 +170,7 @@ class StabilityGuard:
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
             f"{worst} is no longer finite or explodes; the safe step was "
             f"{self._time_step.bound(s):.4g} s. "
-            + " ".join([*self._plain_causes(s), f"Else lower {self._of_the_step()}."])
+            + " ".join([*self._plain_causes(s), f"Else lower {self._of_the_step(s)}."])
         )
 
     def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
@@ -184,14 +184,14 @@ class StabilityGuard:
             f"{self._worst_quad(s)} is strained most. "
             + " ".join(self._plain_causes(s))
             + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion, or "
-            f"lower {self._of_the_step()}. A state changed by hand between two steps has no "
+            f"lower {self._of_the_step(s)}. A state changed by hand between two steps has no "
             "balance either."
         )
 
-    def _of_the_step(self) -> str:
-        """Return the option that sets the step, and its value."""
+    def _of_the_step(self, s: State) -> str:
+        """Return the option that sets the step, and its value; a fixed one is left out if unsafe."""
         stepping = self._time_step.stepping
-        if stepping.fixed is not None:
+        if stepping.fixed is not None and stepping.fixed <= self._time_step.bound(s):
             return f"Stepping.fixed, {stepping.fixed:.4g} s"
         return f"Stepping.safety, {stepping.safety:.3g}"
 
