@@ -189,7 +189,7 @@ class StabilityGuard:
         )
 
     def _of_the_step(self, s: State) -> str:
-        """Return the option that sets the step, and its value; a fixed one is left out if unsafe."""
+        """Return the option that sets the step and its value: an unsafe fixed one does not."""
         stepping = self._time_step.stepping
         if stepping.fixed is not None and stepping.fixed <= self._time_step.bound(s):
             return f"Stepping.fixed, {stepping.fixed:.4g} s"
