@@ -115,7 +115,7 @@ class Share(NamedTuple):
     energy: float
     """[N·mm]."""
     share: float
-    """Of all that was put in."""
+    """Of the whole: of all that was put in, or of all that was dissipated."""
 
 
 def account(figures: Mapping[str, Any]) -> tuple[list[Share], list[Share]]:
