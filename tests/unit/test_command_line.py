@@ -174,15 +174,29 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
     assert shares[:3] == [5, 10, 15]
     assert shares[-1] == 100
     assert len(shares) == 20
-    figures = re.fullmatch(
-        r"100 %: path [\d.]+ mm, force \S+ N \| E: kin (\S+) int (\S+) cohesive (\S+) "
-        r"contact (\S+) damping (\S+) ext (\S+) N\*mm \| balance ([+-][\d.]+) % \| "
+    told = re.fullmatch(
+        r"100 %: path [\d.]+ mm, force \S+ N \| E: (.*) N\*mm \| balance ([+-][\d.]+) % \| "
         r"crack (\S+) mm, cables (\d+) made (\d+) jointed (\d+) broken",
         lines[-1],
     )
-    *parts, ext, balance = map(float, figures.groups()[:7])
+    energies = dict(part.rsplit(" ", 1) for part in told.group(1).split(", "))
+    work = float(energies.pop("work of the tool"))
+    assert energies.keys() >= {"stored in the film", "kinetic energy", "damping"}
     # Four figures of each are shown; what is left over is what the balance says, in per cent.
-    assert ext - sum(parts) == pytest.approx(0.01 * balance * ext, abs=2e-3 * ext)
+    missing = 0.01 * float(told.group(2)) * work
+    assert work - sum(map(float, energies.values())) == pytest.approx(missing, abs=2e-3 * work)
+
+
+def test_the_table_at_the_end_is_the_account_of_the_summary(out):
+    summary = json.loads((out / "summary.json").read_text())
+    said = (out.parent / "stdout").read_text()
+    rows = re.findall(r"^(\S.*) \[N\*mm\] +(\S+) +(\S+) %$", said, re.MULTILINE)
+    (words, work, whole), *became = rows
+    assert (words, float(whole)) == ("work of the tool", 100.0)
+    assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=1e-5)
+    assert {words for words, *_ in became} >= {"stored in the film", "damping", "imbalance"}
+    assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=1e-4)
+    assert sum(float(share) for *_, share in became) == pytest.approx(100.0, abs=0.5)
 
 
 def test_the_log_has_all_that_was_printed(out):

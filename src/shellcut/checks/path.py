@@ -33,6 +33,7 @@ Conditions for a correct cut, with reasons:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -44,6 +45,9 @@ from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
 from .sweep import Fate, Sweep
+
+if TYPE_CHECKING:
+    from shellcut.fracture.criterion import Fracture
 
 ATTACK = np.radians(60.0)
 """Largest angle between the motion of a cutting edge and the direction in which it points."""
@@ -60,7 +64,7 @@ RUNGS = 2.0
 
 
 def check_path(
-    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, *, along_edges: bool = True
+    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, fracture: Fracture
 ) -> Iterator[Finding]:
     """Yield findings on the path of the cutting edges.
 
@@ -72,17 +76,18 @@ def check_path(
     law : CohesiveLaw
     sweep : Sweep
         Of the tool's whole motion.
-    along_edges : bool
-        Whether cracks follow the edges of the mesh.
+    fracture : Fracture
+        Whether cracks follow the edges of the mesh, and whether they must.
     """
+    along_edges = fracture.path == "edges"
     yield from _fates(sweep)
-    if not sweep.within.any():
+    if not len(sweep.place):
         return
     yield from _attack(sweep)
     rows = Rows(mesh, sweep)
     yield from _precut(rows, sweep)
     if along_edges:
-        yield from _off_row(rows, sweep)
+        yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
     h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
     if law.opening_u < RUNGS * h:
@@ -120,8 +125,8 @@ class Rows:
         ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
         self.open: Bools = _open_sides(mesh, ends) & (self.off <= NEAR_HELD)
         """Whether the side was cut before the run, shape (n_place,)."""
-        found = length[at, best][np.isfinite(self.off) & sweep.within]
-        size = sweep.edge_length[sweep.within]
+        found = length[at, best][np.isfinite(self.off)]
+        size = sweep.edge_length
         self.spacing = float(np.median(found if len(found) else size))
         """Node spacing along the path [mm]."""
 
@@ -191,7 +196,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
     speed = np.linalg.norm(across, axis=1)
     # An edge that moves along itself slices and has no direction; one at rest does nothing.
     whole = np.linalg.norm(sweep.velocity, axis=1)
-    moving = sweep.within & (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
+    moving = (speed > 0.05 * whole) & (speed > 1e-3 * sweep.top_speed)
     forward = -(across * sweep.back).sum(axis=1)
     astray = moving & (forward < np.cos(ATTACK) * speed)
     astray &= ~_seen_before(sweep, moving & ~astray)
@@ -229,8 +234,7 @@ def _seen_before(sweep: Sweep, ahead: Bools) -> Bools:
 
 
 def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    uncut = ~rows.open & sweep.within
-    if not uncut.any():
+    if rows.open.all():
         yield Finding(
             DOUBT,
             "there must be film to cut on the way of the cutting edges",
@@ -239,8 +243,8 @@ def _precut(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         )
 
 
-def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within & ~rows.open
+def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
+    asked = ~rows.open
     quads = np.unique(sweep.quad[asked])
     if not len(quads):
         return
@@ -262,16 +266,15 @@ def _off_row(rows: Rows, sweep: Sweep) -> Iterator[Finding]:
         "their length, since cracks follow edges: beside it the force is too large, or nothing is "
         "cut",
         came + ("; some run across it" if none else ""),
-        'let cracks go through the quads, fracture.path = "free", or put the path into the mesh, '
-        '"imprint"; or mesh along it',
+        'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
+        + 'put the path into the mesh, fracture.path = "imprint", or mesh along it',
     )
 
 
 def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
-    asked = sweep.within
-    nodes = mesh.quads[sweep.quad[asked]]
-    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[asked][:, None], axis=2)
-    near = off <= NEAR_HELD * sweep.edge_length[asked][:, None]
+    nodes = mesh.quads[sweep.quad]
+    off = np.linalg.norm(mesh.nodes[nodes] - sweep.place[:, None], axis=2)
+    near = off <= NEAR_HELD * sweep.edge_length[:, None]
     supported = np.asarray(support.any(axis=1))
     held = np.unique(nodes[near & supported[nodes]])
     if len(held):

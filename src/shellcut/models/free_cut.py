@@ -91,7 +91,7 @@ def free_cut(
         **options,
     )
     if notch and way.through_quads and tool.n_edge:
-        points, before = _first_way(Sweep.of(mesh, tool, motion, duration, law), notch)
+        points, before = _first_way(Sweep.of(mesh, tool, motion, duration), notch)
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
     check_length(simulation, duration)
@@ -123,7 +123,7 @@ def _first_way(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
     the rim.
     """
     begins = [(fate.first, fate.chain) for fate in sweep.fates if fate.first is not None]
-    mine = sweep.along_edge & sweep.within & (sweep.chain == min(begins, default=(0.0, -1))[1])
+    mine = sweep.along_edge & (sweep.chain == min(begins, default=(0.0, -1))[1])
     _, first = np.unique(sweep.time[mine], return_index=True)
     places = sweep.place[mine][first]
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)

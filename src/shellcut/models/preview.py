@@ -164,7 +164,7 @@ def _draw(
             tool=poses,
             triangles=none.astype(np.int64) if tool is None else np.asarray(tool.triangles),
             edges=[] if tool is None else list(_edge_groups(tool, sweep)),
-            way=none if sweep is None else sweep.place[sweep.within],
+            way=none if sweep is None else sweep.place,
             titles=titles,
         ),
         path,
