@@ -23,8 +23,6 @@ from shellcut.material.hardening import Table
 from shellcut.material.hardening_points import fewer_points
 from shellcut.unit import conversion
 
-_STRAIN_UNITS = {"": 1.0, "-": 1.0, "1": 1.0, "mm/mm": 1.0, "%": 0.01}
-
 
 def read_hardening(path: str | Path) -> Table:
     """Return the hardening in a file.
@@ -60,11 +58,12 @@ def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[i
                 f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
             )
         found[word] = places[0]
-    unit = table.headings[found["strain"]].unit
-    if unit not in _STRAIN_UNITS:
-        raise FileError(path, f"strains must have the unit - or %, got {unit!r}")
-    try:
-        factor = conversion(table.headings[found["stress"]].unit or "MPa", "MPa")
-    except ValueError as problem:
-        raise FileError(path, f"stress {problem}") from None
-    return (found["strain"], _STRAIN_UNITS[unit]), (found["stress"], factor)
+    factors, problems = [], []
+    for word, usual in (("strain", "-"), ("stress", "MPa")):
+        try:
+            factors.append(conversion(table.headings[found[word]].unit or usual, usual))
+        except ValueError as problem:
+            problems.append(f"{word} {problem}")
+    if problems:
+        raise FileError(path, "; ".join(problems))
+    return (found["strain"], factors[0]), (found["stress"], factors[1])
