@@ -67,3 +67,28 @@ def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
         quads = mesh.quads[(mesh.quads == node).any(axis=1)]
         nodes[node, 1] = 0.4 * np.sign(mesh.nodes[quads, 1].mean())
     check(cases.moved_mesh(mesh, nodes), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("direction", "z", "said", "far"),
+    [
+        ((1.0, 0.0, 0.0), 0.0, "back by 3.6 mm, against (1, 0, 0)", True),  # out at x = 0
+        ((0.0, 0.0, -1.0), 2.8, "back by 0.3 mm, against (0, 0, -1), or cut a notch", False),
+        ((0.0, 0.0, 1.0), 2.8, "back by 6 mm, against (0, 0, 1), or turn it: its axis", True),
+        ((0.0, 0.0, 0.0), 0.0, "move the tool's start, turn it: its axis", True),
+    ],
+)
+def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
+    direction, z, said, far
+):
+    # the blade reaches 3 mm to both sides of its middle in z
+    start = np.array([3.5, 0.0, z])
+
+    def pose_at(time):
+        return Pose(np.eye(3), start + 100.0 * time * np.array(direction))
+
+    grid = ClosestTriangleGrid.build(BLADE)
+    with pytest.raises(ValueError, match=r"\(Mesh\.cut\)$") as refusal:
+        check_tool_outside(MESH, BLADE, grid, pose_at(0.0), pose_at)
+    assert said in str(refusal.value)
+    assert ("may be wrong" in str(refusal.value)) == far

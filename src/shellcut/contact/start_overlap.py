@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
@@ -12,24 +14,86 @@ from shellcut.tool.tool import Tool
 
 from .missed_penetration import ToolWires
 
+PoseAt = Callable[[float], Pose]
 
-def check_tool_outside(mesh: Mesh, tool: Tool, grid: ClosestTriangleGrid, pose: Pose) -> None:
-    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad."""
-    _, inside, _, _ = grid.query(pose.to_body(mesh.nodes))
+_FAR = 0.25
+"""Of the tool's extent along its way: a start this far in is no small error of its place."""
+_STEPS = 20  # of the search, along the tool's extent
+
+
+def check_tool_outside(
+    mesh: Mesh,
+    tool: Tool,
+    grid: ClosestTriangleGrid,
+    pose: Pose,
+    pose_at: PoseAt | None = None,
+) -> None:
+    """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad.
+
+    Parameters
+    ----------
+    mesh, tool, grid, pose
+        The pose is that of the start.
+    pose_at : callable, optional
+        Pose by time from the start on [s]: tells how far back on its way the tool is free.
+    """
+    wires = ToolWires(tool)
+
+    def overlap(at: Pose) -> tuple[Ints, Ints]:
+        _, inside, _, _ = grid.query(at.to_body(mesh.nodes))
+        nowhere = np.zeros(mesh.n_node, np.bool_)
+        return np.flatnonzero(inside), wires.crossed_quads(mesh.nodes, mesh.quads, nowhere, at)[0]
+
     problems = []
-    if inside.any():
-        problems.append(f"nodes {_some(np.flatnonzero(inside), mesh.nodes)} lie inside the tool")
-    nowhere = np.zeros(mesh.n_node, np.bool_)
-    pierced, _ = ToolWires(tool).crossed_quads(mesh.nodes, mesh.quads, nowhere, pose)
+    inside, pierced = overlap(pose)
+    if inside.size:
+        problems.append(f"nodes {_some(inside, mesh.nodes)} lie inside the tool")
     if pierced.size:
         centres = mesh.nodes[mesh.quads].mean(axis=1)
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")
-    if problems:
-        raise ValueError(
-            "the tool must start outside the sheet, but "
-            + " and ".join(problems)
-            + ": move the tool's start back or cut a notch for it (Mesh.cut)"
-        )
+    if not problems:
+        return
+    way = _first_way(tool, pose, pose_at)
+    reach = np.ptp(pose.to_space(tool.vertices) @ way)
+    limit = reach + np.ptp(mesh.nodes @ way)
+    steps = np.arange(reach / _STEPS, limit + reach / _STEPS, reach / _STEPS) if reach else ()
+    free = next(
+        (
+            float(back)
+            for back in steps
+            if not any(
+                ids.size for ids in overlap(Pose(pose.rotation, pose.translation - back * way))
+            )
+        ),
+        None,
+    )
+    raise ValueError(
+        f"the tool must start outside the sheet, but {' and '.join(problems)}: "
+        f"{_cure(way, free, reach)}"
+    )
+
+
+def _first_way(tool: Tool, pose: Pose, pose_at: PoseAt | None) -> Floats:
+    # unit vector along which the tool's middle moves first, 0 if it does not
+    if pose_at is None:
+        return np.zeros(3)
+    middle = tool.vertices.mean(axis=0)[None]
+    start = pose.to_space(middle)[0]
+    for time in 2.0 ** np.arange(-20, 1):  # from a microsecond to a second
+        moved = pose_at(float(time)).to_space(middle)[0] - start
+        if (length := float(np.linalg.norm(moved))) > 1e-6 * float(np.ptp(tool.vertices)):
+            return np.asarray(moved / length)
+    return np.zeros(3)
+
+
+def _cure(way: Floats, free: float | None, reach: float) -> str:
+    notch = "cut a notch for it (Mesh.cut)"
+    turn = "turn it: its axis or the direction of its motion may be wrong"
+    if free is None:
+        return f"move the tool's start, {turn}, or {notch}"
+    x, y, z = way + 0.0
+    back = f"move the tool's start back by {free:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{back}, or {notch}" if free <= _FAR * reach else f"{back}, or {turn}; or {notch}"
 
 
 def _some(ids: Ints, places: Floats) -> str:
