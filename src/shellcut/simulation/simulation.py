@@ -198,8 +198,7 @@ class Simulation:
         self.ledger = Ledger()
         self._mass_damping, self._dt, self._between_steps = 0.0, 0.0, True
         self._place_tool()
-        if self.contact is not None:
-            touching = self.contact
+        if (touching := self.contact) is not None:
             check_tool_outside(self.mesh, touching.tool, touching.grid, self.pose, self._pose_at)
         self._start()
 
