@@ -116,7 +116,7 @@ _FACTORS: dict[str, tuple[Fraction, Exponents]] = {
 }
 _QUOTIENTS: Mapping[Exponents, str] = {(0, 0, 0, 0): "ratio", (-2, 1, 0, 0): "stress"}
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d+))?")
-_SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "·": "*"})
+_SPELLED = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "⁻": "-", "·": "*"})
 _LARGEST_POWER = 9
 
 _WORDS = {
@@ -233,7 +233,7 @@ def _measure(unit: str) -> tuple[str | None, Fraction]:
     for what, sizes in DIMENSIONS.items():
         if name in sizes:
             return what, sizes[str(name)] / sizes[LIBRARY_UNITS[what]]
-    if "/" not in unit.strip().strip("/"):
+    if not any(map(str.isalpha, unit)):
         return None, Fraction(0)
     try:
         size, exponents = parsed(unit.strip())

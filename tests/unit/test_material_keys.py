@@ -188,6 +188,7 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     [
         ("a [-],b [MPa]\n0,1\n1,2\n", "one heading must name the strain"),
         ("strain [-],stress [mm]\n0,1\n1,2\n", "stress must"),
+        ("total strain [-],eng. stress [MPa]\n0,1\n1,2\n", "true stresses, got 'total strain [-]'"),
         (
             "strain [s],stress [MPa]\n0,1\n1,2\n",
             "strain must be a unit of ratio (-, %, um/m), got 's'",

@@ -129,6 +129,7 @@ def test_falling_standing_and_jittering_coordinates():
         ("a [mm];b [N]\n0;0\n5;1\n9;2\n5;1\n1;0\n", (), ["at 5: keep one stroke", "line 5"]),
         ("a [mm];b [N]\n1;0\n1;1\n", (), ["all 2 points are at 1"]),
         ("a [mm];b [N]\n1;0\n", (), ["same length of two or more"]),
+        (f"{'a' * 200_000} [mm];b [N]\n1;0\n2;0\n", ("c",), ["2 columns without headings"]),
         ("a [mm];b [N]\n1;0\n2;nan\n", (), ["must be finite, they are not in lines 3"]),
     ],
 )

@@ -225,6 +225,13 @@ HEADINGS = [
     ("true strain [%];true stress [MPa]", ";", ".", ("ln %", "true"), "ascii"),
     ("wahre Dehnung [-];Spannung [MPa]", ";", ",", ("ln", "MPa"), "ascii"),
     ("true stress [MPa];stress [MPa];strain [%]", ";", ".", ("true", "MPa", "%"), "ascii"),
+    (
+        "Table 1\n,Max. (N),L\n1,9.3,7\nTime (s),Extension (mm),Load (N)",
+        ",",
+        ".",
+        ("?", "mm", "N"),
+        "ascii",
+    ),
     ("Crosshead absolute;Standard travel;Kraft\nmm;mm;N", ";", ".", ("?", "mm", "N"), "ascii"),
 ]
 

@@ -33,6 +33,8 @@ from .errors import FileError, read_bytes
 
 _SEPARATORS = (";", "\t", ",", " ")
 _MOST_PROBLEMS = 6  # problems listed in a message
+_FEW = 10  # rows of a table for each of the results above it
+_SHOWN = 40  # columns in a message, and letters of each
 _COMMENTS = ("#", "%", "//")
 _MARK = re.compile(r"\s*(#+|%|//)\s*")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf(inity)?)", re.I)
@@ -41,7 +43,8 @@ _BRACKETS = re.compile(r"(?P<name>.*?)\s*(\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\))\s*
 _SLASH = re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>[^/]*?)\s*")
 _PER_CENT_FIRST = re.compile(r"(%|percent(age)?\b|prozent\b)\s*", re.I)
 _BEFORE_UNIT = re.compile(r"[\s,:;_/]+")
-_END_OF_NAME = re.compile(r"(\s+in|[\s,:;_/]|\s-)*$")
+_MOST_WORDS = 4  # of a unit, as "N / mm ²"
+_LONGEST = 300  # characters of a heading
 
 
 @dataclass(frozen=True)
@@ -152,7 +155,9 @@ class NumberTable:
             commas = self.separator == ","
             hint = "; if these are decimal commas, separate the columns by semicolons"
             return f"{self.n_column} columns without headings{hint if commas else ''}"
-        return ", ".join(f"{k}: {heading.text!r}" for k, heading in enumerate(self.headings, 1))
+        shown = [f"{k}: {h.text[:_SHOWN]!r}" for k, h in enumerate(self.headings[:_SHOWN], 1)]
+        more = [f"and {self.n_column - _SHOWN} more"] if self.n_column > _SHOWN else []
+        return ", ".join(shown + more)
 
 
 def read_number_table(path: str | Path) -> NumberTable:
@@ -207,6 +212,8 @@ def split_heading(text: str) -> Heading:
     >>> split_heading("Strain, %").unit, split_heading("Load cell in N").name
     ('%', 'Load cell')
     """
+    if len(text) > _LONGEST:
+        return Heading(text, "", text)
     found = _BRACKETS.fullmatch(text)
     brackets = (found["name"], (found["a"] or found["b"] or "").strip()) if found else ("", "")
     if found and (not brackets[1] or dimension(brackets[1])):
@@ -215,9 +222,9 @@ def split_heading(text: str) -> Heading:
         return Heading(text[first.end() :] or text, "%", text)
     _, word, end = text.rpartition(" in ")
     starts = [len(text) - len(end)] * bool(word)
-    starts += [0] + [gap.end() for gap in _BEFORE_UNIT.finditer(text)]
+    starts += [0, *(gap.end() for gap in _BEFORE_UNIT.finditer(text))][-_MOST_WORDS:]
     for start in starts:  # the longest unit first
-        name, unit = _END_OF_NAME.sub("", text[:start]), text[start:].strip()
+        name, unit = text[:start].rstrip(" \t,:;_/-").removesuffix(" in"), text[start:].strip()
         if _is_unit(unit) and not (text[:start].endswith("/") and _ends_in_unit(name)):
             return Heading(name or text, unit, text)
     if found:
@@ -273,24 +280,31 @@ def _are_units(cells: list[str]) -> bool:
 def _cells(text: str, separator: str) -> list[str]:
     if separator == " ":
         return text.split()
-    return [
-        cell.strip()
-        for cell in next(csv.reader([text], delimiter=separator, skipinitialspace=True))
-    ]
+    try:
+        (cells,) = csv.reader([text], delimiter=separator, skipinitialspace=True)
+    except csv.Error:  # longer than any number
+        return [text]
+    return [cell.strip() for cell in cells]
 
 
 def _layout(lines: list[str]) -> tuple[str, int]:
     """Return the separator and the index of the first row of numbers."""
-    best: tuple[int, str, int] = (0, "", 0)
+    most = 0
     for separator in _SEPARATORS:
-        widths = [_row_width(_cells(text.split("#", 1)[0], separator)) for text in lines]
-        rows = Counter(width for width in widths if width)
-        if rows:
-            width, count = rows.most_common(1)[0]
-            if count > best[0]:
-                best = (count, separator, widths.index(width))
-    if best[0]:
-        return best[1:]
+        each = [_row_width(_cells(text.split("#", 1)[0], separator)) for text in lines]
+        rows = Counter(width for width in each if width)
+        if rows and rows.most_common(1)[0][1] > most:
+            ((width, most),) = rows.most_common(1)
+            best, widths = separator, each
+    if most:
+        first = widths.index(width)
+        for k in range(first + 1, len(lines)):
+            # a table of results above the record: few rows, and headings with units below
+            if not widths[k] and len(cells := _cells(lines[k], best)) == width:
+                before, after = widths[first:k].count(width), widths[k:].count(width)
+                if _FEW * before <= after and any(split_heading(cell).unit for cell in cells):
+                    first = k + widths[k:].index(width)
+        return best, first
     # One column, or no line like a row: use the headings; later checks report the rest.
     separator = next((s for s in _SEPARATORS[:2] if s in lines[0]), ",")
     alone = (i for i, text in enumerate(lines) if _is_number(text.split("#", 1)[0].strip(' "')))

@@ -12,6 +12,7 @@ are taken. ``shellcut tensile`` writes such files. More points than a law may ha
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.hardening import Table
 from shellcut.material.hardening_points import fewer_points
 from shellcut.unit import conversion
+
+_OTHER = re.compile(r"nominal|\beng|total|technisch", re.I)
 
 
 def read_hardening(path: str | Path) -> Table:
@@ -58,6 +61,12 @@ def _columns(table: NumberTable, path: Path) -> tuple[tuple[int, float], tuple[i
                 f"[MPa]', got {', '.join(repr(one.text) for one in table.headings)}",
             )
         found[word] = places[0]
+    if wrong := [h.text for h in table.headings if _OTHER.search(h.name)]:
+        raise FileError(
+            path,
+            f"a hardening table must have plastic strains and true stresses, got {wrong[0]!r}; "
+            "shellcut tensile makes one of nominal curves",
+        )
     factors, problems = [], []
     for word, usual in (("strain", "-"), ("stress", "MPa")):
         try:

@@ -170,10 +170,10 @@ def _specimen(
         )
     if x.true and x.dimension == "ratio":
         strain = np.expm1(strain)
-        told[0] += ", true"
+        told[0] += " (true, made nominal)"
     if y.true and y.dimension == "stress":
         stress = stress / (1.0 + strain)
-        told[1] += ", true, times its section at constant volume"
+        told[1] += " (true, made nominal)"
     name = f"{table.path.stem} {number}"
     direction = direction or _direction(y.heading.name)
     columns_used = " and ".join(told)
