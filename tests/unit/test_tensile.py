@@ -471,7 +471,10 @@ class TestRefusals:
             ("e [%];s [MPa]\n0;0\n1;2\n2;3\n", "must have 5 points up to the break, got 3"),
             ("e [%];s [MPa]\n0;0\n1;2\n2;x\n3;4;5\n", "line 4: must be a number, got 'x'; line 5"),
             ("e [%];s [MPa]\n0;0\n1;1\n2;2\n0.5;2\n3;3\n4;4\n", "reverses at 0.5: .* in line 5"),
-            ("e [-];s [MPa]\n0;0\n1;1\n2;2\n3;3\n40;4\n", "strain must stay below 20.* is it in %"),
+            (
+                "e [-];s [MPa]\n0;0\n1;1\n2;2\n3;3\n40;4\n",
+                "strain must stay below 20.* from line 6 on; is it in %",
+            ),
             ("e [%];s [MPa]\n0;5\n1;4\n2;5\n3;4\n4;5\n5;5.1", "must rise with the strain"),
         ],
     )

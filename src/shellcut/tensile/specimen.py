@@ -163,10 +163,12 @@ def _specimen(
         stress = stress / (float(piece.width or 1.0) * float(piece.thickness or 1.0))
         told[1] += f" over {piece.width:g} mm x {piece.thickness:g} mm"
     if strain[-1] > LARGEST_STRAIN:
+        written = np.abs(whole.numbers(at)[:, 0])
+        row = int(np.argmax(written > LARGEST_STRAIN / strain[-1] * written.max()))
         raise FileError(
             table.path,
-            f"strain must stay below {LARGEST_STRAIN:g}, got {strain[-1]:.4g} in {_quoted(x)}; is "
-            "it in %?",
+            f"strain must stay below {LARGEST_STRAIN:g}, got {strain[-1]:.4g} in {_quoted(x)}, "
+            f"beyond it from line {whole.lines[row]} on; is it in %?",
         )
     if x.true and x.dimension == "ratio":
         strain = np.expm1(strain)
