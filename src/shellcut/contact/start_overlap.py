@@ -18,7 +18,7 @@ PoseAt = Callable[[float], Pose]
 
 _FAR = 0.25
 """Of the tool's extent along its way: a start this far in is no small error of its place."""
-_STEPS = 20  # of the search, along the tool's extent
+_STEPS = 20, 100  # of the search, along the tool's extent and past the film
 
 
 def check_tool_outside(
@@ -54,22 +54,16 @@ def check_tool_outside(
     if not problems:
         return
     way = _first_way(tool, pose, pose_at)
-    reach = np.ptp(pose.to_space(tool.vertices) @ way)
-    limit = reach + np.ptp(mesh.nodes @ way)
-    steps = np.arange(reach / _STEPS, limit + reach / _STEPS, reach / _STEPS) if reach else ()
-    free = next(
-        (
-            float(back)
-            for back in steps
-            if not any(
-                ids.size for ids in overlap(Pose(pose.rotation, pose.translation - back * way))
-            )
-        ),
-        None,
+    reach = float(np.ptp(pose.to_space(tool.vertices) @ way))
+    past = 1.01 * (reach + float(np.ptp(mesh.nodes @ way)))
+    fine, coarse = (
+        np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
     )
+    starts = (Pose(pose.rotation, pose.translation - s * way) for s in np.union1d(fine, coarse))
+    free = next((one for one in starts if not any(ids.size for ids in overlap(one))), None)
     raise ValueError(
         f"the tool must start outside the sheet, but {' and '.join(problems)}: "
-        f"{_cure(way, free, reach)}"
+        f"{_cure(way, None if free is None else pose.translation - free.translation, reach)}"
     )
 
 
@@ -86,14 +80,15 @@ def _first_way(tool: Tool, pose: Pose, pose_at: PoseAt | None) -> Floats:
     return np.zeros(3)
 
 
-def _cure(way: Floats, free: float | None, reach: float) -> str:
+def _cure(way: Floats, back: Floats | None, reach: float) -> str:
     notch = "cut a notch for it (Mesh.cut)"
     turn = "turn it: its axis or the direction of its motion may be wrong"
-    if free is None:
+    if back is None:
         return f"move the tool's start, {turn}, or {notch}"
+    far = float(np.linalg.norm(back))
     x, y, z = way + 0.0
-    back = f"move the tool's start back by {free:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
-    return f"{back}, or {notch}" if free <= _FAR * reach else f"{back}, or {turn}; or {notch}"
+    move = f"move the tool's start back by {far:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{move}, or {notch}" if far <= _FAR * reach else f"{move}, or {turn}; or {notch}"
 
 
 def _some(ids: Ints, places: Floats) -> str:
