@@ -18,7 +18,8 @@ PoseAt = Callable[[float], Pose]
 
 _FAR = 0.25
 """Of the tool's extent along its way: a start this far in is no small error of its place."""
-_STEPS = 20, 100  # of the search, along the tool's extent and past the film
+_NOTICED, _TURNS = 1e-6, 1e-3  # of its size: a motion; of a motion: a turn, an advance
+_STEPS = 20, 40  # of the search, along the tool's extent and past the film
 
 
 def check_tool_outside(
@@ -59,36 +60,43 @@ def check_tool_outside(
     fine, coarse = (
         np.linspace(0.0, end, n + 1)[1:] for end, n in zip((reach, past), _STEPS, strict=True)
     )
-    starts = (Pose(pose.rotation, pose.translation - s * way) for s in np.union1d(fine, coarse))
-    free = next((one for one in starts if not any(ids.size for ids in overlap(one))), None)
+    back = np.union1d(fine, coarse)  # all of it: what lies beyond the film goes through it too
+    starts = (Pose(pose.rotation, pose.translation - s * way) for s in back)
+    touches = np.append(True, [any(ids.size for ids in overlap(one)) for one in starts])
+    free = np.append(back, 0.0)[np.flatnonzero(touches)[-1]]
     raise ValueError(
         f"the tool must start outside the sheet, but {' and '.join(problems)}: "
-        f"{_cure(way, None if free is None else pose.translation - free.translation, reach)}"
+        f"{_cure(way, float(free), reach)}"
     )
 
 
 def _first_way(tool: Tool, pose: Pose, pose_at: PoseAt | None) -> Floats:
-    # unit vector along which the tool's middle moves first, 0 if it does not
-    if pose_at is None:
-        return np.zeros(3)
-    middle = tool.vertices.mean(axis=0)[None]
-    start = pose.to_space(middle)[0]
-    for time in 2.0 ** np.arange(-20, 1):  # from a microsecond to a second
-        moved = pose_at(float(time)).to_space(middle)[0] - start
-        if (length := float(np.linalg.norm(moved))) > 1e-6 * float(np.ptp(tool.vertices)):
-            return np.asarray(moved / length)
+    # unit vector of the tool's advance: along the axis of a screw; 0 if it only turns or rests
+    times = 2.0 ** np.arange(-20, 1) if pose_at else ()  # from a microsecond to a second
+    start, size = pose.to_space(tool.vertices), float(np.ptp(tool.vertices))
+    for later in (pose_at(float(time)) for time in times):  # type: ignore[misc]
+        moved = later.to_space(tool.vertices) - start
+        if np.abs(moved).max() < _NOTICED * size:
+            continue
+        turn = later.rotation @ pose.rotation.T
+        spin = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        axis = spin / (np.linalg.norm(spin) or 1.0)
+        way = moved.mean(axis=0)
+        if np.linalg.norm(spin) * size > _TURNS * np.abs(moved).max():
+            way = axis * (axis @ way)
+        length = float(np.linalg.norm(way))
+        return way / length if length > _TURNS * np.abs(moved).max() else np.zeros(3)
     return np.zeros(3)
 
 
-def _cure(way: Floats, back: Floats | None, reach: float) -> str:
+def _cure(way: Floats, back: float, reach: float) -> str:
     notch = "cut a notch for it (Mesh.cut)"
     turn = "turn it: its axis or the direction of its motion may be wrong"
-    if back is None:
+    if not back:
         return f"move the tool's start, {turn}, or {notch}"
-    far = float(np.linalg.norm(back))
     x, y, z = way + 0.0
-    move = f"move the tool's start back by {far:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
-    return f"{move}, or {notch}" if far <= _FAR * reach else f"{move}, or {turn}; or {notch}"
+    move = f"move the tool's start back by {back:.3g} mm, against ({x:.3g}, {y:.3g}, {z:.3g})"
+    return f"{move}, or {notch}" if back <= _FAR * reach else f"{move}, or {turn}; or {notch}"
 
 
 def _some(ids: Ints, places: Floats) -> str:
