@@ -220,6 +220,8 @@ HEADINGS = [
     ("Time,Extension,Load\n(s),(in),(lbF)", ",", ".", ("?", "in", "lbf"), "ascii"),
     ("Temperature\tStroke Strain\tStress\n°C\t%\tkgf/mm²", "\t", ".", ("?", "%", "kgf"), "utf-8"),
     ("# film 3\n# strain, %, stress, N/m²", ",", ".", ("%", "Pa"), "utf-8"),
+    ("# strain [%], stress [MPa]", " ", ".", ("%", "MPa"), "ascii"),
+    ("# % Strain / Stress [MPa]\n# Strain [%] Stress [MPa]", "\t", ".", ("%", "MPa"), "ascii"),
     ("strain;stress\n%;MPa", ";", ",", ("%", "MPa"), "ascii"),
     ("Strain in/in\tStress MPa", "\t", ".", ("-", "MPa"), "ascii"),
     ("true strain [%];true stress [MPa]", ";", ".", ("ln %", "true"), "ascii"),

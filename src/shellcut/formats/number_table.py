@@ -183,11 +183,18 @@ def read_number_table(path: str | Path) -> NumberTable:
     if rows and all(len(cells) > 1 and not cells[-1] for cells in rows):
         rows = [cells[:-1] for cells in rows]
     n = Counter(map(len, rows)).most_common(1)[0][0] if rows else 0
-    headings, heading_line = _headings(lines[:first], separator, n)
-    if not headings and first < len(lines):
-        above = [one for one in written if one[0] < lines[first][0] and _is_comment(one[1])]
-        bare = [(number, _MARK.sub("", text, count=1)) for number, text in above]
-        headings, heading_line = _headings(bare, separator, n)
+    before = lines[first][0] if first < len(lines) else 0
+    marked = [
+        (number, _MARK.sub("", text, count=1))
+        for number, text in written
+        if number < before and _is_comment(text)
+    ]
+    headings, heading_line = (
+        _headings(lines[:first], separator, n)
+        or _headings(marked, separator, n)
+        or next((h for s in _SEPARATORS if (h := _headings(marked, s, n)) and _tell(h[0])), None)
+        or ([], 0)
+    )
     return NumberTable(
         path=path,
         headings=tuple(headings),
@@ -322,12 +329,18 @@ def _is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell) or _THOUSANDS.fullmatch(cell))
 
 
-def _headings(preamble: list[tuple[int, str]], separator: str, n: int) -> tuple[list[Heading], int]:
+def _tell(headings: list[Heading]) -> bool:
+    return any(dimension(heading.unit) for heading in headings)
+
+
+def _headings(
+    preamble: list[tuple[int, str]], separator: str, n: int
+) -> tuple[list[Heading], int] | None:
     found = [
         (line, cells) for line, text in preamble if (cells := _heading_cells(text, separator, n))
     ]
     if not found:
-        return [], 0
+        return None
     line, cells = found[-1]
     if len(found) > 1 and _are_units(cells):
         units = [cell.strip("[]() ") for cell in cells]
@@ -340,6 +353,7 @@ def _heading_cells(text: str, separator: str, n: int) -> list[str]:
     """Return the ``n`` cells of a heading line, or an empty list if their number differs."""
     if separator == " ":
         # "angle [deg]" is one cell; so are words with one blank if cells are separated by two.
+        text = re.sub(r"[,;](?=\s|$)", "", text)
         ways = [re.split(r"\s+(?![\[(])", text.strip()), re.split(r"\s{2,}|\t", text.strip())]
         ways.append(re.split(r"(?<=[\])])\s+", text.strip()))
     else:
