@@ -9,7 +9,7 @@ from naive import cases
 from shellcut.contact.start_overlap import check_tool_outside
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
-from shellcut.tool.motion import ScrewMotion
+from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.pose import Pose
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -84,14 +84,11 @@ def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
 def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
     direction, z, least, turned
 ):
-    start = np.array([3.5, 0.0, z])
-
-    def pose_at(time):
-        return Pose(np.eye(3), start + 100.0 * time * np.array(direction))
-
+    pose = Pose(np.eye(3), np.array([3.5, 0.0, z]))
+    motion = StraightMotion(direction, 100.0) if any(direction) else None
     grid = ClosestTriangleGrid.build(BLADE)
     with pytest.raises(ValueError, match=r"or cut a notch for it \(Mesh\.cut\)$") as refusal:
-        check_tool_outside(MESH, BLADE, grid, pose_at(0.0), pose_at)
+        check_tool_outside(MESH, BLADE, grid, pose, motion)
     text = str(refusal.value)
     assert ("its axis or the direction of its motion may be wrong" in text) == turned
     back = re.findall(r"start back by ([\d.]+) mm, against \((.*?)\),", text)
@@ -105,13 +102,10 @@ def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
     screw, ring = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0), tooth_ring()
     on_its_side = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
-    def pose_at(time):
-        rotation, translation = screw.pose(time)
-        return Pose.of(rotation @ on_its_side, translation)
-
     mesh = rectangle(24.0, 24.0, n_x=12, n_y=12)
     mesh = cases.moved_mesh(mesh, mesh.nodes - [12.0, 0.0, 0.0])
+    grid = ClosestTriangleGrid.build(ring)
     with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
-        check_tool_outside(mesh, ring, ClosestTriangleGrid.build(ring), pose_at(0.0), pose_at)
+        check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
     said = str(refusal.value)
     assert re.search(r"back by (9|10)\.?\d* mm, against \(0, 0, -1\), or turn it: its axis", said)

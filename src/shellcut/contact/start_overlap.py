@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
+from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .missed_penetration import ToolWires
 
-PoseAt = Callable[[float], Pose]
-
 _FAR = 0.25
 """Of the tool's extent along its way: a start this far in is no small error of its place."""
-_NOTICED, _TURNS = 1e-6, 1e-3  # of its size: a motion; of a motion: a turn, an advance
+_ROUND_OFF = 1e-9  # of the speed: an advance along the axis below it is none
 _STEPS = 20, 40  # of the search, along the tool's extent and past the film
 
 
@@ -27,7 +24,7 @@ def check_tool_outside(
     tool: Tool,
     grid: ClosestTriangleGrid,
     pose: Pose,
-    pose_at: PoseAt | None = None,
+    motion: Motion | None = None,
 ) -> None:
     """Raise ValueError if a node lies in the tool or an edge of the tool passes through a quad.
 
@@ -35,8 +32,8 @@ def check_tool_outside(
     ----------
     mesh, tool, grid, pose
         The pose is that of the start.
-    pose_at : callable, optional
-        Pose by time from the start on [s]: tells how far back on its way the tool is free.
+    motion : Motion, optional
+        Tells how far back on its way the tool is free.
     """
     wires = ToolWires(tool)
 
@@ -54,7 +51,7 @@ def check_tool_outside(
         problems.append(f"the tool passes through quads {_some(pierced, centres)}")
     if not problems:
         return
-    way = _first_way(tool, pose, pose_at)
+    way = _first_way(motion)
     reach = float(np.ptp(pose.to_space(tool.vertices) @ way))
     past = 1.01 * (reach + float(np.ptp(mesh.nodes @ way)))
     fine, coarse = (
@@ -70,22 +67,16 @@ def check_tool_outside(
     )
 
 
-def _first_way(tool: Tool, pose: Pose, pose_at: PoseAt | None) -> Floats:
-    # unit vector of the tool's advance: along the axis of a screw; 0 if it only turns or rests
-    times = 2.0 ** np.arange(-20, 1) if pose_at else ()  # from a microsecond to a second
-    start, size = pose.to_space(tool.vertices), float(np.ptp(tool.vertices))
-    for later in (pose_at(float(time)) for time in times):  # type: ignore[misc]
-        moved = later.to_space(tool.vertices) - start
-        if np.abs(moved).max() < _NOTICED * size:
-            continue
-        turn = later.rotation @ pose.rotation.T
-        spin = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        axis = spin / (np.linalg.norm(spin) or 1.0)
-        way = moved.mean(axis=0)
-        if np.linalg.norm(spin) * size > _TURNS * np.abs(moved).max():
+def _first_way(motion: Motion | None) -> Floats:
+    # unit vector of the first advance, along the axis of a screw; 0 of a tool that only turns
+    for time in 2.0 ** np.arange(-20, 1) if motion else ():  # from a microsecond to a second
+        spin, way = map(np.asarray, motion.twist(float(time)))  # type: ignore[union-attr]
+        speed = float(np.linalg.norm(way))
+        if spin.any():
+            axis = spin / np.linalg.norm(spin)
             way = axis * (axis @ way)
-        length = float(np.linalg.norm(way))
-        return way / length if length > _TURNS * np.abs(moved).max() else np.zeros(3)
+        if (length := float(np.linalg.norm(way))) > _ROUND_OFF * speed:
+            return np.asarray(way / length)
     return np.zeros(3)
 
 
