@@ -214,6 +214,8 @@ class TestDirections:
 HEADINGS = [
     ("Prüfzeit;Standardweg;Standardkraft\ns;mm;N", ";", ",", ("?", "mm", "N"), "cp1252"),
     ("Dehnung in %\tSpannung in N/mm²", "\t", ",", ("%", "MPa"), "utf-16"),
+    ("No;Extension;Load\n-;in;lbF", ";", ".", ("?", "in", "lbf"), "ascii"),
+    ("%;MPa", ";", ".", ("%", "MPa"), "ascii"),
     ("Humidity [%];Strain [-];Stress [kPa]", ";", ".", ("?", "-", "kPa"), "utf-8-sig"),
     ("Drive output[%],Extension[mm],Force[N]", ",", ".", ("?", "mm", "N"), "ascii"),
     ("Time (s),Tensile strain (Extension) (%),Load (N)", ",", ".", ("?", "%", "N"), "ascii"),

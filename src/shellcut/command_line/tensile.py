@@ -45,7 +45,8 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         "--units",
-        help="units of these columns, as 'mm, N'; by default those of the headings",
+        help="units of these columns, or of strain and stress, as 'mm, N'; by default those of "
+        "the headings",
     )
     for option, meaning in _LENGTHS:
         parser.add_argument(option, metavar="MM", help=meaning)

@@ -192,7 +192,7 @@ def read_number_table(path: str | Path) -> NumberTable:
     headings, heading_line = (
         _headings(lines[:first], separator, n)
         or _headings(marked, separator, n)
-        or next((h for s in _SEPARATORS if (h := _headings(marked, s, n)) and _tell(h[0])), None)
+        or next(filter(_tell, (_headings(marked, other, n) for other in _SEPARATORS)), None)
         or ([], 0)
     )
     return NumberTable(
@@ -304,13 +304,16 @@ def _layout(lines: list[str]) -> tuple[str, int]:
             ((width, most),) = rows.most_common(1)
             best, widths = separator, each
     if most:
-        first = widths.index(width)
-        for k in range(first + 1, len(lines)):
+        first = k = widths.index(width)
+        before, after = 0, most
+        while _FEW * before <= after and k < len(lines):
+            counted = widths[k] == width
+            before, after = before + counted, after - counted
             # a table of results above the record: few rows, and headings with units below
-            if not widths[k] and len(cells := _cells(lines[k], best)) == width:
-                before, after = widths[first:k].count(width), widths[k:].count(width)
-                if _FEW * before <= after and any(split_heading(cell).unit for cell in cells):
-                    first = k + widths[k:].index(width)
+            cells = [] if widths[k] else _cells(lines[k], best)
+            if len(cells) == width and any(split_heading(cell).unit for cell in cells):
+                first, before = widths.index(width, k), 0
+            k += 1
         return best, first
     # One column, or no line like a row: use the headings; later checks report the rest.
     separator = next((s for s in _SEPARATORS[:2] if s in lines[0]), ",")
@@ -329,8 +332,8 @@ def _is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell) or _THOUSANDS.fullmatch(cell))
 
 
-def _tell(headings: list[Heading]) -> bool:
-    return any(dimension(heading.unit) for heading in headings)
+def _tell(found: tuple[list[Heading], int] | None) -> bool:
+    return found is not None and any(dimension(heading.unit) for heading in found[0])
 
 
 def _headings(

@@ -41,7 +41,8 @@ _OTHER = re.compile(
     r"|reib|grip|clamp|spannkraft|tare|offset|residual|amplitud"
 )
 _TRUE = re.compile(r"true|wahr|cauchy|hencky|^log|vrai|verdader")
-_LABEL = re.compile(r"\d+|[a-d]|md|cd|td|°|specimen|sample|probe|prüfling|test|versuch|no|nr")
+_MARK = re.compile(r"\d+|[a-d]|md|cd|td|°")
+_LABEL = re.compile(_MARK.pattern + r"|specimen|sample|probe|prüfling|test|versuch|no|nr")
 # Several of these are sensors of one specimen.
 _SENSOR = re.compile(r"cell|channel|kanal|sensor|gauge|extensom|transduc|camera|aufnehmer")
 _WORD = re.compile(r"[^\W\d_]+|\d+|°")
@@ -91,7 +92,11 @@ class Column:
         """Whether name and unit say the same."""
         if self.dimension not in _NAMED or any(map(_OTHER.search, self._words)):
             return False
-        return not self.core or any(map(self._is_said_by, self.core))
+        if self.core:
+            return any(map(self._is_said_by, self.core))
+        # labels of a specimen, or a unit alone; a number of rows is neither
+        bare = self.heading.name == self.heading.unit not in ("", "-")
+        return bare or any(map(_MARK.fullmatch, self._words))
 
 
 def specimen_columns(
@@ -121,7 +126,7 @@ def specimen_columns(
             raise FileError(table.path, "; ".join(_no_unit(table, one) for one in unknown))
         strains, stresses = _of(found, "ratio", "length"), _of(found, "stress", "force")
     else:
-        named = [one for one in found if one.agrees]
+        named = [one for one in found if one.agrees or not table.headings]
         strains = _of(named, "ratio") or _of(named, "length")
         stresses = _of(named, "stress") or _of(named, "force")
         strains, stresses = _nominal(strains), _nominal(stresses)
