@@ -215,6 +215,7 @@ HEADINGS = [
     ("Prüfzeit;Standardweg;Standardkraft\ns;mm;N", ";", ",", ("?", "mm", "N"), "cp1252"),
     ("Dehnung in %\tSpannung in N/mm²", "\t", ",", ("%", "MPa"), "utf-16"),
     ("No;Extension;Load\n-;in;lbF", ";", ".", ("?", "in", "lbf"), "ascii"),
+    ("Strain % (DIC)\tLoad [N] (cell 1)", "\t", ".", ("%", "N"), "ascii"),
     ("%;MPa", ";", ".", ("%", "MPa"), "ascii"),
     ("Humidity [%];Strain [-];Stress [kPa]", ";", ".", ("?", "-", "kPa"), "utf-8-sig"),
     ("Drive output[%],Extension[mm],Force[N]", ",", ".", ("?", "mm", "N"), "ascii"),

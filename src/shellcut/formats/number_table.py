@@ -234,7 +234,10 @@ def split_heading(text: str) -> Heading:
         name, unit = text[:start].rstrip(" \t,:;_/-").removesuffix(" in"), text[start:].strip()
         if _is_unit(unit) and not (text[:start].endswith("/") and _ends_in_unit(name)):
             return Heading(name or text, unit, text)
-    if found:
+    if found:  # "Stress MPa (MD)"
+        inner = split_heading(brackets[0])
+        if inner.unit and dimension(inner.unit):
+            return Heading(f"{inner.name} {brackets[1]}", inner.unit, text)
         return Heading(*brackets, text)
     slash = _SLASH.fullmatch(text)
     if slash and not _ends_in_unit(slash["name"]):

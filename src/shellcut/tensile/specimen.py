@@ -8,6 +8,7 @@ True strains and stresses become nominal ones, at constant volume:
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -189,7 +190,7 @@ def _quoted(one: Column) -> str:
 
 def _direction(name: str) -> str:
     # a word of the stress's heading, as in "stress MD 1 [MPa]"
-    for word in name.replace("_", " ").split():
+    for word in re.split(r"[\s_()\[\],;]+", name):
         if word.upper() in ("MD", "CD", "TD") or word.rstrip("°") in ("0", "45", "90"):
             return word.upper()
     return ""
