@@ -198,8 +198,8 @@ class Simulation:
         self.ledger = Ledger()
         self._mass_damping, self._dt, self._between_steps = 0.0, 0.0, True
         self._place_tool()
-        if self.contact is not None:
-            check_tool_outside(self.mesh, self.contact.tool, self.contact.grid, self.pose)
+        if (touching := self.contact) is not None:
+            check_tool_outside(self.mesh, touching.tool, touching.grid, self.pose, self.motion)
         self._start()
 
     def _state_at_start(self, velocity: Floats | None) -> State:
