@@ -35,8 +35,10 @@ the round-off level, but the last correction must also be small compared with th
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,6 +51,8 @@ from .freedoms import Freedoms
 from .static_results import Equilibrium
 from .tangent_solver import NoConvergence, TangentSolver
 
+_log = logging.getLogger(__name__)
+
 # At equilibrium the residual is this small relative to the largest nodal load or reaction,
 _TOLERANCE = 1e-8
 # or is at round-off level with the last correction this small relative to the path so far.
@@ -60,10 +64,35 @@ _MOST_ITERATIONS = 30
 _LARGEST_TURN = 3.0
 # Largest number of halvings of a step before the path is abandoned.
 _MOST_HALVINGS = 10
+_SMALLEST_SHARE = 0.5**_MOST_HALVINGS
+# Relative difference of load factors that are one.
+_SAME_FACTOR = 1e-12
+
+_AFTER_STEPS = (
+    "the path has passed a bifurcation or a limit point. The film would buckle: for the stable "
+    "branch move it by about its thickness along Statics.modes(1).shape[0] and call load_steps "
+    "again, or give the mesh an imperfection of that shape; a limit point needs arc_length"
+)
+_AFTER_ARC = (
+    "one is expected from a limit point, where the load turns, to the next. If the load has not "
+    "turned, the path has passed a bifurcation: for the stable branch move the film by about its "
+    "thickness along Statics.modes(1).shape[0] and call load_steps"
+)
 
 # Increments of an arc length path turn by at most this, unless these halvings do not help.
 _SHARPEST_TURN = math.cos(math.radians(30.0))
 _MOST_TURN_HALVINGS = 4
+
+
+class _Position(NamedTuple):
+    """An equilibrium, or a state that others have moved since."""
+
+    x: Floats
+    t: Floats
+    history: Floats
+    factor: float
+    force: float
+    n_negative: int | None
 
 
 class LoadPath:
@@ -78,11 +107,14 @@ class LoadPath:
     ----------
     factor : float
         Load factor of the last equilibrium.
+    n_negative : int or None
+        Negative eigenvalues of its stiffness; None once others have moved the film.
     """
 
     def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
+        self.n_negative: int | None = 0  # an unstressed film is stable
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
         self._unbalanced = np.zeros(5 * state.n_node)
@@ -93,22 +125,27 @@ class LoadPath:
         """Return equilibria, as :meth:`shellcut.Statics.load_steps`."""
         path = []
         for factor in factors:
-            step, used = factor - self.factor, 0
-            smallest = abs(step) * 0.5**_MOST_HALVINGS
-            done = False
-            while not done:
-                done = abs(step) >= abs(factor - self.factor)
-                start = self._position()
+            # Shares of the way to the factor: sums of powers of ½, which are exact and end at 1.
+            first, done, step, used = self.factor, 0.0, 1.0, 0
+            while done < 1.0:
+                start, end = self._position(), done + step
+                halve = 0.5 * step > _SMALLEST_SHARE
                 try:
-                    used += self._newton(factor if done else self.factor + step)
+                    used += self._newton(factor if end == 1.0 else first + end * (factor - first))
+                    halve = halve and start.n_negative == 0 < self.n_negative
                 except NoConvergence as error:
                     self._put_back(start)
-                    step, done = 0.5 * step, False
-                    if abs(step) <= smallest:
+                    if not halve:
                         raise NoConvergence(
                             f"{error}; the last equilibrium is at load factor {self.factor:.6g}: "
                             "follow the path by arc length"
                         ) from error
+                if halve:
+                    self._put_back(start)
+                    step *= 0.5
+                else:
+                    self._say_change(start, _AFTER_STEPS)
+                    done, step = end, min(2.0 * step, 1.0 - end)
             path.append(self._equilibrium(used))
         return path
 
@@ -125,7 +162,9 @@ class LoadPath:
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
+            start = self._position()
             last, used, length = self._arc_step_by_halves(first, length, last)
+            self._say_change(start, _AFTER_ARC)
             bound = longest * length if not path else bound
             path.append(self._equilibrium(used))
             length = min(length * min(2.0, math.sqrt(n_wanted / max(used, 1))), bound)
@@ -189,6 +228,9 @@ class LoadPath:
         way = last = np.zeros(3 * self.state.n_node)
         for iteration in range(_MOST_ITERATIONS + 1):
             _, residual, small = self.forces(factor)
+            if small and not iteration and self._is_at(factor):
+                self.factor = factor
+                return 0
             if iteration and (small or self._at_round_off(last, way)):
                 self._accept(factor)
                 return iteration
@@ -203,9 +245,28 @@ class LoadPath:
         )
 
     def _accept(self, factor: float) -> None:
-        """Take the present state as an equilibrium."""
+        """Take the present state as an equilibrium, and count its unstable motions."""
+        history = self.state.history.copy()
+        self.state.history[:] = self._history  # the stiffness is that of the step that led here
+        self.n_negative = TangentSolver(self.state, self.freedoms, self.shell).n_negative
+        self.state.history[:] = self._history = history
         self.factor, self._force_before = factor, self._force
-        self._history = self.state.history.copy()
+
+    def _is_at(self, factor: float) -> bool:
+        """Whether the last equilibrium, not moved since, is at this load factor."""
+        same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
+        return same and self.n_negative is not None
+
+    def _say_change(self, before: _Position, advice: str) -> None:
+        """Log that the number of unstable motions has changed, and what to do."""
+        was, n = before.n_negative or 0, self.n_negative
+        if n != was:
+            _log.log(
+                logging.WARNING if n else logging.INFO,
+                "from load factor %.6g to %.6g the number of motions in which the film is "
+                "unstable goes from %d to %d%s",
+                *(before.factor, self.factor, was, n, f": {advice}" if n else ""),
+            )
 
     def _begin_arc(self) -> None:
         """Find the equilibrium at the present load factor, so that increments follow the path."""
@@ -220,8 +281,7 @@ class LoadPath:
         self, first: float, length: float, last: Floats | None
     ) -> tuple[Floats, int, float]:
         """Take one step; halve it if it does not converge or turns too sharply."""
-        start, before = self._position(), (self.factor, self._force_before)
-        history = self._history
+        start = self._position()
         for attempt in range(_MOST_HALVINGS):
             try:
                 increment, way, used, taken = self._arc_step(first, length, last)
@@ -233,8 +293,6 @@ class LoadPath:
                 if not turns_off or (last is not None and attempt >= _MOST_TURN_HALVINGS):
                     return increment, used, taken
                 length = taken
-                self.factor, self._force_before = before
-                self._history = history
             self._put_back(start)
             length, first = 0.5 * length, 0.5 * first
         smaller = "; use a smaller first step" if last is None else ""
@@ -271,11 +329,14 @@ class LoadPath:
             total, factor = total + moved, factor + gain
         raise NoConvergence(f"arc step did not converge at load factor {factor:.6g}")
 
-    def _position(self) -> tuple[Floats, Floats]:
-        return self.state.node.x.copy(), self.state.node.t.copy()
+    def _position(self) -> _Position:
+        x, t = self.state.node.x.copy(), self.state.node.t.copy()
+        return _Position(x, t, self._history, self.factor, self._force_before, self.n_negative)
 
-    def _put_back(self, position: tuple[Floats, Floats]) -> None:
-        self.state.node.x[:], self.state.node.t[:] = position
+    def _put_back(self, position: _Position) -> None:
+        self.state.node.x[:], self.state.node.t[:], self._history = position[:3]
+        self.state.history[:] = self._history
+        self.factor, self._force_before, self.n_negative = position[3:]
 
     def _equilibrium(self, n_iteration: int) -> Equilibrium:
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
@@ -291,6 +352,7 @@ class LoadPath:
             moment,
             self._energy,
             self._residual / self._force if self._force > 0.0 else 0.0,
+            self.n_negative or 0,
         )
 
 

@@ -120,6 +120,7 @@ class Statics:
                 raise ValueError(
                     f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
                 )
+        self._path.n_negative = None
         self.state.node.x[:n] += displacement
         if rotation is not None:
             turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))
@@ -249,7 +250,7 @@ class Statics:
             displacement, _ = freedoms.split(freedoms.fill(q[:, k]))
             largest = np.abs(displacement).max()
             shapes.append(displacement / largest if largest > 0.0 else displacement)
-        frequency = np.sqrt(np.maximum(q2, 0.0)) / (2.0 * np.pi)
+        frequency = np.sign(q2) * np.sqrt(np.abs(q2)) / (2.0 * np.pi)
         return Modes(frequency, np.array(shapes))
 
     def largest_frequency(self) -> float:
