@@ -26,7 +26,12 @@ the iteration, but only up to a bound, and not around a bend: where an increment
 last one, or the first one from the tangent, by more than 30°, it is repeated with half the length,
 so that the path does not change to another branch or jump over a snap.
 
-A step that does not converge is repeated from the last equilibrium with half the length.
+A step that does not converge is repeated from the last equilibrium with half the length. So is a
+load step that ends in an unstable equilibrium though it began in a stable one: Newton's iteration
+may have changed to a branch that hangs together with no other, and smaller steps stay on the
+stable one. Where the path itself loses its stability, at a bifurcation, they bracket it; the path
+then goes on along its branch. If no smaller step gets on, at a limit point, the unstable
+equilibrium is taken.
 
 *Equilibrium* is a residual below 1e-8 of the largest force. In a thin film, the round-off of
 coordinates can cause membrane forces larger than a small load; then the residual need only be below
@@ -69,14 +74,15 @@ _SMALLEST_SHARE = 0.5**_MOST_HALVINGS
 _SAME_FACTOR = 1e-12
 
 _AFTER_STEPS = (
-    "the path has passed a bifurcation or a limit point. The film would buckle: for the stable "
-    "branch move it by about its thickness along Statics.modes(1).shape[0] and call load_steps "
-    "again, or give the mesh an imperfection of that shape; a limit point needs arc_length"
+    "a bifurcation or a limit point lies between, and the film would buckle or snap. Its stable "
+    "branch: right after it move the film by about its thickness along Statics.modes(1).shape[0] "
+    "and call load_steps again, or give the mesh an imperfection of that shape; past a limit "
+    "point go by arc_length"
 )
 _AFTER_ARC = (
-    "one is expected from a limit point, where the load turns, to the next. If the load has not "
-    "turned, the path has passed a bifurcation: for the stable branch move the film by about its "
-    "thickness along Statics.modes(1).shape[0] and call load_steps"
+    "one is expected from a limit point, where the load turns, to the next, and means that the "
+    "film would snap under this load. If the load has not turned there is a bifurcation: give the "
+    "mesh an imperfection of the shape Statics.modes(1).shape[0]"
 )
 
 # Increments of an arc length path turn by at most this, unless these halvings do not help.
@@ -115,6 +121,7 @@ class LoadPath:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
         self.n_negative: int | None = 0  # an unstressed film is stable
+        self._at_rest: TangentSolver | None = None  # of a linear film at its last equilibrium
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
         self._unbalanced = np.zeros(5 * state.n_node)
@@ -127,15 +134,21 @@ class LoadPath:
         for factor in factors:
             # Shares of the way to the factor: sums of powers of ½, which are exact and end at 1.
             first, done, step, used = self.factor, 0.0, 1.0, 0
+            leap: tuple[float, _Position] | None = None  # a whole step that lost stability
             while done < 1.0:
                 start, end = self._position(), done + step
                 halve = 0.5 * step > _SMALLEST_SHARE
                 try:
                     used += self._newton(factor if end == 1.0 else first + end * (factor - first))
-                    halve = halve and start.n_negative == 0 < self.n_negative
+                    halve = halve and start.n_negative == 0 and self.n_negative != 0
+                    leap = leap or ((end, self._position()) if halve else None)
                 except NoConvergence as error:
                     self._put_back(start)
-                    if not halve:
+                    if not halve and leap:
+                        end = leap[0]
+                        self._put_back(leap[1])
+                        self.forces(self.factor)
+                    elif not halve:
                         raise NoConvergence(
                             f"{error}; the last equilibrium is at load factor {self.factor:.6g}: "
                             "follow the path by arc length"
@@ -179,6 +192,10 @@ class LoadPath:
             raise ValueError("no freedom is left: supports hold every node and director")
         self._bent = None
 
+    def leave(self) -> None:
+        """Note that others move the film from its last equilibrium."""
+        self.n_negative = self._at_rest = None
+
     def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
         """Return the loads of factor 1, the residual, and whether it is practically zero."""
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
@@ -202,7 +219,7 @@ class LoadPath:
         freedoms = self.freedoms
         free = freedoms.free
         self.state.history[:] = self._history
-        solver = TangentSolver(self.state, freedoms, self.shell, self._bent)
+        solver = self._at_rest or TangentSolver(self.state, freedoms, self.shell, self._bent)
         size = float(np.abs(self.state.node.x).max())
         sizes = np.tile([size, size, size, 1.0, 1.0], self.state.n_node)[free]
         self._floor = solver.largest_round_off(sizes)
@@ -218,7 +235,7 @@ class LoadPath:
         largest = float(np.sqrt(np.einsum("ni,ni->n", spin, spin).max()))
         if not largest <= _LARGEST_TURN:
             raise NoConvergence(f"a director would turn by {largest:.3g} rad in one iteration")
-        self._bent = self.freedoms.move(u)
+        self._bent, self._at_rest = self.freedoms.move(u), None
 
     # ------------------------------------------------------------------ parts
 
@@ -248,7 +265,9 @@ class LoadPath:
         """Take the present state as an equilibrium, and count its unstable motions."""
         history = self.state.history.copy()
         self.state.history[:] = self._history  # the stiffness is that of the step that led here
-        self.n_negative = TangentSolver(self.state, self.freedoms, self.shell).n_negative
+        solver = TangentSolver(self.state, self.freedoms, self.shell)
+        self.n_negative = solver.n_negative
+        self._at_rest = None if history.size else solver
         self.state.history[:] = self._history = history
         self.factor, self._force_before = factor, self._force
 
@@ -263,9 +282,8 @@ class LoadPath:
         if n != was:
             _log.log(
                 logging.WARNING if n else logging.INFO,
-                "from load factor %.6g to %.6g the number of motions in which the film is "
-                "unstable goes from %d to %d%s",
-                *(before.factor, self.factor, was, n, f": {advice}" if n else ""),
+                "at load factor %.6g the film is unstable in %d motions, in %d at %.6g%s",
+                *(self.factor, n, was, before.factor, f": {advice}" if n else ""),
             )
 
     def _begin_arc(self) -> None:
@@ -335,7 +353,7 @@ class LoadPath:
 
     def _put_back(self, position: _Position) -> None:
         self.state.node.x[:], self.state.node.t[:], self._history = position[:3]
-        self.state.history[:] = self._history
+        self.state.history[:], self._at_rest = self._history, None
         self.factor, self._force_before, self.n_negative = position[3:]
 
     def _equilibrium(self, n_iteration: int) -> Equilibrium:

@@ -120,7 +120,7 @@ class Statics:
                 raise ValueError(
                     f"{name} must be finite and of shape ({n}, 3), got {np.shape(value)}"
                 )
-        self._path.n_negative = None
+        self._path.leave()
         self.state.node.x[:n] += displacement
         if rotation is not None:
             turn_directors(t=self.state.node.t, spin=np.ascontiguousarray(rotation, float))

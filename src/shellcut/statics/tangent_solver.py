@@ -20,13 +20,13 @@ the diagonal is zero, so the factors stay as sparse as the order of the freedoms
 *Condition* is the largest absolute row sum of the scaled stiffness over the energy, through the
 strains again, of its softest motion, found by inverse iteration.
 
-*Negative eigenvalues* of the stiffness are motions in which an equilibrium is unstable. A congruence
-keeps their number (Sylvester's law of inertia): with all pivots on the diagonal the factors of a
-symmetric matrix are L D Lᵀ, and the diagonal of U is D. The number is that of A, too, if the
-spectral radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so that no
-eigenvalue changes its sign on the way. A few products estimate the radius. Where it is larger, as
-with free rigid motions, or a pivot is off the diagonal, the least shift is added for which this
-holds: what is negative by less than that, some digits of round-off, counts as zero.
+*Negative eigenvalues* of the stiffness belong to motions in which an equilibrium is unstable. A
+congruence keeps their number (Sylvester's law of inertia): with all pivots on the diagonal the
+factors of a symmetric matrix are L D Lᵀ, and the diagonal of U is D. The number is that of A, too,
+if the spectral radius of I - M⁻¹ A is below one: M - t (M - A) is then regular from t = 0 to 1, so
+that no eigenvalue changes its sign on the way. A few products estimate the radius. Where it is
+larger, as with free rigid motions, or a pivot is off the diagonal, the least shift is added for
+which this holds: what is negative by less than that, some digits of round-off, counts as zero.
 
 *Error.* In the softest motions M may be too stiff by eps times the condition, and underestimates
 the error there by the same factor. The reported error is ``|e| / |q|`` times one plus a hundred
