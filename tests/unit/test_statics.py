@@ -396,7 +396,7 @@ def test_arc_length_passes_both_limit_points_of_a_truss(caplog):
     falls = abs(z) < rise / np.sqrt(3.0)
     assert [e.n_negative for e in path] == falls.astype(int).tolist()
     assert [r.levelname for r in caplog.records] == ["WARNING", "INFO"]
-    assert "unstable in 1 motions, in 0 at" in caplog.text
+    assert "unstable in 1 motion(s), in 0 at the equilibrium before" in caplog.text
     assert "one is expected from a limit point" in caplog.text
 
 
@@ -538,6 +538,8 @@ def test_all_modes_there_are_and_no_more():
     n = strip._freedoms.free.size
     assert n == 20
     all_ = strip.modes(n).frequency
+    free = Statics(strip.mesh, strip.shell.material).modes(5 * strip.mesh.n_node).frequency
+    assert np.flatnonzero(free == 0.0).tolist() == list(range(6))
     np.testing.assert_allclose(strip.modes(n - 3).frequency, all_[:-3], rtol=1e-8)
     for wrong in (n + 1, 0, 2.0):
         with pytest.raises(ValueError, match=f"n must be a whole number from 1 to 20.*got {wrong}"):

@@ -98,7 +98,8 @@ class _Position(NamedTuple):
     history: Floats
     factor: float
     force: float
-    n_negative: int | None
+    n_negative: int
+    moved: bool
 
 
 class LoadPath:
@@ -113,14 +114,14 @@ class LoadPath:
     ----------
     factor : float
         Load factor of the last equilibrium.
-    n_negative : int or None
-        Negative eigenvalues of its stiffness; None once others have moved the film.
+    n_negative : int
+        Negative eigenvalues of its stiffness.
     """
 
     def __init__(self, state: State, shell: MITC4Shell, freedoms: Freedoms, loads: LoadSet) -> None:
         self.state, self.shell, self.freedoms, self._loads = state, shell, freedoms, loads
         self.factor = 0.0
-        self.n_negative: int | None = 0  # an unstressed film is stable
+        self.n_negative, self._moved = 0, False  # an unstressed film is stable
         self._at_rest: TangentSolver | None = None  # of a linear film at its last equilibrium
         self._bent: Floats | None = None
         self._residual = self._force = self._force_before = self._floor = self._energy = 0.0
@@ -140,7 +141,7 @@ class LoadPath:
                 halve = 0.5 * step > _SMALLEST_SHARE
                 try:
                     used += self._newton(factor if end == 1.0 else first + end * (factor - first))
-                    halve = halve and start.n_negative == 0 and self.n_negative != 0
+                    halve = halve and not start.moved and start.n_negative == 0 < self.n_negative
                     leap = leap or ((end, self._position()) if halve else None)
                 except NoConvergence as error:
                     self._put_back(start)
@@ -194,7 +195,7 @@ class LoadPath:
 
     def leave(self) -> None:
         """Note that others move the film from its last equilibrium."""
-        self.n_negative = self._at_rest = None
+        self._moved, self._at_rest = True, None
 
     def forces(self, factor: float) -> tuple[Floats, Floats, bool]:
         """Return the loads of factor 1, the residual, and whether it is practically zero."""
@@ -269,20 +270,21 @@ class LoadPath:
         self.n_negative = solver.n_negative
         self._at_rest = None if history.size else solver
         self.state.history[:] = self._history = history
-        self.factor, self._force_before = factor, self._force
+        self.factor, self._force_before, self._moved = factor, self._force, False
 
     def _is_at(self, factor: float) -> bool:
         """Whether the last equilibrium, not moved since, is at this load factor."""
         same = math.isclose(factor, self.factor, rel_tol=_SAME_FACTOR)
-        return same and self.n_negative is not None
+        return same and not self._moved
 
     def _say_change(self, before: _Position, advice: str) -> None:
         """Log that the number of unstable motions has changed, and what to do."""
-        was, n = before.n_negative or 0, self.n_negative
+        was, n = before.n_negative, self.n_negative
         if n != was:
             _log.log(
                 logging.WARNING if n else logging.INFO,
-                "at load factor %.6g the film is unstable in %d motions, in %d at %.6g%s",
+                "at load factor %.6g the film is unstable in %d motion(s), in %d at the "
+                "equilibrium before it, load factor %.6g%s",
                 *(self.factor, n, was, before.factor, f": {advice}" if n else ""),
             )
 
@@ -349,12 +351,13 @@ class LoadPath:
 
     def _position(self) -> _Position:
         x, t = self.state.node.x.copy(), self.state.node.t.copy()
-        return _Position(x, t, self._history, self.factor, self._force_before, self.n_negative)
+        known = self.factor, self._force_before, self.n_negative, self._moved
+        return _Position(x, t, self._history, *known)
 
     def _put_back(self, position: _Position) -> None:
         self.state.node.x[:], self.state.node.t[:], self._history = position[:3]
         self.state.history[:], self._at_rest = self._history, None
-        self.factor, self._force_before, self.n_negative = position[3:]
+        self.factor, self._force_before, self.n_negative, self._moved = position[3:]
 
     def _equilibrium(self, n_iteration: int) -> Equilibrium:
         n, node, freedoms = self.state.n_node, self.state.node, self.freedoms
@@ -370,7 +373,7 @@ class LoadPath:
             moment,
             self._energy,
             self._residual / self._force if self._force > 0.0 else 0.0,
-            self.n_negative or 0,
+            self.n_negative,
         )
 
 

@@ -27,7 +27,7 @@ from .tangent_solver import ACCURACY, NoConvergence, TangentSolver
 # Modes are counted up to this far below the last one, relative to it.
 _GAP = 1e-5
 _MOST_SEARCHES = 10
-# A shift that makes rigid motions regular, relative to the largest omega².
+# Of rigid motions what is more than their round-off, relative to the largest omega².
 _SMALL = 1e-12
 
 
@@ -35,12 +35,13 @@ def lowest_modes(
     state: State, freedoms: Freedoms, shell: MITC4Shell, mass: Floats, n: int
 ) -> tuple[Floats, Floats]:
     """Return the ``n`` lowest omega², ascending, and their vectors, shape (n_free, n)."""
+    rigid = free_rigid_motions(freedoms, state)
     if n > mass.size - 2:  # more than Lanczos' method can find
         K = freedoms.restrict(freedoms.stiffness(shell)).toarray()
         root = np.sqrt(mass)
         q2, q = np.linalg.eigh(K / np.outer(root, root))
+        q2[np.abs(q2) <= (_SMALL * q2[-1] if rigid else 0.0)] = 0.0
         return q2[:n], q[:, :n] / root[:, None]
-    rigid = free_rigid_motions(freedoms, state)
     q2, q, shift = np.empty(0), np.empty((mass.size, 0)), 0.0
     if rigid:
         # Factors show rigid motions only as round-off: shift all eigenvalues by about the lowest
