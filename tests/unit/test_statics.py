@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, ShellMaterial, Support
+from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.loads.loads import NodalMoment
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.statics import load_path
@@ -343,6 +343,29 @@ def test_one_large_step_ends_on_the_branch_of_small_ones(caplog):
     np.testing.assert_allclose(ends[0].displacement, ends[1].displacement, atol=1e-6 * h)
     assert [e.n_negative for e in ends] == [0, 0]
     assert not caplog.records
+
+
+@pytest.mark.parametrize(("following", "critical"), [(True, 3.0), (False, 4.0)])
+def test_a_ring_under_pressure(following, critical, caplog):
+    # Half of it, its ends on the plane z = 0. Oval at 3 D/R³ if the pressure stays normal to it,
+    # at 4 D/R³ if it keeps its direction.
+    arc = cylinder(10.0, 0.5, n_around=24, n_along=1, arc_deg=180.0)
+    x, every = arc.nodes, np.arange(arc.n_node)
+    ends = np.flatnonzero(x[:, 2] < x[:, 2].min() + 1e-9)
+    ring = Statics(
+        arc,
+        ShellMaterial.homogeneous(young=1e4, poisson=0.0, density=DENSITY, thickness=0.2),
+        supports=[
+            Support(np.setdiff1d(every, ends), "y", "xz"),
+            Support(ends, "yz", "xyz"),
+            Support(np.flatnonzero(abs(x[:, 0]) < 1e-9), "x", ""),
+        ],
+        loads=[Pressure(-1e4 * 0.2**3 / 12.0 / 10.0**3, following=following)],
+    )
+    rest = ring.load_steps([2.5, 4.5])
+    assert [e.n_negative for e in rest] == [0, 1]
+    # 24 quads: the critical load is 1 % too high.
+    assert caplog.records[0].args[0] == pytest.approx(critical, rel=0.015)
 
 
 def test_modes_of_an_unstable_state_are_the_lowest():

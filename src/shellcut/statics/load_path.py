@@ -191,6 +191,7 @@ class LoadPath:
         self.freedoms.update()
         if not self.freedoms.free.size:
             raise ValueError("no freedom is left: supports hold every node and director")
+        self._take_load_stiffness(self.factor)
         self._bent = None
 
     def leave(self) -> None:
@@ -215,9 +216,14 @@ class LoadPath:
         self._force = max(self._force, float(np.abs(internal).max()))
         return load, residual, self._residual <= _TOLERANCE * self._force
 
-    def _solve(self, *forces: Floats) -> list[Floats]:
+    def _take_load_stiffness(self, factor: float) -> None:
+        stiffness = self._loads.stiffness(self.state)
+        self.freedoms.load_stiffness = None if stiffness is None else factor * stiffness
+
+    def _solve(self, factor: float, *forces: Floats) -> list[Floats]:
         """Return the linear solutions for forces over all freedoms."""
         freedoms = self.freedoms
+        self._take_load_stiffness(factor)
         free = freedoms.free
         self.state.history[:] = self._history
         solver = self._at_rest or TangentSolver(self.state, freedoms, self.shell, self._bent)
@@ -253,7 +259,7 @@ class LoadPath:
                 self._accept(factor)
                 return iteration
             if iteration < _MOST_ITERATIONS:
-                (step,) = self._solve(residual)
+                (step,) = self._solve(factor, residual)
                 self._move(step)
                 last = _translations(step)
                 way = way + last
@@ -264,6 +270,7 @@ class LoadPath:
 
     def _accept(self, factor: float) -> None:
         """Take the present state as an equilibrium, and count its unstable motions."""
+        self._take_load_stiffness(factor)
         history = self.state.history.copy()
         self.state.history[:] = self._history  # the stiffness is that of the step that led here
         solver = TangentSolver(self.state, self.freedoms, self.shell)
@@ -332,7 +339,7 @@ class LoadPath:
             if iteration and (small or self._at_round_off(moved, total)):
                 self._accept(factor)
                 return total, way, iteration, length
-            correction, tangent = self._solve(residual, load)
+            correction, tangent = self._solve(factor, residual, load)
             # Only translations measure length: the basis of rotations turns with the directors.
             forward = _translations(tangent)
             if iteration == 0:
