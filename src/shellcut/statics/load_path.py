@@ -172,13 +172,14 @@ class LoadPath:
         longest: float,
     ) -> list[Equilibrium]:
         """Follow the path, as :meth:`shellcut.Statics.arc_length`."""
+        start = self._position()
         self._begin_arc()
         path: list[Equilibrium] = []
         length, last, bound = math.nan, None, math.inf  # the first step sets the arc length
         while len(path) < most_steps:
-            start = self._position()
             last, used, length = self._arc_step_by_halves(first, length, last)
             self._say_change(start, _AFTER_ARC)
+            start = self._position()
             bound = longest * length if not path else bound
             path.append(self._equilibrium(used))
             length = min(length * min(2.0, math.sqrt(n_wanted / max(used, 1))), bound)

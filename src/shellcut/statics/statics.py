@@ -174,7 +174,10 @@ class Statics:
     def load_steps(self, factors: Sequence[float]) -> list[Equilibrium]:
         """Return the equilibria at given load factors, by Newton's iteration.
 
-        Starts from the present state and load factor. Steps that do not converge are halved.
+        Starts from the present state and load factor. Steps that do not converge are halved, and
+        so are those that end in an unstable equilibrium. Where the path itself becomes unstable a
+        warning says at which load factor, and what to do; ``n_negative`` of an equilibrium tells
+        how many of its motions are unstable.
 
         Raises
         ------
@@ -196,7 +199,8 @@ class Statics:
     ) -> list[Equilibrium]:
         """Follow the load path by arc length, through limit points.
 
-        The path starts at the equilibrium at the present load factor.
+        The path starts at the equilibrium at the present load factor. Its equilibria may be
+        unstable, as between two limit points: see their ``n_negative``.
 
         Parameters
         ----------
@@ -224,7 +228,7 @@ class Statics:
         return self._path.arc_length(first, until, n_wanted, most_steps, longest)
 
     def modes(self, n: int, *, true_inertia: bool = True) -> Modes:
-        """Return the ``n`` lowest free vibrations about the present state.
+        """Return the ``n`` lowest free vibrations about the present state, unstable ones first.
 
         Parameters
         ----------
@@ -237,6 +241,8 @@ class Statics:
         ------
         ValueError
             If there are fewer.
+        NoConvergence
+            If not all of the lowest were found.
         """
         self._path.begin()
         freedoms, mass = self._freedoms, self._mass(true_inertia)
