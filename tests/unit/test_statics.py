@@ -5,6 +5,7 @@ import pytest
 
 from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.loads.loads import NodalMoment
+from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.statics import load_path
 from shellcut.statics.statics import NoConvergence, Statics
@@ -366,6 +367,32 @@ def test_a_ring_under_pressure(following, critical, caplog):
     assert [e.n_negative for e in rest] == [0, 1]
     # 24 quads: the critical load is 1 % too high.
     assert caplog.records[0].args[0] == pytest.approx(critical, rel=0.015)
+
+
+def test_a_limit_load_by_yielding_is_one():
+    # The stiffness is that of the step that led there: from its end on the film would be elastic.
+    flat = rectangle(20.0, 1.0, n_x=10, n_y=1)
+    u = flat.nodes[:, 0] / 20.0
+    nodes = flat.nodes + np.outer(8.0 * u * (1.0 - u), [0, 0, 1])
+    yielding = Plastic(Elastic(1e4, 0.3, DENSITY), Linear(20.0, 100.0))
+    arch = Statics(
+        Mesh.from_arrays(nodes, flat.quads),
+        ShellMaterial([Layer(yielding, 0.5)], points_per_layer=5),
+        supports=[
+            Support.clamped(np.flatnonzero((u < 1e-9) | (u > 1.0 - 1e-9))),
+            Support(np.arange(flat.n_node), "y", "x"),
+        ],
+        loads=[NodalForce(np.flatnonzero(abs(u - 0.5) < 1e-9), (0.0, 0.0, -1.0))],
+    )
+    path = arch.arc_length(0.2, until=lambda e: False, most_steps=9)
+    factor = np.array([e.factor for e in path])
+    top = int(factor.argmax())
+    assert 2 <= top <= 6
+    unstable = [e.n_negative > 0 for e in path]
+    assert not any(unstable[:top])
+    assert all(unstable[top + 1 :])
+    stiffness = arch._freedoms.stiffness(arch.shell)
+    assert abs(stiffness - stiffness.T).max() < 1e-14 * abs(stiffness).max()
 
 
 def test_modes_of_an_unstable_state_are_the_lowest():
