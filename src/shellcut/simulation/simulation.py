@@ -36,6 +36,7 @@ from shellcut.tool.tool import Tool
 from .contact_terms import contact_terms, polygons_of, self_contact_terms
 from .film_terms import FilmTerms, sums_of_stored
 from .hooks import Hook, serve
+from .imperfection import Imperfection
 from .input_checks import (
     check_parts,
     nodal_displacements,
@@ -75,6 +76,10 @@ class Simulation:
         Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
+    imperfection : int, optional
+        Number of the small shape out of its plane, of 1/1000 of its thickness, with which the film
+        begins so that it can buckle (:mod:`.imperfection`); 0: none. By default 1 with a tool and a
+        law, which cut, and 0 else.
     precision : {"double", "single"}
         Of what is kept and computed of each quad; nodes, contact and cables are double either way,
         see docs/performance.md for what it saves and what it changes.
@@ -118,10 +123,13 @@ class Simulation:
         damping_alpha: float = 0.1,
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
+        imperfection: int | None = None,
         precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
-        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
+        cuts = tool is not None and law is not None
+        number = int(cuts) if imperfection is None else imperfection
+        check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta, number)
         contact, fracture = contact or Contact(), (fracture or Fracture()).decided()
         self.inputs = {
             "mesh": mesh,
@@ -138,6 +146,7 @@ class Simulation:
             "damping_beta": damping_beta,
             "precision": precision,
             "velocity": None if velocity is None else np.asarray(velocity, float),
+            "imperfection": int(number),
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
         and does not change in time. Not the threads, nor the stepping, which only paces it."""
@@ -200,7 +209,18 @@ class Simulation:
         self._place_tool()
         if self.contact is not None:
             check_tool_outside(self.mesh, self.contact.tool, self.contact.grid, self.pose)
+        self.imperfection = Imperfection(
+            self.mesh, self.material.thickness, self.inputs["imperfection"], self._marks()
+        )
+        """Shape out of its plane with which the film begins."""
+        self.imperfection.displace(self.state)
         self._start()
+
+    def _marks(self) -> Floats:
+        """Return three points that move with the model, of the tool if there is one, (3, 3)."""
+        if self.tool is None:
+            return self.mesh.nodes[self.mesh.quads[0, :3]]
+        return self.pose.to_space(self.tool.vertices[self.tool.triangles[0]])
 
     def _state_at_start(self, velocity: Floats | None) -> State:
         """Return the film at rest in its supports, or with the given velocity [mm/s]."""
@@ -364,7 +384,7 @@ class Simulation:
             raise ValueError(
                 'cracks must go through quads, Fracture(path="free"); else cut the mesh, Mesh.cut'
             )
-        if self.state.step or self.state.is_moved:
+        if self.state.step or self.state.is_moved(self.imperfection.amplitude):
             raise ValueError("notch the film before the run, and before it is stretched")
         self.cracks.free.notch(self.state, points_of_notch(points))
 

@@ -1,0 +1,88 @@
+"""A small shape of the film out of its plane, without which a flat film cannot buckle.
+
+The forces on an exactly flat film that is pushed in its plane lie in the plane: in exact arithmetic
+it stays flat under any push, in floating point round-off decides whether and into which mode it
+buckles. So a film begins with a displacement along its directors, far above round-off and far below
+its thickness h, with X the reference position and K waves:
+
+    w = (a / K) sum_k cos(2 pi (u_k · (X - O) / lambda_k + phi_k)),   a = h / 1000.
+
+The lengths lambda_k go from the root of the film's area to a third of it, and never below six
+edges, so that the mesh can hold them, or 20 h, so that faces are strained by less than 5e-5. The
+unit vectors u_k and the phases phi_k are fractional parts of multiples of 1/g, 1/g², 1/g³ with
+g⁴ = g + 1 (an additive sequence, even in the cube); a number chooses which multiples, and so the
+shape. Held nodes are moved like all others, and held there: what swings in the film is damped, the
+shape that a wavy rim gives it is not.
+
+The components of u_k are along axes through three points: the corners of the tool's first triangle
+at t = 0, without a tool those of the first quad. A triangle always has axes, while axes of the film
+itself, of its inertia say, are free where it is square or round, and round-off would choose them.
+So a shift or turn of the whole model and another numbering of the film change w by round-off, and w
+has none of the symmetries of film, tool and motion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats
+from shellcut.mesh.mesh import Mesh
+from shellcut.state import State
+
+MOST_SHAPES = 1_000_000
+"""Largest number of a shape."""
+
+_SHARE = 1e-3  # a / h
+_N_WAVE = 6  # K
+_SHORTEST = 1.0 / 3.0  # of the root of the film's area
+_EDGES, _THICKNESSES = 6.0, 20.0  # that the shortest wave takes at least
+_ROOT = 1.2207440846057596  # g
+
+
+class Imperfection:
+    """The shape with a number.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Reference mid-surface.
+    thickness : float
+        Of the film [mm].
+    number : int
+        Of the shape, from 1 on; 0 for none.
+    points : ndarray, shape (3, 3)
+        Three points not on a line, which move with the model [mm].
+    """
+
+    def __init__(self, mesh: Mesh, thickness: float, number: int, points: Floats) -> None:
+        self.number = number
+        """Of the shape; 0: none."""
+        self.amplitude = _SHARE * thickness if number else 0.0
+        """Bound of the displacement [mm]."""
+        shortest = max(_EDGES * float(mesh.edge_lengths().max()), _THICKNESSES * thickness)
+        longest = np.sqrt(mesh.quad_areas().sum())
+        lengths = np.maximum(longest * np.linspace(1.0, _SHORTEST, _N_WAVE), shortest)
+        multiples = (number - 1) * _N_WAVE + np.arange(1.0, _N_WAVE + 1.0)
+        height, turn, self._phase = np.outer(_ROOT ** -np.arange(1.0, 4.0), multiples) % 1.0
+        along, round_ = 2.0 * height - 1.0, 2.0 * np.pi * turn
+        across = np.sqrt(1.0 - along**2)
+        units = np.stack([across * np.cos(round_), across * np.sin(round_), along], axis=1)
+        self._waves = units @ _axes(points) / lengths[:, None]
+        self._origin = points[0]
+
+    def displace(self, state: State) -> None:
+        """Add the shape to the positions of a film at rest."""
+        if not self.number:
+            return
+        n = state.node
+        turns = (n.X[: n.count] - self._origin) @ self._waves.T + self._phase
+        w = self.amplitude * np.cos(2.0 * np.pi * turns).mean(axis=1)
+        n.x[: n.count] += w[:, None] * n.t[: n.count]
+
+
+def _axes(points: Floats) -> Floats:
+    """Return orthonormal axes through three points, one a row, shape (3, 3)."""
+    first, side = points[1] - points[0], points[2] - points[0]
+    normal = np.cross(first, side)
+    rows = np.array([first, np.cross(normal, first), normal])
+    return np.asarray(rows / np.linalg.norm(rows, axis=1)[:, None])
