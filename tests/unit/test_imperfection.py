@@ -18,7 +18,7 @@ def model(mesh, turn=None, shift=0.0, **options):
     """A film before an upright blade, turned and shifted as a whole."""
     turn = np.eye(3) if turn is None else turn
     blade = straight_blade(length=4.0)
-    vertices = blade.vertices + [mesh.nodes[:, 0].min() - 0.1, 0.0, 0.0]
+    vertices = blade.vertices + np.array([mesh.nodes[:, 0].min() - 0.1, 0.0, 0.0])
     tool = sc.Tool.from_triangles(vertices @ turn.T + shift, blade.triangles, edges=blade.edges)
     moved = sc.Mesh.from_arrays(mesh.nodes @ turn.T + shift, mesh.quads)
     motion = sc.StraightMotion((turn @ [1.0, 0.0, 0.0]).tolist(), speed=1e3)

@@ -120,8 +120,8 @@ def test_neither_place_nor_turn_nor_numbers_of_the_model_matter():
     turn *= np.linalg.det(turn)
     books = []
     for mesh, place in (
-        (film, lambda x: x + [0.0, 0.0, 11.0]),
-        (other, lambda x: (x + [3.0, 7.0, 11.0]) @ turn.T),
+        (film, lambda x: x + np.array([0.0, 0.0, 11.0])),
+        (other, lambda x: (x + np.array([3.0, 7.0, 11.0])) @ turn.T),
     ):
         sim, duration = guillotine(mesh, place)
         sim.run(0.6 * duration)

@@ -26,12 +26,13 @@ from __future__ import annotations
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.state import State
+from shellcut.tool.pose import Pose
+from shellcut.tool.tool import Tool
 
-MOST_SHAPES = 1_000_000
-"""Largest number of a shape."""
-
+_MOST = 1_000_000  # number of a shape
 _SHARE = 1e-3  # a / h
 _N_WAVE = 6  # K
 _SHORTEST = 1.0 / 3.0  # of the root of the film's area
@@ -44,17 +45,21 @@ class Imperfection:
 
     Parameters
     ----------
-    mesh : Mesh
-        Reference mid-surface.
-    thickness : float
-        Of the film [mm].
     number : int
         Of the shape, from 1 on; 0 for none.
-    points : ndarray, shape (3, 3)
-        Three points not on a line, which move with the model [mm].
+    mesh, material : Mesh, ShellMaterial
+        The film.
+    tool, pose : Tool, Pose
+        The tool, if there is one, and where it starts.
     """
 
-    def __init__(self, mesh: Mesh, thickness: float, number: int, points: Floats) -> None:
+    def __init__(
+        self, number: int, mesh: Mesh, material: ShellMaterial, tool: Tool | None, pose: Pose
+    ) -> None:
+        thickness = material.thickness
+        marks = mesh.nodes[mesh.quads[0, :3]]
+        if tool is not None:
+            marks = pose.to_space(tool.vertices[tool.triangles[0]])
         self.number = number
         """Of the shape; 0: none."""
         self.amplitude = _SHARE * thickness if number else 0.0
@@ -67,8 +72,8 @@ class Imperfection:
         along, round_ = 2.0 * height - 1.0, 2.0 * np.pi * turn
         across = np.sqrt(1.0 - along**2)
         units = np.stack([across * np.cos(round_), across * np.sin(round_), along], axis=1)
-        self._waves = units @ _axes(points) / lengths[:, None]
-        self._origin = points[0]
+        self._waves = units @ _axes(marks) / lengths[:, None]
+        self._origin = marks[0]
 
     def displace(self, state: State) -> None:
         """Add the shape to the positions of a film at rest."""
@@ -78,6 +83,19 @@ class Imperfection:
         turns = (n.X[: n.count] - self._origin) @ self._waves.T + self._phase
         w = self.amplitude * np.cos(2.0 * np.pi * turns).mean(axis=1)
         n.x[: n.count] += w[:, None] * n.t[: n.count]
+
+
+def number_of_shape(given: int | None, *, cuts: bool) -> int:
+    """Return the number of a film's shape, by default 1 where a tool cuts; refuse what is none."""
+    if given is None:
+        return int(cuts)
+    whole = isinstance(given, int | np.integer) and not isinstance(given, bool)
+    if not (whole and 0 <= given <= _MOST):
+        raise ValueError(
+            f"imperfection must be a whole number, 1 to {_MOST} for a shape or 0 for none, "
+            f"got {given!r}"
+        )
+    return int(given)
 
 
 def _axes(points: Floats) -> Floats:

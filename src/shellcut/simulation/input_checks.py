@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from numbers import Integral
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +14,6 @@ from shellcut.fracture.criterion import Fracture
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
-from .imperfection import MOST_SHAPES
-
 
 def check_parts(
     tool: Tool | None,
@@ -26,7 +23,6 @@ def check_parts(
     fracture: Fracture | None,
     damping_alpha: float,
     damping_beta: float,
-    imperfection: int,
 ) -> None:
     """Raise ValueError if what a simulation is given does not go together."""
     problems = [
@@ -35,7 +31,6 @@ def check_parts(
         *_of_other_kind("fracture", fracture, Fracture),
     ] or [
         *_negative(damping_alpha=damping_alpha, damping_beta=damping_beta),
-        *_no_shape(imperfection),
         *_without_partner(tool, motion, law, contact, fracture),
         *_not_with_path(fracture, tool),
     ]
@@ -54,17 +49,6 @@ def _negative(**numbers: float) -> Iterator[str]:
     for name, value in numbers.items():
         if not value >= 0:
             yield f"{name} must be a number that is not negative, got {value!r}"
-
-
-def _no_shape(number: object) -> Iterator[str]:
-    """Yield that something is not the number of an imperfection."""
-    if isinstance(number, bool) or not (
-        isinstance(number, Integral) and 0 <= number <= MOST_SHAPES
-    ):
-        yield (
-            f"imperfection must be a whole number, 1 to {MOST_SHAPES} for a shape or 0 for none, "
-            f"got {number!r}"
-        )
 
 
 def _without_partner(
