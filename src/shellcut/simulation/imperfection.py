@@ -14,14 +14,18 @@ g⁴ = g + 1 (an additive sequence, even in the cube); a number chooses which mu
 shape. Held nodes are moved like all others, and held there: what swings in the film is damped, the
 shape that a wavy rim gives it is not.
 
-The components of u_k are along axes through three points: the corners of the tool's first triangle
-at t = 0, without a tool those of the first quad. A triangle always has axes, while axes of the film
-itself, of its inertia say, are free where it is square or round, and round-off would choose them.
-So a shift or turn of the whole model and another numbering of the film change w by round-off, and w
-has none of the symmetries of film, tool and motion.
+O is the centroid of the film, and the components of u_k are along axes that move with the model:
+the mean director, across it the direction to the centroid of the tool's surface at t = 0, and the
+normal to both. Where one of these says nothing, as for a ring of teeth over the middle of a disc,
+the first vertex of the tool that lies across takes its place, without a tool the first node. Axes
+of the film alone, of its inertia say, are free where it is square or round, and round-off would
+choose them. So a shift or turn of the whole model and other numbers of film and tool change w by
+round-off, and w has none of the symmetries of film, tool and motion.
 """
 
 from __future__ import annotations
+
+from itertools import chain
 
 import numpy as np
 
@@ -38,6 +42,7 @@ _N_WAVE = 6  # K
 _SHORTEST = 1.0 / 3.0  # of the root of the film's area
 _EDGES, _THICKNESSES = 6.0, 20.0  # that the shortest wave takes at least
 _ROOT = 1.2207440846057596  # g
+_SEEN = 1e-6  # of 1, or of the root of the film's area: what is shorter has no direction
 
 
 class Imperfection:
@@ -57,9 +62,6 @@ class Imperfection:
         self, number: int, mesh: Mesh, material: ShellMaterial, tool: Tool | None, pose: Pose
     ) -> None:
         thickness = material.thickness
-        marks = mesh.nodes[mesh.quads[0, :3]]
-        if tool is not None:
-            marks = pose.to_space(tool.vertices[tool.triangles[0]])
         self.number = number
         """Of the shape; 0: none."""
         self.amplitude = _SHARE * thickness if number else 0.0
@@ -72,8 +74,8 @@ class Imperfection:
         along, round_ = 2.0 * height - 1.0, 2.0 * np.pi * turn
         across = np.sqrt(1.0 - along**2)
         units = np.stack([across * np.cos(round_), across * np.sin(round_), along], axis=1)
-        self._waves = units @ _axes(marks) / lengths[:, None]
-        self._origin = marks[0]
+        self._origin, axes = _frame(mesh, tool, pose)
+        self._waves = units @ axes / lengths[:, None]
 
     def displace(self, state: State) -> None:
         """Add the shape to the positions of a film at rest."""
@@ -98,9 +100,21 @@ def number_of_shape(given: int | None, *, cuts: bool) -> int:
     return int(given)
 
 
-def _axes(points: Floats) -> Floats:
-    """Return orthonormal axes through three points, one a row, shape (3, 3)."""
-    first, side = points[1] - points[0], points[2] - points[0]
-    normal = np.cross(first, side)
-    rows = np.array([first, np.cross(normal, first), normal])
-    return np.asarray(rows / np.linalg.norm(rows, axis=1)[:, None])
+def _frame(mesh: Mesh, tool: Tool | None, pose: Pose) -> tuple[Floats, Floats]:
+    """Return the film's centroid, shape (3,) [mm], and orthonormal axes, one a row, (3, 3)."""
+    areas = mesh.quad_areas()
+    origin = areas @ mesh.nodes[mesh.quads].mean(axis=1) / areas.sum()
+    places, centre = mesh.nodes, origin
+    if tool is not None:
+        places = pose.to_space(tool.vertices)
+        a, b, c = np.moveaxis(places[tool.triangles], 1, 0)
+        areas_of_tool = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        centre = areas_of_tool @ (a + b + c) / (3.0 * areas_of_tool.sum())
+    size, axes = float(np.sqrt(areas.sum())), np.zeros((0, 3))
+    for way in chain([mesh.directors.mean(axis=0)], (np.vstack([centre, places]) - origin) / size):
+        across = way - axes.T @ (axes @ way)
+        if (length := float(np.linalg.norm(across))) > _SEEN:
+            axes = np.vstack([axes, across / length])
+        if len(axes) == 2:
+            break
+    return origin, np.vstack([axes, np.cross(*axes)])
