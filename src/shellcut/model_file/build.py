@@ -163,6 +163,7 @@ class _Build:
             "damping_alpha": damping.alpha,
             "damping_beta": damping.beta,
             "directional": head.directional,
+            "imperfection": head.imperfection,
             "precision": head.precision,
             "threads": head.threads,
             "loads": loads,

@@ -62,6 +62,12 @@ class Head(Section):
         "whether cables meet the blade; false: classical cohesive elements",
         default=default_of(Simulation, "directional"),
     )
+    imperfection: int | None = key(
+        count(0),
+        "number of the small shape with which the film begins, so that it can buckle; 0: none",
+        default=default_of(Simulation, "imperfection"),
+        unset="1 with a tool that cuts, otherwise 0",
+    )
     precision: str = key(
         choice(*get_args(Precision)),
         "of quad data and quad kernels; nodes are always double",
