@@ -206,6 +206,8 @@ def test_a_notch_from_within_the_film_may_leave_it():
     (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
     np.testing.assert_allclose(end, [1.6, 0.1, 0.0], atol=1e-9)  # the quad in which it begins
     assert sum(cut.kind == "notch" for cut in sim.state.split_log) == 3
+    with pytest.raises(ValueError, match="a notch must lead into the film, got one at"):
+        by_hand(fracture=Fracture(path="free")).notch((2.4, 0.1, 0.0), (5.0, 0.1, 0.0))
 
 
 def test_a_notch_needs_an_edge_that_moves_through_the_film():

@@ -190,7 +190,7 @@ class FreeCracks:
 
         points : (n, 3) [mm].
         """
-        line = NotchLine(points)
+        line, before = NotchLine(points), len(state.split_log)
         tip = self._slit(state, line)
         for start, stop in pairwise(points):
             # The line may have more than its first point before the rim.
@@ -206,6 +206,11 @@ class FreeCracks:
         while tip is not None and (at := self._path.place_of(state, tip)) is not None:
             way, lean = line.direction(self._path.reference_of(state, tip), at)
             segment = self._path.segment_from(state, tip, way, lean, self.tips)
+            if segment is None and len(state.split_log) == before:
+                raise ValueError(
+                    f"a notch must lead into the film, got one at {points[0].tolist()} mm that "
+                    "leaves it there: move its first point into the film, off the sides of quads"
+                )
             if segment is None:
                 return
             cut = self._cut(state, segment, NOTCH, 0.0)

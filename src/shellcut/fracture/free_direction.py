@@ -40,7 +40,7 @@ from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import KnownTopology, State
+from shellcut.state import BROKEN, KnownTopology, State
 
 from .anisotropy import Anisotropy
 from .crack_path import CrackPath
@@ -53,8 +53,13 @@ from .tip_force import TipForce, gives_back
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""
 
-REACH = 4.0
-"""Radius of the domain around a tip in which energy is released, in local edge lengths."""
+REACHES = (4, 12)
+"""Least and largest radius of the domain around a tip in which energy is released, in local edge
+lengths."""
+
+_HELD = 2.0
+"""Reach over the way back to the farthest cable that still holds: q is 1 halfway, so that the force
+is that into all of the process zone, where the edges of the film allow it."""
 
 LEAST = 1.5
 """Local edge lengths between a tip and what does not go along with it, below which no domain shows
@@ -128,7 +133,7 @@ class FreeDirection:
         self._strength = law.strength
         self._anisotropy, self._loads = anisotropy, loads
         self._known = KnownTopology()
-        self._ahead: dict[Tip, _Ahead] = {}
+        self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
     def ways(
         self, state: State, tip: Tip, tips: Sequence[Tip], *, alone: bool = True
@@ -150,9 +155,10 @@ class FreeDirection:
         if not self._known.is_of(state):
             self._ahead.clear()
             self._known.take(state)
-        if tip not in self._ahead:
-            self._ahead[tip] = self._look(state, tip, tips)
-        ahead = self._ahead[tip]
+        key = tip, self._reach(state, tip)
+        if key not in self._ahead:
+            self._ahead[key] = self._look(state, *key, tips)
+        ahead = self._ahead[key]
         nodes = state.quads[ahead.row]
         t = ahead.weights @ state.node.t[nodes]
         t /= np.linalg.norm(t)
@@ -170,7 +176,17 @@ class FreeDirection:
         for k in _OTHERS[np.argsort(-phi[_OTHERS], kind="stable")].tolist():
             yield _unit(ways[k])
 
-    def _look(self, state: State, tip: Tip, tips: Sequence[Tip]) -> _Ahead:
+    def _reach(self, state: State, tip: Tip) -> int:
+        """Return the radius of the domain around a tip, in local edge lengths."""
+        row, _ = self._path.rows_ahead(tip)[0]
+        edge, c = self._path.size(row) / _HELD, state.cable
+        holds = c.status[: state.n_cable] != BROKEN
+        ends = state.node.X[c.ends[: state.n_cable][holds, 0]]
+        gaps = np.linalg.norm(ends - self._path.reference_of(state, tip), axis=1) / edge
+        least, most = REACHES
+        return int(np.ceil(gaps[gaps < most].max(initial=least)))
+
+    def _look(self, state: State, tip: Tip, reach: int, tips: Sequence[Tip]) -> _Ahead:
         """Gather what lies around a tip."""
         row, entry = self._path.rows_ahead(tip)[0]
         T = self._path.reference_director(row, entry)
@@ -184,7 +200,7 @@ class FreeDirection:
             self._topology,
             place,
             base,
-            REACH * size,
+            reach * size,
             [row for row, _ in self._path.rows_ahead(tip)],
             np.array(others).reshape(-1, 3),
         )

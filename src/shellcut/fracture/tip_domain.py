@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
@@ -124,7 +124,7 @@ def _film_around(
     while found.sum() > n:
         n, reached = int(found.sum()), np.zeros(len(nodes), np.bool_)
         reached[at[found]] = True
-        found = reached[at].any(axis=1)
+        found = np.asarray(reached[at].any(axis=1))
     return rows[found]
 
 
@@ -158,7 +158,7 @@ def _edges(state: State, topology: CutTopology, rows: Ints, X: Floats) -> list[_
     return found
 
 
-def _own(ends: Floats, place: Floats, reach: float) -> np.ndarray:
+def _own(ends: Floats, place: Floats, reach: float) -> Bools:
     """Return which edges are flanks of the crack that ends at a place, shape (n,).
 
     ends : (n, 2, 3). From the tip on back along the only way there is, as far as the reach.
