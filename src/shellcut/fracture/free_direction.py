@@ -136,7 +136,7 @@ class FreeDirection:
         self._ahead: dict[tuple[Tip, int], _Ahead] = {}
 
     def ways(
-        self, state: State, tip: Tip, tips: Sequence[Tip], *, alone: bool = True
+        self, state: State, tip: Tip, tips: Sequence[Tip] = (), *, alone: bool = True
     ) -> Iterator[Floats]:
         """Yield unit directions in space, shape (3,): the best one, then others by their phi.
 
@@ -147,7 +147,7 @@ class FreeDirection:
         tip : Tip
             With film ahead.
         tips : sequence of Tip
-            All of them.
+            All of them, which end its domain.
         alone : bool
             Whether what surrounds the tip is its own; near to another branch it is not, and the
             heading comes first.
