@@ -225,7 +225,9 @@ def strip_at_rest(pull, notch=8.0, height=4.0, film=FILM, slit=None):
     return sim
 
 
-@pytest.mark.parametrize(("reach", "material"), [(1.0, FILM), (1.8, FILM), (3.0, FILM), (1.0, layered(ALONG))])
+@pytest.mark.parametrize(
+    ("reach", "material"), [(1.0, FILM), (1.8, FILM), (3.0, FILM), (1.0, layered(ALONG))]
+)
 def test_a_long_strip_releases_the_energy_ahead_of_its_tip(reach, material):
     """Far behind the tip nothing is stored, far ahead C_22 e²/2 per volume over the height."""
     stretch = 0.004

@@ -15,9 +15,7 @@ from shellcut.mesh.structured import rectangle
 
 LENGTH, WIDTH, SPEED, RISE = 16.0, 8.0, 400.0, 2e-4
 HEIGHTS = [-1.5, 0.0, 1.5, 3.0]
-LAW = sc.CohesiveLaw(
-    strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1
-)
+LAW = sc.CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1)
 LEAN = np.array([-0.002, -0.047, -0.093, -0.128])
 """Of the path on 0.2 mm quads moved at random, at these heights, from its start [mm]."""
 
@@ -119,6 +117,7 @@ def test_cracks_that_pass_turn_to_each_others_flanks(size, moved):
         sim.step()
     left, right = ways_of(sim)
     tips = [sim.cracks.free._path.reference_of(sim.state, tip)[:2] for tip in sim.cracks.free.tips]
-    gaps = [abs(np.interp(x, *other.T) - y) for (x, y), other in zip(tips, (right[::-1], left))]
+    others = [right[::-1] if tip.heading[0] > 0.0 else left for tip in sim.cracks.free.tips]
+    gaps = [abs(np.interp(x, *way.T) - y) for (x, y), way in zip(tips, others, strict=True)]
     # One that has come to a flank has no tip any more; then the sheet is in two parts.
     assert len(tips) < 2 or max(gaps) < size

@@ -24,7 +24,15 @@ p is the traction that the mean Cauchy stress of the mid-surface ahead exerts ac
 pulls: over the quads ahead, weighted by the area of their film and a Gaussian of ``AVERAGE`` edge
 lengths. On a curved film each stress is first turned into the sheet at the tip by the least
 rotation that takes one normal to the other: the mean of tensors in planes that lean against each
-other would lose the part across the lean. What a film would give back is not known if its law keeps
+other would lose the part across the lean. Film that does not hang together with the tip's counts
+for neither J nor p.
+
+The domain of J reaches back as far as the cables hold, twice over, so that J is what goes into all
+of the process zone: over that length film bends that is torn out of its plane, and a smaller domain
+turns J aside. Where another edge of the film or another tip is nearer than ``LEAST`` no domain is
+left to tell where energy is released, and J is taken to lie along the crack.
+
+What a film would give back is not known if its law keeps
 a history and cannot be frozen; there the stress decides alone.
 """
 
