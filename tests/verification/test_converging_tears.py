@@ -15,7 +15,7 @@ from shellcut.state.pieces import Pieces
 LAW = sc.CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.1, opening_p=0.4, opening_u=0.6, onset=0.005
 )
-THICKNESS, SPEED, FOLDING = 0.07, 2000.0, 0.4
+THICKNESS, SPEED, FOLDING = 0.07, 2000.0, 0.6
 
 
 def folded_back(size, breadth, notch, length):
@@ -85,8 +85,8 @@ def breadths(upper, lower, start):
 
 
 def test_two_tears_that_converge_pinch_the_strip_off():
-    sim = folded_back(0.5, breadth=2.0, notch=4.0, length=11.0)
-    torn_off(sim, 8e-3)
+    sim = folded_back(0.5, breadth=2.0, notch=6.0, length=12.0)
+    torn_off(sim, 1.2e-2)
     assert len(Pieces.of(sim.state).mass) == 2
     assert len(sim.cracks.free.tips) < 2
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-4

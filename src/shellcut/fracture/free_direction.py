@@ -61,7 +61,7 @@ from .tip_force import TipForce, gives_back
 AVERAGE = 2.5
 """Standard deviation of the weights around a tip, in local edge lengths."""
 
-REACHES = (4, 12)
+REACHES = (4, 8)
 """Least and largest radius of the domain around a tip in which energy is released, in local edge
 lengths."""
 

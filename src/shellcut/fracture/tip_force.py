@@ -1,9 +1,9 @@
 """The force on the tip of a crack: the energy that the film gives up per mm of its advance.
 
 Let the reference slide by q(X) e below the film, q being 1 around the tip and falling to 0 at the
-border of its domain (:mod:`.tip_domain`), and let the film in space follow by q(X) c, c being what e has become there. The
-energy Pi of the film then changes as if the tip with all that surrounds it were a little further
-along e, so that
+border of its domain (:mod:`.tip_domain`), and let the film in space follow by q(X) c, c being what
+e has become there. The energy Pi of the film then changes as if the tip with all that surrounds it
+were a little further along e, so that
 
     J · e = - dPi / d(slide)
 
@@ -18,9 +18,9 @@ of over a strain, and hide the energy released. Pressure and weight on the film 
 motions, which is part of Pi (:mod:`shellcut.loads.sliding_loads`).
 
 The domain holds the process zone as far as it reaches; J then is the energy that goes into the
-cables, too: in steady tearing J = G h. The crack's own flanks slide with the film, no other edge. Across the crack that adds
-film to one flank and takes it from the other: J · e has the difference of their energies per area
-times the reach in it, none where both sides are alike.
+cables, too: in steady tearing J = G h. The crack's own flanks slide with the film, no other edge.
+Across the crack that adds film to one flank and takes it from the other: J · e has the difference
+of their energies per area times the reach in it, none where both sides are alike.
 
 The energy psi is what the film would give back: what has flowed stays where it is in the film. A
 point that slides comes to film that has flowed differently, which adds the stress times the slope
