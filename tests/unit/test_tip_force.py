@@ -280,6 +280,27 @@ def in_space(sim):
     return tip, np.array([path.carried_on(row, entry, way) @ x for way in BASE])
 
 
+def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
+    sim = sc.Simulation(
+        uneven_mesh(), FILM, law=sc.CohesiveLaw(strength=1e3), fracture=sc.Fracture(path="free")
+    )
+    low, left = sim.mesh.nodes[:, 1].min(), sim.mesh.nodes[:, 0].min()
+    way = [(left - 1.0, low + 2.9), (left + 2.6, low + 2.9), (left + 3.4, low + 3.9)]
+    sim.notch(*((*point, 0.0) for point in way))
+    (tip,) = sim.cracks.free.tips
+    place = sim.cracks.free._path.reference_of(sim.state, tip)
+    topology = sim.cracks.free._cuts.topology
+    bent = domain_in(sim.state, sim.shell, place, 1.6, topology)
+    assert bent.room == pytest.approx(1.6)  # nothing is nearer than the reach
+    X = sim.shell.reference.x[sim.shell.reference.quads[bent.rows]]
+    wanted = np.clip(2.0 - 2.0 * np.linalg.norm(X - place, axis=2) / 1.6, 0.0, 1.0)
+    np.testing.assert_allclose(bent.q, wanted, atol=1e-9)
+    sim.notch((left + 7.0, place[1] + 0.7, 0.0), (place[0] - 0.3, place[1] + 0.7, 0.0))
+    beside = domain_in(sim.state, sim.shell, place, 1.6, topology)
+    assert beside.room == pytest.approx(0.7, abs=0.08)  # places on sides of the mesh
+    assert beside.q.min() < -0.1  # of corners beyond the flank
+
+
 PRESSURE = 1e-5  # MPa: it deflects the flanks by 1e-3 of their thickness
 
 

@@ -81,8 +81,11 @@ def breadths(upper, lower, start):
 
 def test_two_tears_that_converge_pinch_the_strip_off():
     sim = pulled_up(0.5, breadth=2.0, notch=4.0, length=12.0)
-    torn_off(sim, 4e-3)
+    upper, lower = torn_off(sim, 4e-3)
     assert len(Pieces.of(sim.state).mass) == 2
+    # 2 mm from the notches; the closed form has 1.5, the process zone has to grow. Side by side
+    # with film from across the other tear in the domain: 4 mm.
+    assert max(upper[-1, 0], lower[-1, 0]) < 4.0 + 2.5
     assert len(sim.cracks.free.tips) < 2
     assert abs(sim.ledger.relative(sim.ledger.imbalance)) < 1e-3
 
