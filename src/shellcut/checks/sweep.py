@@ -34,7 +34,7 @@ from shellcut.tool.tool import Tool
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
 _FINEST = 0.1  # edge lengths: of cutting-edge vertices closer together only some are sampled
 _MOST_HEIGHTS = 2_000_000  # points of edges times number of times: fractions of a second
-_FLATNESS = 1e-6  # as in imprinting.film_plane
+_FLATNESS = 1e-6  # extents of the film off a plane below which it is flat
 _NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
 _FINE = 0.05  # edge lengths between points of the path
 _AT_REST = 1e-6  # of that: an edge that moves by less stands still
@@ -112,6 +112,8 @@ class Sweep:
     """One per chain of the tool."""
     top_speed: float
     """Largest speed of any point of the cutting edges during the motion [mm/s]."""
+    flat: bool
+    """Whether the film lies in a plane."""
 
     @classmethod
     def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
@@ -301,6 +303,7 @@ class _Search:
             self.n_time,
             fates=tuple(fates),
             top_speed=max(speed for _, _, speed in found),
+            flat=self._plane is not None,
             **places,
         )
 
