@@ -102,6 +102,25 @@ def check_path(
         )
 
 
+def edge_line(sweep: Sweep) -> str:
+    """Return in one line how many cutting edges meet the film and stay in it."""
+    fates, n = sweep.fates, len(sweep.fates)
+    n_meeting = sum(fate.meets for fate in fates)
+    n_staying = sum(fate.stays for fate in fates)
+    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
+    if n_staying == n:
+        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
+    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
+    never = [fate.chain for fate in fates if not fate.meets]
+    if never:
+        parts.append(f"never: {some(never)}")
+    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
+    if left:
+        first = min(left.values())
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
+    return "edges  " + "; ".join(parts)
+
+
 def _fates(sweep: Sweep) -> Iterator[Finding]:
     fates = sweep.fates
     never = [fate.chain for fate in fates if not fate.meets]
