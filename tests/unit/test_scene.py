@@ -65,6 +65,14 @@ def test_a_scene_shows_edges_flanks_and_film(tmp_path, by, capfd):
     assert capfd.readouterr().err == ""  # VTK keeps quiet
 
 
+def test_cables_that_have_not_opened_have_nothing_to_draw(tmp_path, by):
+    shut = np.repeat(FRAMES[0].cable_segments[:, :1], 2, axis=1)
+    frame = dataclasses.replace(FRAMES[0], cable_segments=shut)
+    draw_movie(tmp_path / "m.gif", [frame, FRAMES[1]], size=SIZE, progress=False)
+    with pillow.open(tmp_path / "m.gif") as film:
+        assert film.n_frames == 2
+
+
 def test_stresses_colour_the_film(tmp_path, by):
     if by == "matplotlib":
         pytest.skip("Matplotlib draws the largest principal stress only")

@@ -23,7 +23,7 @@ import numpy as np
 
 from shellcut.checks import ModelCheck, check_model
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
 from shellcut.results.run_results import read
@@ -417,8 +417,7 @@ class Recorder:
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
         write_splits(self.folder / SPLITS, self._sim.state.splits)
-        with atomic_write(self.folder / SUMMARY) as temporary:
-            temporary.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+        write_text(self.folder / SUMMARY, json.dumps(said, indent=2) + "\n")
         if self._draws_curves and len(results.history["time"]) > 1:
             results.plot_torque()
             results.plot_energy()
