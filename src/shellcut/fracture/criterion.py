@@ -33,6 +33,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
@@ -57,6 +58,7 @@ _ONLY_ALONG_EDGES = "criterion", "candidates", "blade_cut", "turn_limit_deg", "e
 _ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
 
 
+@checked
 @dataclass(frozen=True)
 class Fracture:
     """How cracks start and run.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import exponential
@@ -65,6 +66,7 @@ def elastic_row(elastic: Elastic | Orthotropic) -> Floats:
     return np.concatenate([elastic.plane_stress()[np.triu_indices(3)], elastic.thickness_slope()])
 
 
+@checked
 @dataclass(frozen=True)
 class Hencky(WithElasticPart):
     """Elastic by the logarithmic strain, for stretches beyond some 10 %.

@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Number, Vector
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import any_above, exponential
@@ -250,6 +251,7 @@ def hill_matrix(r_values: tuple[float, float, float]) -> Floats:
     return np.array([[G + H, -H, 0.0], [-H, F + H, 0.0], [0.0, 0.0, 2.0 * N]])
 
 
+@checked
 @dataclass(frozen=True)
 class Plastic(WithElasticPart):
     """A film that yields, up to any strain.

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 
 from .elastic import Elastic
@@ -30,6 +31,7 @@ POINTS_OF_HISTORY = 5
 Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]
 
 
+@checked
 @dataclass(frozen=True)
 class Layer:
     """One ply of a film.
@@ -66,6 +68,7 @@ class Layer:
             refuse([f"thickness must be positive in mm, got {self.thickness!r}"])
 
 
+@checked
 @dataclass(frozen=True)
 class ShellMaterial:
     """The section of a shell: layers from the bottom (xi^3 = -h/2) to the top.
@@ -126,6 +129,7 @@ class ShellMaterial:
         refuse(problems)
 
     @classmethod
+    @checked
     def homogeneous(
         cls,
         *,

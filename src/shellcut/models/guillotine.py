@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.criterion import Fracture
@@ -58,6 +59,7 @@ def strip_of(length: float, width: float, size: float) -> Mesh:
     return rectangle(length, width, size=size)
 
 
+@checked
 def guillotine(
     size: float = 0.4,
     *,

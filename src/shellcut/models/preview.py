@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.checks.finding import Finding
@@ -46,6 +47,7 @@ class ModelParts:
         return Sweep.of(self.mesh, self.tool, self.motion, self.duration)
 
 
+@checked
 def preview(
     simulation: Simulation,
     path: str | os.PathLike[str],

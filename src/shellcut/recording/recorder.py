@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.checks import ModelCheck, check_model
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import write_text
@@ -107,6 +108,7 @@ class Recorder:
         During the run, if a file cannot be written, as on a full disk; ``resume`` continues it.
     """
 
+    @checked
     def __init__(
         self,
         sim: Simulation,

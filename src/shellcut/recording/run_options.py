@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from shellcut.arguments import checked
 
+
+@checked
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
     """Options of :class:`Recorder` and of ``Case.run``, under the same names.

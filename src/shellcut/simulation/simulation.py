@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -101,6 +102,7 @@ class Simulation:
     True
     """
 
+    @checked
     def __init__(
         self,
         mesh: Mesh,
@@ -285,6 +287,7 @@ class Simulation:
 
     # ---------------------------------------------------------------- a run
 
+    @checked
     def relax(
         self,
         displacement: Floats | None = None,
@@ -342,6 +345,7 @@ class Simulation:
             self.time_step.forget()
             self._start()
 
+    @checked
     def notch(self, *points: npt.ArrayLike) -> None:
         """Cut the film before the run along a line through points, without cables.
 
@@ -368,6 +372,7 @@ class Simulation:
             raise ValueError("notch the film before the run, and before it is stretched")
         self.cracks.free.notch(self.state, points_of_notch(points))
 
+    @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.
 

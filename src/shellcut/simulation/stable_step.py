@@ -35,6 +35,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Bools, Floats, Held, HeldBy, Ints, SmallIds
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.mitc4.shell import MITC4Shell
@@ -66,6 +67,7 @@ _MOST_DAMPING = 1e4
 _BATCH = 32
 
 
+@checked
 @dataclass(frozen=True)
 class Stepping:
     """How the step is chosen.

@@ -72,8 +72,8 @@ class _Table:
         for name in arrays:
             old = getattr(self, name)
             shape = (max(2 * capacity, self.count + extra), *old.shape[1:])
-            # Arrays read by lanes in kernels stay stored column by column. They have rows ahead: one
-            # row alone, which NumPy takes for both, is stored as a row.
+            # Arrays read by lanes in kernels stay stored column by column. They have rows ahead:
+            # one row alone, which NumPy takes for both, is stored as a row.
             by_column = old.flags.fnc
             grown = columns(*shape) if by_column else aligned_zeros(shape, old.dtype)
             grown[: self.count] = old[: self.count]

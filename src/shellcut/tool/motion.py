@@ -23,6 +23,7 @@ from typing import Protocol
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 
@@ -52,6 +53,7 @@ class Motion(Protocol):
         ...
 
 
+@checked
 @dataclass(frozen=True)
 class ScrewMotion:
     """Turn about a fixed axis and advance in proportion, starting from rest.
@@ -162,6 +164,7 @@ class ScrewMotion:
         return spin, np.array((rate * v0, rate * v1, rate * v2))
 
 
+@checked
 @dataclass(frozen=True)
 class StraightMotion:
     """Move along a straight line without turning, from rest; the coordinate is the path.
