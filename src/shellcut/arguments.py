@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 import sys
 import types
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -137,8 +138,9 @@ def _fits(value: Any, kind: Any) -> bool:
         return _is_several(value, origin, parts)
     if isinstance(origin, type):
         return isinstance(value, origin)
-    if isinstance(kind, type) and not getattr(kind, "_is_protocol", False):
-        return isinstance(value, kind)
+    if isinstance(kind, type):
+        said = getattr(kind, "_is_runtime_protocol", not getattr(kind, "_is_protocol", False))
+        return isinstance(value, kind) if said else True
     return True
 
 
@@ -161,7 +163,7 @@ def _is_array(value: Any) -> bool:
 
 def _is_several(value: Any, origin: Any, parts: tuple[Any, ...]) -> bool:
     if issubclass(origin, Mapping):
-        return isinstance(value, Mapping)
+        return isinstance(value, Mapping) and all(_fits(one, parts[-1]) for one in value.values())
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
         return False
     if np.ma.is_masked(value):
@@ -198,18 +200,28 @@ def _words(kind: Any) -> list[str]:
     if origin is Literal:
         return [repr(part) for part in parts]
     if origin is tuple and parts[-1] is not Ellipsis:
-        one = _words(parts[0])[0].removeprefix("a ")
-        return [f"{len(parts)} {one}s" if len(set(parts)) == 1 else f"{len(parts)} values"]
+        return [
+            f"{len(parts)} {_several(parts[0])}" if len(set(parts)) == 1 else f"{len(parts)} values"
+        ]
     if (
         isinstance(origin, type)
         and issubclass(origin, Iterable)
         and not issubclass(origin, Mapping)
     ):
-        return [f"a sequence of {' or '.join(_words(parts[0])).removeprefix('a ')}"]
+        return [f"a sequence of {_several(parts[0])}"]
     if kind in _PLAIN:
         return [_PLAIN[kind]]
     name = str(getattr(origin or kind, "__name__", kind))
-    return [f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"]
+    article = "an" if name[0] in "AEIOU" else "a"
+    if not getattr(kind, "_is_protocol", False):
+        return [f"{article} {name}"]
+    methods = [method for method in vars(kind) if method[0] != "_" or method == "__call__"]
+    return [f"{article} {name}, which has {', '.join(methods)}"]
+
+
+def _several(kind: Any) -> str:
+    words = [re.sub("^an? ", "", word) for word in _words(kind)]
+    return " or ".join(f"{word}s" if word[0].islower() else word for word in words)
 
 
 def _shown(value: Any) -> str:

@@ -15,6 +15,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 from .film_plane import FilmPlane
@@ -47,7 +48,7 @@ class Crossings:
 
     def __init__(self, film: FilmPlane, tool: Tool, motion: Motion, times: Floats) -> None:
         self._film, self._tool, self._motion, self._times = film, tool, motion, times
-        self._poses = [motion.pose(t) for t in times.tolist()]
+        self._poses = [pose_at(motion, t) for t in times.tolist()]
 
     def of_chain(self, chain: int) -> tuple[list[Stretch], Floats]:
         """Return the stretches that a chain passes, and all positions of its vertices.
@@ -182,5 +183,5 @@ class _ZeroLine:
         return found
 
     def _at(self, time: float, j: int) -> Floats:
-        R, r = self._motion.pose(time)
+        R, r = pose_at(self._motion, time)
         return np.asarray(R @ self._vertices[j] + r)

@@ -29,8 +29,9 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.files.whole_file import atomic_write, write_all
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -56,6 +57,7 @@ class CheckpointError(ValueError):
     """The file is no checkpoint, or belongs to another model; the message lists the differences."""
 
 
+@checked
 def save_checkpoint(
     sim: Simulation,
     path: str | os.PathLike[str],
@@ -119,6 +121,7 @@ def save_checkpoint(
         os.fsync(target.fileno())
 
 
+@checked
 def load_checkpoint(sim: Simulation, path: str | os.PathLike[str]) -> dict[str, Any]:
     """Put a newly built simulation into the state of a checkpoint; return its ``extra``.
 
@@ -320,7 +323,7 @@ def _differing_poses(sim: Simulation, run: dict[str, Any]) -> list[str]:
     if sim.motion is None:
         return []
     time = run["state"]["time"]
-    pose = Pose.of(*sim.motion.pose(time))._asdict()
+    pose = pose_at(sim.motion, time)._asdict()
     return [
         f"motion: the {name} at {time:.6g} s is {run['pose'][name].tolist()} in the checkpoint, "
         f"{found.tolist()} in this simulation"

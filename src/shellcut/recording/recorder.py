@@ -16,13 +16,14 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from pathlib import Path
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellcut.arguments import checked
 from shellcut.checks import ModelCheck, check_model
+from shellcut.files.file_list import folder_named
 from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
@@ -120,6 +121,9 @@ class Recorder:
         also: Sequence[str] = (),
         **options: Any,
     ) -> None:
+        if not (isfinite(until) and until > 0.0):
+            raise ValueError(f"until must be a positive time in s, got {until!r}")
+        self.folder = folder_named(folder)
         self.resistance = resistance_of(sim, until)
         chosen = RunOptions(**options)
         self._check = check or check_model(sim, until)
@@ -127,7 +131,6 @@ class Recorder:
             self._check.enforce(force=chosen.force)
         self._check.say()
         self.verdict: tuple[Line, ...] = ()
-        self.folder = Path(folder)
         self.name = name
         self._sim = sim
         self._front = CutFront(sim, until)

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, pi, radians, sin, sqrt
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from .pose import Pose
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
+@runtime_checkable
 class Motion(Protocol):
     """What the simulation needs from a motion; times in s, lengths in mm, angles in rad."""
 

@@ -75,6 +75,8 @@ class TableMotion:
         )
         n = times.size
         cubic = scipy.interpolate.CubicSpline(times, translations)
+        if not np.isfinite(cubic.c).all():
+            raise ValueError("times and translations must be such that speeds are finite numbers")
         # per interval the coefficients of dt³, dt², dt, 1 for x, y, z in turn
         translation = cubic.c.transpose(1, 2, 0).reshape(n - 1, 12)
         start = scipy.spatial.transform.Rotation.from_rotvec(vectors)

@@ -341,6 +341,7 @@ class Tool:
         """Return the least and greatest coordinates in the body frame, shape (3,) each, [mm]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
+    @checked
     def translated(self, shift: Sequence[float] | Floats) -> Tool:
         """Return the tool moved in its body frame by ``shift``, shape (3,), [mm].
 
