@@ -13,10 +13,11 @@ import inspect
 import re
 import sys
 import types
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from numbers import Integral, Real
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 import numpy.typing as npt
@@ -56,7 +57,7 @@ def checked(what: T) -> T:
     if isinstance(what, type):
         what.__init__ = _checked_call(what.__init__, what)  # type: ignore[misc]
         return what
-    return _checked_call(what, None)
+    return cast("T", _checked_call(what, None))
 
 
 def _checked_call(function: Any, of: type | None) -> Any:
@@ -78,8 +79,7 @@ def _checked_call(function: Any, of: type | None) -> Any:
             if name in kinds and not _fits(value, kinds[name])
         }
         if wrong and of is not None:  # a class may say better what they must be, and more
-            with suppress(TypeError):
-                _told(wrong, lambda: function(*arguments, **named))
+            _let_tell(wrong, lambda: function(*arguments, **named))
         if wrong:
             raise ArgumentError("; ".join(wrong.values()))
         result = function(*arguments, **named)
@@ -89,13 +89,17 @@ def _checked_call(function: Any, of: type | None) -> Any:
     return call
 
 
-def _told(wrong: Iterable[str], call: Callable[[], object]) -> None:
+def _let_tell(wrong: Iterable[str], call: Callable[[], object]) -> None:
     """Let a ValueError through that names all that is wrong."""
     try:
-        call()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            call()
     except ValueError as own:
         if all(name in str(own) for name in wrong):
             raise
+    except Exception:  # of what it does with arguments of another kind
+        return
 
 
 def _refuse_nan(given: Mapping[str, Any]) -> None:
@@ -200,14 +204,10 @@ def _words(kind: Any) -> list[str]:
     if origin is Literal:
         return [repr(part) for part in parts]
     if origin is tuple and parts[-1] is not Ellipsis:
-        return [
-            f"{len(parts)} {_several(parts[0])}" if len(set(parts)) == 1 else f"{len(parts)} values"
-        ]
-    if (
-        isinstance(origin, type)
-        and issubclass(origin, Iterable)
-        and not issubclass(origin, Mapping)
-    ):
+        return [f"{len(parts)} {_several(parts[0]) if len(set(parts)) == 1 else 'values'}"]
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return [f"a mapping to {' or '.join(_words(parts[-1]))}"]
+    if isinstance(origin, type) and issubclass(origin, Iterable):
         return [f"a sequence of {_several(parts[0])}"]
     if kind in _PLAIN:
         return [_PLAIN[kind]]

@@ -66,7 +66,8 @@ def opened(path: Path, mode: Literal["w", "r+", "a+"]) -> BinaryIO:
     if mode == "w":
         path.unlink(missing_ok=True)  # a link itself, not what it leads to
         return open(path, "w+b", buffering=0, opener=exclusive)
-    return open(path, f"{mode}b", buffering=0, opener=unfollowed)
+    file: BinaryIO = open(path, f"{mode}b", buffering=0, opener=unfollowed)
+    return file
 
 
 def log_file(path: Path) -> TextIOWrapper:
@@ -120,7 +121,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
         raise
 
 
-def write_text(path: Path, text: str, encoding: str = "utf-8") -> None:
+def write_text(path: Path, text: str, encoding: str = "utf-8", errors: str = "strict") -> None:
     """Replace a file by a text, atomically.
 
     Raises
@@ -129,7 +130,7 @@ def write_text(path: Path, text: str, encoding: str = "utf-8") -> None:
         As :func:`atomic_write`.
     """
     with atomic_write(path) as temporary:
-        temporary.write_bytes(text.encode(encoding))
+        temporary.write_bytes(text.encode(encoding, errors))
 
 
 def unfinished(path: Path) -> list[Path]:

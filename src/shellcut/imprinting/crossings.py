@@ -48,7 +48,7 @@ class Crossings:
 
     def __init__(self, film: FilmPlane, tool: Tool, motion: Motion, times: Floats) -> None:
         self._film, self._tool, self._motion, self._times = film, tool, motion, times
-        self._poses = [pose_at(motion, t) for t in times.tolist()]
+        self._poses: list[tuple[Floats, Floats]] = [pose_at(motion, t) for t in times.tolist()]
 
     def of_chain(self, chain: int) -> tuple[list[Stretch], Floats]:
         """Return the stretches that a chain passes, and all positions of its vertices.

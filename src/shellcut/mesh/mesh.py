@@ -246,6 +246,7 @@ class Mesh:
             )
         return np.flatnonzero(mask).astype(np.int64)
 
+    @checked
     def with_sets(
         self,
         *,

@@ -33,7 +33,7 @@ from shellcut.results.splits_csv import write_splits
 from shellcut.results.verdict import Line, say, verdict
 from shellcut.view.progress import Progress
 
-from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from .checkpoint import CheckpointError, content_of, load_checkpoint, save_checkpoint
 from .cut_evidence import cut_evidence
 from .cut_front import CutFront
 from .frame_capture import Exposure
@@ -291,8 +291,9 @@ class Recorder:
         """Load the checkpoint into the simulation; return the schedule."""
         path = self.folder / CHECKPOINT
         saved = load_checkpoint(self._sim, path)
-        self._front.restore(saved.pop("cut_front", self._front.saved()))
-        schedule = Schedule.restored(saved)
+        with content_of(path):
+            self._front.restore(saved.pop("cut_front", self._front.saved()))
+            schedule = Schedule.restored(saved)
         if schedule is None:
             raise CheckpointError(
                 f"{path} was saved by hand: resume it with load_checkpoint, in another folder"

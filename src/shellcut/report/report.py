@@ -75,7 +75,7 @@ def report(
         style=scene_style(),
         last=scene_scripts() if scene.MARK in body else "",
     )
-    write_text(out, html)
+    write_text(out, html, errors="backslashreplace")
     return out
 
 

@@ -128,7 +128,7 @@ def view_html(
         scripts=scripts,
         footer=escape(_footer(scene, results)),
     )
-    write_text(Path(path), html)
+    write_text(Path(path), html, errors="backslashreplace")
     names = [field.name for field in scene.taken.fields]
     size = Path(path).stat().st_size
     return ScenePage(Path(path), size, scene.taken.numbers, results.n_frame, names, scene.dropped)

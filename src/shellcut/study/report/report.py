@@ -65,7 +65,7 @@ def report_study(
         style=_part("study.css"),
         script=_part("study.js"),
     )
-    write_text(out, html)
+    write_text(out, html, errors="backslashreplace")
     return out
 
 
