@@ -211,8 +211,9 @@ def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys)
 def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
     monkeypatch.setenv(renderer.CHOICE, "matplotlib")
-    with pytest.raises(OSError, match=r"ffmpeg could not write .*No such file"):
-        draw_movie(tmp_path / "no" / "cut.mp4", FRAMES[:1], size=SIZE)
+    with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
+        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_camera_of_a_movie_stands_still(by):

@@ -66,8 +66,9 @@ def opened(path: Path, mode: Literal["w", "r+", "a+"]) -> BinaryIO:
     if mode == "w":
         path.unlink(missing_ok=True)  # a link itself, not what it leads to
         return open(path, "w+b", buffering=0, opener=exclusive)
-    file: BinaryIO = open(path, f"{mode}b", buffering=0, opener=unfollowed)
-    return file
+    if mode == "r+":
+        return open(path, "r+b", buffering=0, opener=unfollowed)
+    return open(path, "a+b", buffering=0, opener=unfollowed)
 
 
 def log_file(path: Path) -> TextIOWrapper:
