@@ -221,7 +221,8 @@ def _words(kind: Any) -> list[str]:
 
 def _several(kind: Any) -> str:
     words = [re.sub("^an? ", "", word) for word in _words(kind)]
-    return " or ".join(f"{word}s" if word[0].islower() else word for word in words)
+    plain = {"number": "numbers", "whole number": "whole numbers", "text": "texts"}
+    return " or ".join(plain.get(word, re.sub("^array", "arrays", word)) for word in words)
 
 
 def _shown(value: Any) -> str:

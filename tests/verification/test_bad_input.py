@@ -373,7 +373,7 @@ KIND_CASES: dict[str, Case] = {
     ),
     "complex notch": (
         lambda: _simulate(law=CohesiveLaw(), fracture=FREE).notch((-1j, 0, 0), (1, 0, 0)),
-        ("points must be an array of real numbers",),
+        ("points must be a sequence of arrays of real numbers",),
     ),
     "masked set": (
         lambda: SHEET.with_sets(node_sets={"grip": np.ma.array([1, 2], mask=[True, False])}),

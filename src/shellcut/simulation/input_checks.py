@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
@@ -82,7 +83,8 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         )
 
 
-def points_of_notch(points: Sequence[npt.ArrayLike]) -> Floats:
+@checked
+def points_of_notch(points: tuple[npt.ArrayLike, ...]) -> Floats:
     """Return the points of a notch, shape (n, 3) [mm]; refuse those that are none."""
     every = [np.asarray(point, float) for point in points]
     if (
@@ -107,6 +109,7 @@ def nodal_velocities(velocity: Floats, n_node: int) -> Floats:
     return given
 
 
+@checked
 def nodal_displacements(displacement: Floats, n_node: int) -> Floats:
     """Return displacements of all nodes, shape (n_node, 3) [mm]; refuse those that are none."""
     moved = np.asarray(displacement, float)

@@ -287,7 +287,6 @@ class Simulation:
 
     # ---------------------------------------------------------------- a run
 
-    @checked
     def relax(
         self,
         displacement: Floats | None = None,
@@ -322,11 +321,8 @@ class Simulation:
         if self.state.step:
             raise ValueError(f"relax before the run, not after {self.state.step} steps of it")
         n = self.state.node
-        n.velocity_half[: n.count] = 0.0
-        n.spin_half[: n.count] = 0.0
-        n.support_rate[: n.count] = 0.0
-        history = self.state.history
-        before = n.x[: n.count].copy(), n.t[: n.count].copy(), history.copy()
+        n.stop()
+        before = n.x[: n.count].copy(), n.t[: n.count].copy(), self.state.history.copy()
         if displacement is not None:
             n.x[: n.count] += nodal_displacements(displacement, n.count)
         try:
@@ -345,7 +341,6 @@ class Simulation:
             self.time_step.forget()
             self._start()
 
-    @checked
     def notch(self, *points: npt.ArrayLike) -> None:
         """Cut the film before the run along a line through points, without cables.
 

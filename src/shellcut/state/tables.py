@@ -217,6 +217,11 @@ class NodeTable(_Table):
         self.quads[node, : len(quads)] = quads
         self.n_quad_at[node] = len(quads)
 
+    def stop(self) -> None:
+        """Take all velocities, and the prescribed ones, away."""
+        for rates in (self.velocity_half, self.spin_half, self.support_rate):
+            rates[: self.count] = 0.0
+
     def weigh(self, node: int, mass: float, inertia: float) -> None:
         """Set the mass [t] and rotary inertia [t·mm²] of a node."""
         self.mass[node], self.inertia[node] = mass, inertia
