@@ -100,7 +100,7 @@ class CohesiveLaw:
             value = getattr(self, f.name)
             if f.name in ("unloading", "joint"):
                 continue
-            if not (isinstance(value, int | float) and value >= 0):
+            if not value >= 0:
                 problems.append(f"{f.name} must be a number that is not negative, got {value!r}")
         if not problems:
             if not 0 < self.plateau <= self.strength < math.inf:

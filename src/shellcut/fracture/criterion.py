@@ -140,7 +140,7 @@ class Fracture:
             problems.append(
                 f"turn_limit_deg must lie between 0 and 180, got {self.turn_limit_deg!r}"
             )
-        if not (isinstance(self.check_every, int) and self.check_every > 0):
+        if self.check_every < 1:
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
         if self.largest_speed is not None and not 0.0 < self.largest_speed < np.inf:
             problems.append(f"largest_speed must be positive, got {self.largest_speed!r}")

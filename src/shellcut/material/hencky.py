@@ -13,14 +13,13 @@ from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import exponential
 
 from .elastic import Elastic
-from .elastic_part import WithElasticPart, elastic_problems
+from .elastic_part import WithElasticPart
 from .logarithmic_strain import (
     is_small,
     logarithmic_strain,
     second_piola_kirchhoff,
     small_isotropic,
 )
-from .material import refuse
 from .orthotropic import Orthotropic
 from .point_law import History, PointLaw, register
 
@@ -88,9 +87,6 @@ class Hencky(WithElasticPart):
     """
 
     elastic: Elastic | Orthotropic
-
-    def __post_init__(self) -> None:
-        refuse(elastic_problems(self.elastic))
 
     @property
     def law(self) -> PointLaw:  # type: ignore[override]

@@ -62,8 +62,6 @@ class Layer:
     thickness: float
 
     def __post_init__(self) -> None:
-        if not isinstance(self.material, Material):
-            refuse([f"material must be a Material, such as Elastic, got {self.material!r}"])
         if not (math.isfinite(self.thickness) and self.thickness > 0):
             refuse([f"thickness must be positive in mm, got {self.thickness!r}"])
 

@@ -95,7 +95,7 @@ class Stepping:
         problems = []
         if not 0 < self.safety <= 1:
             problems.append(f"safety must lie in (0, 1], got {self.safety!r}")
-        if not (isinstance(self.evaluate_every, int) and self.evaluate_every > 0):
+        if self.evaluate_every < 1:
             problems.append(f"evaluate_every must be a positive count, got {self.evaluate_every!r}")
         if self.fixed is not None and not 0 < self.fixed < math.inf:
             problems.append(f"fixed must be a positive time in s, got {self.fixed!r}")
