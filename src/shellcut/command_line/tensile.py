@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
             written.append(found.plot(arguments.out / PICTURE))
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
-    except OSError as problem:
+    except (OSError, ValueError) as problem:
         print(f"cannot write: {problem}", file=sys.stderr)
         return BAD_INPUT
     print("written: " + ", ".join(map(str, written)))

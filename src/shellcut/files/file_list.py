@@ -24,6 +24,7 @@ _HEADINGS = {
     "only.",
     OTHERS: "# Written here by commands of shellcut, which replace these files only.",
 }
+_TEXT = "utf-8", "surrogateescape"  # as Python holds names that are no text
 _LARGEST = 100_000_000  # bytes
 _MOST_NAMED = 5
 
@@ -89,7 +90,7 @@ class FileList:
             self.write(new)
             return
         with opened(self._folder / self._record, "a+") as file:
-            write_all(file, "".join(f"{name}\n" for name in new).encode())
+            write_all(file, "".join(f"{name}\n" for name in new).encode(*_TEXT))
         self.names += new
 
     def write(self, names: Iterable[str]) -> None:
@@ -102,7 +103,7 @@ class FileList:
         """
         self.names = list(dict.fromkeys(names))
         lines = (_HEADINGS[self._record], *self.names)
-        write_text(self._folder / self._record, "".join(f"{line}\n" for line in lines))
+        write_text(self._folder / self._record, "".join(f"{line}\n" for line in lines), *_TEXT)
         self._is_there = True
 
     def there(self) -> list[str]:
@@ -237,7 +238,7 @@ def _read(folder: Path, record: str) -> list[str] | None:
     """
     path = folder / record
     try:
-        text = "" if path.is_symlink() else read_regular(path, _LARGEST).decode(errors="replace")
+        text = "" if path.is_symlink() else read_regular(path, _LARGEST).decode(*_TEXT)
     except OSError:
         return None
     heading, *names = text.split("\n")[:-1] or [""]

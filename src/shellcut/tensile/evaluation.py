@@ -139,7 +139,7 @@ class TensileTest:
         claim(folder, [*texts, PICTURE], self.files)
         written = [Path(folder) / name for name in texts]
         for path, text in zip(written, texts.values(), strict=True):
-            write_text(path, text)
+            write_text(path, text, errors="backslashreplace")
         return written
 
     def plot(self, path: str | os.PathLike[str]) -> Path:
