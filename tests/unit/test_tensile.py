@@ -329,7 +329,10 @@ class TestCommand:
         ]
         # Twice the same, but never over what is read, or what somebody else has put there.
         assert main(arguments) == 0
-        assert main([*arguments[:1], str(out / "hardening_MD.csv"), "-o", str(out)]) == 2
+        hardening = write(out / "hardening_MD.csv", bilinear())
+        assert main([arguments[0], f"MD={hardening}", *arguments[3:]]) == 2
+        assert "hardening_MD.csv is read here and would be replaced" in capsys.readouterr().err
+        assert main(arguments) == 0
         (tmp_path / "material_MD.toml").write_text("mine")
         before = sorted(tmp_path.iterdir())
         assert main([*arguments[:-1], str(tmp_path)]) == 2
