@@ -282,18 +282,6 @@ def test_a_relaxed_film_goes_on(tmp_path):
     assert differing(sim, again) == []
 
 
-def test_a_film_in_single_precision_goes_on(tmp_path):
-    sim, again = cutting(precision="single"), cutting(precision="single")
-    sim.run(2e-5)
-    assert sim.state.strain.dtype == np.float32
-    save_checkpoint(sim, tmp_path / "c.h5")
-    load_checkpoint(again, tmp_path / "c.h5")
-    assert differing(sim, again) == []
-    for one in (sim, again):
-        one.run(3e-5)
-    assert differing(sim, again) == []
-
-
 def test_history_of_thickness_points_and_a_turned_tool(tmp_path):
     # No law that ships has a history yet: any numbers stand for one.
     def turning():
@@ -353,7 +341,6 @@ TWIN_LAYERS = [Layer(Elastic(1678.0, 0.3, 1.0e-9), 0.037)] * 2
         ({"set_name": "bottom"}, "supports: 2 entries in the checkpoint, 1 entries in"),
         ({"damping_beta": 1e-8}, "damping_beta: 5e-08 in"),
         ({"directional": False}, "directional: 1.0 in"),
-        ({"precision": "single"}, "precision: 'double' in"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -36,17 +36,6 @@ def test_warmup_says_where_the_cache_is(capsys):
     assert "done in" in said
 
 
-@pytest.mark.parametrize(
-    ("options", "wanted"), [([], ("double",)), (["--single"], ("double", "single"))]
-)
-def test_warmup_compiles_for_the_precisions_asked_for(monkeypatch, options, wanted):
-    module = importlib.import_module("shellcut.command_line.warmup")
-    asked = []
-    monkeypatch.setattr(module, "warmup", lambda precisions: asked.append(precisions))
-    assert main(["warmup", *options]) == 0
-    assert asked == [wanted]
-
-
 @pytest.mark.parametrize("wrong", [[], ["wramup"]])
 def test_bad_arguments_leave_with_two(wrong):
     with pytest.raises(SystemExit) as left:

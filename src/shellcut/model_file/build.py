@@ -163,7 +163,6 @@ class _Build:
             "damping_alpha": damping.alpha,
             "damping_beta": damping.beta,
             "directional": head.directional,
-            "precision": head.precision,
             "threads": head.threads,
             "loads": loads,
             **({"contact": self._made("contact")} if "contact" in self._of else {}),

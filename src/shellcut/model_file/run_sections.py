@@ -26,7 +26,6 @@ from shellcut.loads.loads import (
     steady,
 )
 from shellcut.loads.supports import Support
-from shellcut.mitc4.shell import Precision
 from shellcut.recording.run_options import RunOptions
 from shellcut.simulation.simulation import Simulation
 from shellcut.simulation.stable_step import Stepping
@@ -61,11 +60,6 @@ class Head(Section):
         flag,
         "whether cables meet the blade; false: classical cohesive elements",
         default=default_of(Simulation, "directional"),
-    )
-    precision: str = key(
-        choice(*get_args(Precision)),
-        "of quad data and quad kernels; nodes are always double",
-        default=default_of(Simulation, "precision"),
     )
     threads: int | None = key(
         count(1),

@@ -137,6 +137,7 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
 """By model: the sections that may occur several times, like [[loads]]."""
 
 GONE: Mapping[tuple[str, str], str] = {
+    ("", "precision"): "leave it out: all is computed in double precision",
     ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
     '"edges" takes the mesh as it is, "free" cuts through its quads',
 }

@@ -25,7 +25,7 @@ from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.mitc4.shell import MITC4Shell, Precision
+from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.threads import Workers
 from shellcut.state import State
 from shellcut.tool.motion import Motion
@@ -75,9 +75,6 @@ class Simulation:
         Mass [1/s] and stiffness [s] damping, [Frangi2010] 5.2.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s].
-    precision : {"double", "single"}
-        Of what is kept and computed of each quad; nodes, contact and cables are double either way,
-        see docs/performance.md for what it saves and what it changes.
     threads : int, optional
         Threads to use; by default one for a small film, else the cores there are. The result does
         not depend on it, bit for bit.
@@ -118,7 +115,6 @@ class Simulation:
         damping_alpha: float = 0.1,
         damping_beta: float = 5e-8,
         velocity: Floats | None = None,
-        precision: Precision = "double",
         threads: int | None = None,
     ) -> None:
         check_parts(tool, motion, law, contact, fracture, damping_alpha, damping_beta)
@@ -136,7 +132,6 @@ class Simulation:
             "directional": directional,
             "damping_alpha": damping_alpha,
             "damping_beta": damping_beta,
-            "precision": precision,
             "velocity": None if velocity is None else np.asarray(velocity, float),
         }
         """What it was built from, by the names of the arguments: all that makes the run what it is
@@ -145,9 +140,7 @@ class Simulation:
         self.material, self.tool, self.motion = material, tool, motion
         self.law, self.fracture = law, fracture
         workers = Workers(mesh.n_quad, threads)
-        self.shell = MITC4Shell(
-            self.mesh, material, damping_beta=damping_beta, workers=workers, precision=precision
-        )
+        self.shell = MITC4Shell(self.mesh, material, damping_beta=damping_beta, workers=workers)
         self.supports = SupportSet(self.mesh, supports)
         self.loads = LoadSet(self.mesh, loads, workers)
         self.integrator = CentralDifference(damping_alpha=damping_alpha, workers=workers)
