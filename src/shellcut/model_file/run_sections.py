@@ -175,7 +175,6 @@ class Output(Section):
     frames: int = key(count(1), "frames of the result file", parameter="n_frame")
     snapshots: int = key(count(0), "pictures of the film; 0 for none", parameter="n_snapshot")
     curves: bool = key(flag, "draw the curves of the run when it ends")
-    pvd: bool = key(flag, "also write PVD + VTU, for ParaView before 5.12")
     checkpoint_every_s: float = key(
         number("s", least=0.0), "wall time between two checkpoints", parameter="checkpoint_every"
     )

@@ -138,6 +138,10 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
 
 GONE: Mapping[tuple[str, str], str] = {
     ("", "precision"): "leave it out: all is computed in double precision",
+    (
+        "output",
+        "pvd",
+    ): "leave it out: frames are in the .vtkhdf file, which ParaView reads from 5.12",
     ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
     '"edges" takes the mesh as it is, "free" cuts through its quads',
 }
