@@ -37,7 +37,6 @@ def by_hand(**options):
     "option",
     [
         {"criterion": "stress"},
-        {"candidates": "all"},
         {"blade_cut": False},
         {"turn_limit_deg": 80.0},
         {"equilibrium_start": True},
@@ -97,10 +96,10 @@ def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
     assert elsewhere.simulation.fracture.path == "free"
     assert elsewhere.imprint is None
     np.testing.assert_array_equal(elsewhere.simulation.mesh.nodes, opening_disc("quick").nodes)
-    needs_edges = Fracture(candidates="all")
+    needs_edges = Fracture(turn_limit_deg=80.0)
     imprinted = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
     assert imprinted.imprint.changed
-    assert imprinted.simulation.fracture == Fracture(path="edges", candidates="all")
+    assert imprinted.simulation.fracture == Fracture(path="edges", turn_limit_deg=80.0)
 
 
 def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():

@@ -427,6 +427,7 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
         ),
         ('model = "', 'precision = "single"\nmodel = "', "precision; leave it out: all is"),
         ("[motion]", "[output]\npvd = true\n[motion]", "[output].pvd; leave it out: frames are"),
+        ("[motion]", '[fracture]\ncandidates = "all"\n[motion]', "[fracture].candidates; leave it"),
         ("notch = 1.0", "imprint = false", '[fracture] path = "imprint" puts the blade'),
         ('"0.5 ms"', "-1.0", "x.toml:17: [motion].duration must be above 0, got -1.0"),
         ("-0.05", "3.0", "tool"),

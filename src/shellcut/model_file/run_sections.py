@@ -9,12 +9,10 @@ from shellcut.cables.cohesive_law import CohesiveLaw, Joint, Unloading
 from shellcut.contact.settings import Contact
 from shellcut.fracture.criterion import (
     CablePlaces,
-    Candidates,
     DropLoose,
     Fracture,
     Measure,
     Path,
-    StressPlace,
 )
 from shellcut.loads.loads import (
     EdgeTraction,
@@ -119,8 +117,6 @@ class FractureSection(Section):
     """How cracks start and run."""
 
     criterion: str = key(choice(*get_args(Measure)), "measure of a split")
-    stress_place: str = key(choice(*get_args(StressPlace)), "where the stress is read")
-    candidates: str = key(choice(*get_args(Candidates)), "which nodes the criterion may split")
     blade_cut: bool = key(flag, "whether the blade splits nodes that it pierces and passes")
     turn_limit_deg: float = key(number("deg"), "largest turn of a crack from its last edge")
     check_every: int = key(whole, "steps between two checks")

@@ -142,6 +142,8 @@ GONE: Mapping[tuple[str, str], str] = {
         "output",
         "pvd",
     ): "leave it out: frames are in the .vtkhdf file, which ParaView reads from 5.12",
+    ("fracture", "stress_place"): "leave it out: the stress is read at the mid-surface",
+    ("fracture", "candidates"): "leave it out: crack tips and what an edge has pierced may split",
     ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
     '"edges" takes the mesh as it is, "free" cuts through its quads',
 }
