@@ -180,6 +180,35 @@ def test_a_notch_on_a_cylinder():
     assert abs(end[1]) < 0.05 * 0.8  # the plane of the blade
 
 
+@pytest.mark.parametrize("outside", [-1e-4, 2e-4, 9e-4])
+def test_a_notch_whose_first_place_is_just_outside_the_rim_begins_at_it(outside):
+    """Places of the path count that miss the film by less than a thousandth of an edge."""
+    h, speed, ticks = 0.8, 6000.0, 200
+    case = free_cut(
+        rectangle(8.0, 4.8, size=h),
+        tool=straight_blade(length=12.0, height=3.0).translated((-0.05, 0.1, 0.0)),
+        motion=StraightMotion((1.0, 0.0, 0.0), speed),
+        duration=(0.05 - outside * h) / speed * ticks / 3,
+        notch=1.0,
+        supports=SIDES,
+    )
+    sim = case.simulation
+    (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    assert 1.0 - outside * h <= end[0] < 1.0 + h
+    assert end[1] == pytest.approx(0.1, abs=1e-9)
+    assert sim.state.split_log[0].reference[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_notch_from_within_the_film_may_leave_it():
+    sim = by_hand(fracture=Fracture(path="free"))
+    sim.notch((2.1, 0.1, 0.0), (5.0, 0.1, 0.0))
+    (end,) = sim.cracks.free.at_tips(sim.mesh.nodes)
+    np.testing.assert_allclose(end, [1.6, 0.1, 0.0], atol=1e-9)  # the quad in which it begins
+    assert sum(cut.kind == "notch" for cut in sim.state.split_log) == 3
+    with pytest.raises(ValueError, match="a notch must lead into the film, got one at"):
+        by_hand(fracture=Fracture(path="free")).notch((2.4, 0.1, 0.0), (5.0, 0.1, 0.0))
+
+
 def test_a_notch_needs_an_edge_that_moves_through_the_film():
     tool = straight_blade(length=4.0, height=3.0).translated((0.0, 0.0, 9.0))
     motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)

@@ -202,7 +202,11 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     [
         ("a [-],b [MPa]\n0,1\n1,2\n", "one heading must name the strain"),
         ("strain [-],stress [mm]\n0,1\n1,2\n", "stress must"),
-        ("strain [s],stress [MPa]\n0,1\n1,2\n", "strains must have the unit - or %, got 's'"),
+        ("total strain [-],eng. stress [MPa]\n0,1\n1,2\n", "true stresses, got 'total strain [-]'"),
+        (
+            "strain [s],stress [MPa]\n0,1\n1,2\n",
+            "strain must be a unit of ratio (-, %, um/m), got 's'",
+        ),
         ("strain [-],stress [MPa]\n0.1,1\n1,2\n", "plastic_strain must start at 0"),
         ("strain [-],stress [MPa]\n0,3\n1,2\n", "stress must not decrease"),
     ],

@@ -347,6 +347,13 @@ def test_a_wrong_set_name_is_answered_with_the_nearest():
         MeshError, match=r"bottom, top, left, right.*'botom'; did you mean 'bottom'"
     ):
         mesh.node_set("botom")
+    with pytest.raises(MeshError, match=r"\(bottom, .*'BOTTM'; did you mean 'bottom'"):
+        mesh.node_set("BOTTM")
+    assert mesh.node_set("LEFT").tolist() == mesh.node_set("left").tolist()
+    both = mesh.with_sets(node_sets={"Left": [1]})
+    assert both.node_set("Left").tolist() == [1]
+    with pytest.raises(MeshError, match=r"\(Left, left, .*'LEFT'; did you mean 'Left'"):
+        both.node_set("LEFT")
     with pytest.raises(MeshError, match=r"quad set.*\(none\), got 'patch'; add it by with_sets"):
         mesh.quad_set("patch")
 

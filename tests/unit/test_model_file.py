@@ -57,7 +57,7 @@ radius = "3 MPa"
 pitch = [1,
   2]
 angle = 3
-[cohesiv]
+[COHESIV]
 strength = 1
 [cohesive]
 plateau = 30
@@ -82,7 +82,7 @@ safety = true
         "x.toml:5: [tool].radius must be a number in mm, got '3 MPa', which is in N/mm^2",
         "x.toml:7: [motion].pitch must be a number in mm, got [1, 2]",
         "x.toml:9: unknown key [motion].angle; did you mean angle_deg?",
-        "x.toml:10: unknown section [cohesiv]; did you mean cohesive?",
+        "x.toml:10: unknown section [COHESIV]; did you mean cohesive?",
         "x.toml:13: [cohesive]: the law must decrease: 0 < plateau <= strength, got plateau "
         "30.0 MPa, strength 18.0 MPa",
         "x.toml:15: [contact]: penalty must be positive, got -2.0",

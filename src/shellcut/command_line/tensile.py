@@ -34,7 +34,19 @@ def add_to(commands: Any) -> None:
         "files",
         metavar="[DIRECTION=]FILE",
         nargs="+",
-        help="text tables of strain and stress, or extension and force, with units in the headings",
+        help="text tables of strain and stress, or extension and force",
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="X,Y,...",
+        help="columns of strain and stress in all files, by heading or number from 1, as "
+        "'Strain, Stress' or '2,4'; where a heading has a comma, separated by semicolons; by "
+        "default those whose names and units agree",
+    )
+    parser.add_argument(
+        "--units",
+        help="units of these columns, or of strain and stress, as 'mm, N'; by default those of "
+        "the headings",
     )
     for option, meaning in _LENGTHS:
         parser.add_argument(option, metavar="MM", help=meaning)
@@ -62,7 +74,13 @@ def run(arguments: argparse.Namespace) -> int:
             problems.append(f"--offset must be a number of per cent, got {arguments.offset!r}")
         if problems:
             return refuse("\n".join(problems))
-        found = tensile(_by_direction(arguments.files), offset=offset, **lengths)
+        found = tensile(
+            _by_direction(arguments.files),
+            offset=offset,
+            columns=arguments.columns,
+            units=arguments.units,
+            **lengths,
+        )
     except (ValueError, OSError) as problem:
         return refuse(problem)
     print(found)

@@ -220,6 +220,15 @@ class LoadSet:
             np.add.at(every, ids, factor(state.time) * force)
         return float(np.abs(every).max(initial=0.0))
 
+    def stiffness(self, state: State) -> Floats | None:
+        """Return the stiffness of following pressure, shape (n_quad, 12, 12) [N/mm], or None."""
+        if not self._following:
+            return None
+        stiffness = np.zeros((state.quads.shape[0], 12, 12))
+        for push in self._following:
+            push.add_stiffness(state, push.at(state.time), stiffness)
+        return stiffness
+
     @property
     def on_film(self) -> tuple[Sequence[DeadLoad], Sequence[FollowingPressure]]:
         """Those that are more than forces and moments on nodes: dead ones, and pressures."""

@@ -414,13 +414,18 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
 
 
 def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
-    """Return a named set; an unknown name raises an error with the existing names."""
-    try:
+    """Return a named set; an unknown name raises an error with the existing names.
+
+    Letters may have any case where that leaves one set, as Abaqus and LS-DYNA compare names.
+    """
+    if name in sets:
         return sets[name]
-    except KeyError:
-        near = get_close_matches(name, sorted(sets), n=len(sets) or 1, cutoff=0.0)
-        names = ", ".join(near) or "none"
-        hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
-        raise MeshError(
-            f"{kind} set must be one of those present ({names}), got {name!r}{hint}"
-        ) from None
+    folded = [one for one in sorted(sets) if one.casefold() == name.casefold()]
+    if len(folded) == 1:
+        return sets[folded[0]]
+    by_letters = {one.casefold(): one for one in sorted(sets)}
+    close = get_close_matches(name.casefold(), by_letters, n=len(sets) or 1, cutoff=0.0)
+    near = folded or [by_letters[one] for one in close]
+    names = ", ".join(dict.fromkeys([*near, *sorted(sets)])) or "none"
+    hint = f"; did you mean {near[0]!r}" if near else f"; add it by with_sets({kind}_sets=...)"
+    raise MeshError(f"{kind} set must be one of those present ({names}), got {name!r}{hint}")

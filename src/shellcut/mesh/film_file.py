@@ -172,7 +172,7 @@ class _Cells:
                 n_line += len(number)
             elif block.kind == POINT:
                 self.point_of[number] = block.nodes[:, 0]
-            elif block.kind in leave_out:
+            elif block.kind.casefold() in map(str.casefold, leave_out):
                 self.left_out.append((block.kind, len(number)))
             else:
                 self.problems.append(

@@ -214,11 +214,23 @@ class Mesh:
         return edge_lengths(self.nodes, self.quads)
 
     def node_set(self, name: str) -> Ints:
-        """Return the node ids of a named set; an unknown name raises with the existing names."""
+        """Return the node ids of a named set, in any case where one set has the name so.
+
+        Raises
+        ------
+        MeshError
+            With the names that exist.
+        """
         return look_up("node", self.node_sets, name)
 
     def quad_set(self, name: str) -> Ints:
-        """Return the quad ids of a named set; an unknown name raises with the existing names."""
+        """Return the quad ids of a named set, in any case where one set has the name so.
+
+        Raises
+        ------
+        MeshError
+            With the names that exist.
+        """
         return look_up("quad", self.quad_sets, name)
 
     def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:

@@ -163,6 +163,7 @@ class _Build:
             "damping_alpha": damping.alpha,
             "damping_beta": damping.beta,
             "directional": head.directional,
+            "imperfection": head.imperfection,
             "threads": head.threads,
             "loads": loads,
             **({"contact": self._made("contact")} if "contact" in self._of else {}),

@@ -59,6 +59,12 @@ class Head(Section):
         "whether cables meet the blade; false: classical cohesive elements",
         default=default_of(Simulation, "directional"),
     )
+    imperfection: int | None = key(
+        count(0),
+        "number of the small shape with which the film begins, so that it can buckle; 0: none",
+        default=default_of(Simulation, "imperfection"),
+        unset="1 with a tool that cuts, otherwise 0",
+    )
     threads: int | None = key(
         count(1),
         "1 to 256; results do not depend on it",

@@ -65,6 +65,8 @@ def run_summary(
         **_of_self_contact(sim),
         **_of_pieces(sim),
         "added_inertia_factor": sim.shell.added_inertia_factor,
+        "n_imperfection": sim.imperfection.number,
+        "imperfection_mm": sim.imperfection.amplitude,
         **_peaks(history, r),
     }
     if sim.cracks is not None and sim.cracks.edges is not None:

@@ -53,6 +53,8 @@ LABELS = {
     "imbalance_rel": "largest imbalance of the energies, over the work",
     "kinetic_rel": "largest kinetic energy, over the work",
     "added_inertia_factor": "scale of the rotary inertia",
+    "n_imperfection": "number of the film's imperfection",
+    "imperfection_mm": "bound of the film's imperfection",
     "deepest_penetration_mm": "deepest node in the tool",
     "tool_half_thickness_mm": "tool, half thickness",
     "self_contact_deepest_mm": "deepest point of the film in the film",

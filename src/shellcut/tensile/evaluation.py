@@ -15,6 +15,7 @@ import numpy as np
 from shellcut.files.whole_file import atomic_write
 from shellcut.formats.errors import FileError
 
+from .columns import Choice
 from .direction import MEASURES, Direction
 from .figures import figures_of
 from .specimen import SpecimenSize, read_specimens
@@ -42,9 +43,16 @@ class TensileTest:
     offset: float
     """Plastic strain at yield [-]."""
 
+    def columns(self) -> list[str]:
+        """Return in words from which columns of the files strains and stresses come."""
+        files: dict[str, list[str]] = {}
+        for specimen in (one.specimen for all_ in self._all() for one in all_.figures):
+            files.setdefault(specimen.columns, []).append(specimen.name)
+        return [f"{', '.join(names)}: {columns}" for columns, names in files.items()]
+
     def sentences(self) -> list[str]:
         """Return what to know before the figures are used, in all directions."""
-        said = [
+        said = self.columns() + [
             f"{name}: {text}" if name else text
             for name, one in self.directions.items()
             for text in one.sentences()
@@ -163,21 +171,30 @@ def tensile(
     width: float | None = None,
     thickness: float | None = None,
     offset: float = 0.002,
+    columns: Choice = None,
+    units: str | Sequence[str] | None = None,
 ) -> TensileTest:
     """Evaluate tensile tests: modulus, yield, strength, hardening curve, a cohesive law.
 
     Parameters
     ----------
     files : path, paths, or mapping from directions to paths
-        Tables of nominal stress and strain, or of force and extension, one specimen or several in
-        each. The unit in a heading says what a column is; a word of it, as in "stress MD [MPa]",
-        may name the direction.
+        Tables of stress and strain, nominal or true, or of force and extension, one specimen or
+        several in each. Name and unit in a heading say what a column is; a word of it, as in
+        "stress MD [MPa]", may name the direction.
     gauge_length : float, optional, [mm]
         Length over which the strain was measured; needed for the law, and for extensions.
     width, thickness : float, optional, [mm]
         Of the specimens; needed for forces.
     offset : float
         Plastic strain at yield [-].
+    columns : str or sequence of str and int, optional
+        Columns to use in all files, by heading or number from 1, as ``"Strain, Stress"`` (separated
+        by semicolons where a heading has a comma); their units say which is which. By default
+        those whose names and units agree.
+    units : str or sequence of str, optional
+        Units of these columns, or of strain and stress, as ``"%, MPa"``, or of all columns; by
+        default those of the headings.
 
     Returns
     -------
@@ -188,7 +205,7 @@ def tensile(
     FileError
         For files that cannot be read: all of them, with lines.
     ValueError
-        For dimensions and offsets that are not above 0.
+        For dimensions and offsets that are not above 0, and unknown units.
 
     Examples
     --------
@@ -210,7 +227,7 @@ def tensile(
     for direction, paths in groups.items():
         for path in _listed(paths):
             try:
-                specimens = read_specimens(path, piece, direction)
+                specimens = read_specimens(path, piece, direction, columns, units)
             except FileError as problem:
                 problems.append(str(problem))
                 continue
