@@ -163,6 +163,8 @@ def test_stresses_energies_and_thickness_are_the_closed_form_of_the_law():
     for place in ("mid", "top", "bottom"):
         tensor = shell.stress(state, which, place=place)[0]
         np.testing.assert_allclose(tensor, np.diag([sigma, 0, 0]), atol=1e-12 * TOY.young)
+    tensor = shell.stress(state, which, place="nominal")[0]
+    np.testing.assert_allclose(tensor, np.diag([S, 0, 0]), atol=1e-12 * TOY.young)
     faces = shell.face_stresses(state)
     np.testing.assert_allclose(faces.stress[0, :, 0], sigma, rtol=1e-11)
     np.testing.assert_allclose(faces.principal[0, :, 0], sigma, rtol=1e-11)

@@ -182,6 +182,10 @@ def test_patch_of_constant_stretch_gives_exact_stress():
     for place in ("mid", "top", "bottom"):  # no curvature: the same at every height
         got = shell.stress(state, quads, place=place)
         np.testing.assert_allclose(got, np.tile(cauchy, (mesh.n_quad, 1, 1)), atol=1e-11)
+    # Nominal: the second Piola-Kirchhoff stress turned with the surface has its own invariants.
+    nominal = shell.stress(state, quads, place="nominal")
+    for sigma in nominal:
+        assert np.trace(sigma) == pytest.approx(np.trace(S), rel=1e-12)
     # Inside nodes are in equilibrium: constant stress on any mesh, the patch test.
     _, by_x, _ = cases.forces_of(shell, state)
     inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())

@@ -100,7 +100,7 @@ def test_stresses_of_a_linear_solution():
         assert stress[0, 0] == pytest.approx(expected, rel=0.02)
         assert abs(stress[2]).max() < 1e-9 * bent
     with pytest.raises(ValueError, match="place must be one of"):
-        answer.stress(place="outside")
+        answer.stress(place="nominal")
 
 
 def test_stresses_about_a_stretched_state_are_the_difference_quotient():

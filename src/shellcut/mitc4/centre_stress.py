@@ -46,14 +46,14 @@ from .surface import Surface
 _AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
 
 
-PLACES = ("mid", "top", "bottom")
+PLACES = ("mid", "top", "bottom", "nominal")
 """Places at which stresses are available."""
 
 
 def check_place(place: str) -> None:
     """Refuse a place that is not in :data:`PLACES`."""
     if place not in PLACES:
-        raise ValueError(f"place must be one of {list(PLACES)}, got {place!r}")
+        raise ValueError(f"place must be one of {sorted(PLACES)}, got {place!r}")
 
 
 class FaceStresses(NamedTuple):
@@ -79,11 +79,12 @@ class CentreStress:
         mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
         self._law = {
             "mid": layers[mid].material.plane_stress(),
+            "nominal": layers[mid].material.plane_stress(),
             "top": layers[-1].material.plane_stress(),
             "bottom": layers[0].material.plane_stress(),
         }
         h = material.thickness
-        self._height = {"mid": 0.0, "top": 0.5 * h, "bottom": -0.5 * h}
+        self._height = {"mid": 0.0, "nominal": 0.0, "top": 0.5 * h, "bottom": -0.5 * h}
         ply = np.array([layer.thickness for layer in layers])
         middle = bottom[:-1] + 0.5 * ply - 0.5 * h
         plane = np.array([layer.material.plane_stress() for layer in layers])
@@ -106,7 +107,7 @@ class CentreStress:
             Present node ids.
         which : ndarray of int, shape (n,)
             The quads asked for.
-        place : {"mid", "top", "bottom"}
+        place : {"mid", "top", "bottom", "nominal"}
             As :meth:`MITC4Shell.stress`.
         """
         check_place(place)
@@ -118,6 +119,7 @@ class CentreStress:
             present=Surface(x, t, quads),
             height=self._height[place],
             law=self._law[place][None],
+            nominal=place == "nominal",
             sigma=sigma,
         )
         return sigma
@@ -139,7 +141,9 @@ class CentreStress:
         place : {"mid", "top", "bottom"}
             As :meth:`MITC4Shell.stress`.
         """
-        check_place(place)
+        places = ("mid", "top", "bottom")
+        if place not in places:
+            raise ValueError(f"place must be one of {list(places)}, got {place!r}")
         which = check_quads(which, len(quads))
         nodes, directors, quad = self.reference
         corners = quad[which]
@@ -337,11 +341,13 @@ def _cauchy(
     present: Surface,
     height: float,
     law: Floats,
+    nominal: bool,
     sigma: Floats,
 ) -> None:
     """Write the stress of the quads ``which`` at xi³ = height to sigma : (n, 3, 3).
 
-    law : (1, 3, 3), plane stress.
+    law : (1, 3, 3), plane
+    stress.  nominal : S turned with the surface instead of sigma.
     """
     for i in range(which.shape[0]):
         e = which[i]
@@ -351,6 +357,11 @@ def _cauchy(
         t = _centre(present.t, present.quads, e)
         strain, f1, f2, stretch = _strain((A1, A2), T, (a1, a2), t, height)
         S11, S22, S12 = _times(law, 0, strain)
+        if nominal:
+            normal = cross(f1, f2)
+            f1 = scale(1.0 / norm(f1), f1)
+            f2 = cross(scale(1.0 / norm(normal), normal), f1)
+            stretch = 1.0
         for k in range(3):
             for m in range(3):
                 sigma[i, k, m] = (

@@ -12,6 +12,7 @@ membrane   the mean over the thickness, with the weights of the quadrature
 top        the uppermost point; of five Gauss points in a single layer it lies at 0.91 of h/2
 bottom     the lowest point
 mid        the point nearest to the mid-surface, or the mean of two that are equally near
+nominal    as mid, S turned with the surface instead of sigma
 =========  =====================================================================================
 
 The present thickness is the law's thickness stretch, integrated over the thickness.
@@ -26,7 +27,7 @@ from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, 
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.lanes import pick
-from shellcut.numerics.vec3 import combine, cross, norm
+from shellcut.numerics.vec3 import combine, cross, norm, scale
 from shellcut.state import State
 
 from .blocks import QuadBlocks
@@ -56,6 +57,7 @@ class PointOutput:
         self._share = {
             "membrane": share[0],
             "mid": share[1],
+            "nominal": share[1],
             "top": ends[0],
             "bottom": ends[1],
         }
@@ -85,7 +87,7 @@ class PointOutput:
             All quads of this state.
         which : ndarray of int, shape (n,)
             The quads asked for.
-        place : {"mid", "top", "bottom"}
+        place : {"mid", "top", "bottom", "nominal"}
             As in the table of this module.
         """
         check_place(place)
@@ -142,6 +144,7 @@ class PointOutput:
             history=state.history,
             share=np.stack([self._share[place] for place in places]),
             by_volume=self._by_volume,
+            nominal=places == ["nominal"],
             sigma=sigma,
             thickness=thickness,
         )
@@ -236,13 +239,15 @@ def _stresses(
     history: Floats,
     share: Floats,
     by_volume: Bools,
+    nominal: bool,
     sigma: Floats,
     thickness: Floats,
 ) -> None:
     """Add the stresses and the thickness of quads to sigma : (n, n_place, 3, 3), thickness : (n,).
 
     share : (n_place, n_point), weights of the thickness points in each place.  by_volume :
-    (n_point,), whether J is the ratio of volumes.  The other arguments as in the force kernels.
+    (n_point,), whether J is the ratio of volumes.  nominal : S turned
+    with the surface instead of sigma.  The other arguments as in the force kernels.
     """
     nodes, points = quads.quads, quads.points
     rule, width = points.rule, nodes.corner.shape[2]
@@ -270,7 +275,12 @@ def _stresses(
                 S, _, _ = point_stress(rule.laws, j, strain, at, first, lane)
                 stretch = point_thickness(rule.laws, j, strain, after, first, lane)
                 thickness[i] += 0.25 * rule.weight[j] * stretch
-                J = norm(cross(f1, f2)) * (stretch if by_volume[j] else 1.0)
+                normal = cross(f1, f2)
+                J = norm(normal) * (stretch if by_volume[j] else 1.0)
+                if nominal:
+                    f1 = scale(1.0 / norm(f1), f1)
+                    f2 = cross(scale(1.0 / norm(normal), normal), f1)
+                    J = 1.0
                 for k in range(3):
                     for m in range(3):
                         one = (

@@ -325,8 +325,9 @@ class MITC4Shell:
             Current positions.
         quads : ndarray of int, shape (n,)
             Which quads.
-        place : {"mid", "top", "bottom"}
-            Height of the stress.
+        place : {"mid", "top", "bottom", "nominal"}
+            Height of the stress; ``nominal`` is the mid-surface's second Piola-Kirchhoff stress
+            turned with the surface, without the change of area.
 
         Returns
         -------

@@ -165,7 +165,7 @@ class Statics:
         ----------
         quads : ndarray of int, shape (n,), optional
             Quad ids, all by default.
-        place : {"mid", "top", "bottom"}
+        place : {"mid", "top", "bottom", "nominal"}
             As in :meth:`shellcut.mitc4.shell.MITC4Shell.stress`.
         """
         which = np.arange(self.mesh.n_quad) if quads is None else quads
