@@ -234,7 +234,7 @@ def test_the_imbalance_is_drawn_in_per_cent_once_there_is_work_to_compare_with(r
     results = shellcut.read(run[0])
     results.plot_energy("nowhere.png")
     _, _, work, _, imbalance = drawn[0]
-    early = work < 0.01 * work.max()
+    early = work < 0.1 * work.max()
     assert early[0]
     assert np.isnan(imbalance[early]).all()
     wanted = 100.0 * results.history["imbalance"][~early] / results.history["tool_work"][~early]
