@@ -441,7 +441,7 @@ def test_keys_are_found_by_words(capsys):
     ("setting", "said", "drawn"),
     [
         ("tip_clearance=-1", "the tool must start outside the sheet", "edges  all 4"),  # built
-        (("radius=30", "path=imprint"), "the path must run through the film", "never: 0, 1, 2, 3"),
+        ("path=imprint", "take path = 'free', or leave it out", "film   649 nodes"),  # read
         ("teeth=0", "n_teeth must be at least 1", "film   649 nodes"),  # read
         ("tool.teehs=3", "did you mean teeth?", "film   649 nodes"),
         ("thickness=74", "a shell must be thin", "edges  all 4"),  # checked

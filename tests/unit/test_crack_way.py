@@ -6,6 +6,8 @@ import pytest
 import shellcut as sc
 from curved_films import Roll
 from shellcut import Fracture
+from shellcut.checks.row import lies_under, row_of
+from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test
 from shellcut.recording.recorder import Recorder
@@ -44,7 +46,6 @@ def by_hand(**options):
 )
 def test_what_exists_along_edges_only_asks_for_them(option):
     assert Fracture(**option).decided().path == "edges"
-    assert Fracture(path="imprint", **option).path == "imprint"
     with pytest.raises(ValueError, match=f"path = 'free' goes with {next(iter(option))} = "):
         Fracture(path="free", **option)
     sim = by_hand(fracture=Fracture(**option))
@@ -57,9 +58,8 @@ def test_what_exists_along_edges_only_asks_for_them(option):
 @pytest.mark.parametrize("option", [{"cable_places": "gauss"}, {"largest_speed": 1e5}])
 def test_what_exists_through_quads_only_asks_for_them(option):
     assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
-    for path in ("edges", "imprint"):
-        with pytest.raises(ValueError, match="through the quads only: take path='free'"):
-            Fracture(path=path, **option)
+    with pytest.raises(ValueError, match="through the quads only: take path='free'"):
+        Fracture(path="edges", **option)
     with pytest.raises(ValueError, match=r"criterion must be left out.* or .*, of cracks thr"):
         Fracture(criterion="stress", **option)
     case = opening_test("quick", fracture=Fracture(**option))
@@ -72,8 +72,13 @@ def test_a_simulation_by_hand_takes_quads():
     assert sim.inputs["fracture"] == Fracture(path="free")
     said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
     assert "cracks through the quads of the mesh" in said
-    with pytest.raises(ValueError, match=r"got 'imprint'.*imprint\(mesh, blade_path\(tool"):
-        by_hand(fracture=Fracture(path="imprint"))
+
+
+def test_the_path_of_earlier_versions_names_its_replacement():
+    with pytest.raises(
+        ValueError, match=r"got 'imprint'; cracks go .* path = 'free', or leave it out"
+    ):
+        Fracture(path="imprint")
 
 
 def test_the_summary_says_which_way_cracks_went(tmp_path):
@@ -94,12 +99,36 @@ def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
     np.testing.assert_array_equal(ring.simulation.mesh.nodes, opening_disc("quick").nodes)
     elsewhere = opening_test("quick", tool=tooth_ring(radius=9.0))
     assert elsewhere.simulation.fracture.path == "free"
-    assert elsewhere.imprint is None
     np.testing.assert_array_equal(elsewhere.simulation.mesh.nodes, opening_disc("quick").nodes)
     needs_edges = Fracture(turn_limit_deg=80.0)
-    imprinted = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
-    assert imprinted.imprint.changed
-    assert imprinted.simulation.fracture == Fracture(path="edges", turn_limit_deg=80.0)
+    beside = opening_test("quick", tool=tooth_ring(radius=9.0), fracture=needs_edges)
+    assert beside.simulation.fracture == Fracture(path="edges", turn_limit_deg=80.0)
+    assert any("a row of mesh edges must lie" in str(found) for found in beside.check.findings)
+
+
+@pytest.mark.parametrize("mesh", ["quick", "M1", "M2"])
+@pytest.mark.parametrize("angle_deg", [5.0, 20.0, 95.0])
+def test_a_ring_is_a_row_within_a_two_hundredth_of_an_edge(mesh, angle_deg):
+    disc = opening_disc(mesh)
+    way = {"angle_deg": angle_deg, "duration": 6e-3 * angle_deg / 95.0, "pitch": 12.0}
+    h = 2.0 * np.pi * 9.4 / {"quick": 72, "M1": 152, "M2": 276}[mesh]
+    for off, under in ((0.0, True), (0.001, True), (0.01, False), (-0.01, False), (0.3, False)):
+        tool = tooth_ring(radius=9.4 + off * h, phase_deg=7.3)
+        sweep = Sweep.of(disc, tool, sc.ScrewMotion.over(**way), way["duration"])
+        assert lies_under(sweep) is under
+
+
+def test_no_row_lies_under_a_path_along_a_cut_or_where_nothing_cuts():
+    film = rectangle(6.0, 4.0, size=0.5)
+    motion = StraightMotion((1.0, 0.0, 0.0), 6000.0)
+    blade = straight_blade(length=6.0, height=3.0).translated((-0.05, 0.0, 0.0))
+    assert lies_under(Sweep.of(film, blade, motion, 5e-4))
+    middle = film.nodes_where(lambda x, y, z: (np.abs(y) < 1e-9) & (x < 2.1))
+    cut = film.cut(middle[np.argsort(film.nodes[middle, 0])])
+    assert not lies_under(Sweep.of(cut, blade, motion, 5e-4))
+    rim = blade.translated((0.0, 2.0, 0.0))
+    assert not lies_under(Sweep.of(film, rim, motion, 5e-4))
+    assert not lies_under(Sweep.of(film, blade.translated((0.0, 9.0, 0.0)), motion, 5e-4))
 
 
 def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():
@@ -110,8 +139,6 @@ def test_the_guillotine_follows_edges_where_they_lie_under_the_whole_path():
     np.testing.assert_allclose(between.cracks.free.at_tips(between.mesh.nodes), [[1.6, 0, 0]])
     through = guillotine(width=4.8, fracture=Fracture(path="free"), **strip).simulation
     np.testing.assert_allclose(through.cracks.free.at_tips(through.mesh.nodes), [[1.6, 0, 0]])
-    imprinted = guillotine(width=4.0, fracture=Fracture(path="imprint"), **strip)
-    assert imprinted.imprint.changed
     with pytest.raises(ValueError, match=r"make width / size even, take fracture\.path = 'free'"):
         guillotine(width=4.0, fracture=Fracture(path="edges"), **strip)
 
@@ -167,6 +194,23 @@ def test_a_notch_along_an_arc_within_the_film_has_two_ends():
     angles = np.sort(np.unwrap(np.arctan2(ends[:, 1], ends[:, 0])))
     assert 4.0 - 0.1 < 7.7 * np.ptp(angles) < 4.0 + 3.0 * h
     assert sim.state.crack_length == 0.0
+
+
+def test_a_notch_along_a_row_begins_at_the_edge_behind_the_first_place():
+    tool = tooth_ring(n_teeth=1)
+    motion = sc.ScrewMotion.over(angle_deg=60.0, duration=4e-3, pitch=12.0)
+    options = {"tool": tool, "motion": motion, "duration": 4e-3, "notch": 4.0}
+    case = free_cut(opening_disc("M1"), supports=[sc.Support.clamped("rim")], **options)
+    sim = case.simulation
+    row = row_of(Sweep.of(opening_disc("M1"), tool, motion, 4e-3), 0)
+    np.testing.assert_allclose(np.hypot(*opening_disc("M1").nodes[row, :2].T), 9.4, rtol=1e-9)
+    steps = np.linalg.norm(np.diff(opening_disc("M1").nodes[row], axis=0), axis=1)
+    h = 2.0 * np.pi * 9.4 / 152
+    np.testing.assert_allclose(steps, 2.0 * 9.4 * np.sin(np.pi / 152), rtol=1e-9)
+    ends = sim.mesh.nodes[sorted(sim.cracks.edges.tips)]
+    assert len(ends) == 2
+    angle = np.abs(np.diff(np.unwrap(np.arctan2(ends[:, 1], ends[:, 0]))))[0]
+    assert 4.0 - h < 9.4 * angle < 4.0 + 1e-3
 
 
 def test_a_notch_on_a_cylinder():

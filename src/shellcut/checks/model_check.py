@@ -11,8 +11,9 @@ import numpy as np
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_hold
-from .path import Rows, check_path
+from .path import check_path
 from .plausible import check_numbers
+from .row import Rows
 from .steps import check_steps
 from .sweep import Sweep
 from .yielding import check_strength
@@ -117,7 +118,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         yield from check_path(mesh, support, law, sweep, sim.fracture)
     edge = float(np.median(mesh.edge_lengths()))
     if len(sweep.place) and along_edges:
-        edge = Rows(mesh, sweep).spacing
+        edge = Rows(sweep).spacing
     fixed = sim.time_step.stepping.fixed
     bound = np.inf
     if fixed is not None:

@@ -38,12 +38,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 
 from .finding import DOUBT, NOTE, Finding
+from .row import Rows
 from .sweep import Fate, Sweep
 
 if TYPE_CHECKING:
@@ -54,7 +55,6 @@ ATTACK = np.radians(60.0)
 OFF_ROW = 0.1
 """Largest distance of a row of mesh edges, in edge lengths: the chords of a path that turns by a
 right angle within six edges deviate by as much."""
-ALONG_ROW = np.cos(np.radians(30.0))
 NEAR_HELD = 0.5
 """Held nodes closer than this to the path, in edge lengths, are in the way."""
 SHARE = 0.05
@@ -84,7 +84,7 @@ def check_path(
     if not len(sweep.place):
         return
     yield from _attack(sweep)
-    rows = Rows(mesh, sweep)
+    rows = Rows(sweep)
     yield from _precut(rows, sweep)
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
@@ -102,42 +102,23 @@ def check_path(
         )
 
 
-class Rows:
-    """Sides of the crossed quads along the blade's path, one per place of the sweep."""
-
-    def __init__(self, mesh: Mesh, sweep: Sweep) -> None:
-        corner = mesh.nodes[mesh.quads[sweep.quad]]
-        side = np.roll(corner, -1, axis=1) - corner
-        length = np.linalg.norm(side, axis=2)
-        trace = np.cross(sweep.quad_normal, sweep.normal)
-        trace /= np.maximum(np.linalg.norm(trace, axis=1, keepdims=True), 1e-12)
-        along = np.abs((side * trace[:, None]).sum(axis=2)) / length >= ALONG_ROW
-        arm = sweep.place[:, None] - corner
-        share = np.clip((arm * side).sum(axis=2) / length**2, 0.0, 1.0)
-        off = np.linalg.norm(arm - share[..., None] * side, axis=2)
-        off = np.where(along, off, np.inf)
-        best = off.argmin(axis=1)
-        at = np.arange(len(best))
-        self.off: Floats = off[at, best] / sweep.edge_length
-        """Distance of the nearest row, in edge lengths; infinite if none runs along the blade,
-        shape (n_place,)."""
-        ends = mesh.quads[sweep.quad]
-        ends = np.stack([ends[at, best], ends[at, (best + 1) % 4]], axis=1)
-        self.open: Bools = _open_sides(mesh, ends) & (self.off <= NEAR_HELD)
-        """Whether the side was cut before the run, shape (n_place,)."""
-        found = length[at, best][np.isfinite(self.off)]
-        size = sweep.edge_length
-        self.spacing = float(np.median(found if len(found) else size))
-        """Node spacing along the path [mm]."""
-
-
-def _open_sides(mesh: Mesh, ends: Ints) -> Bools:
-    """Return whether sides of quads, shape (n, 2), are flanks of a cut."""
-    edges = mesh.edges()
-    single = np.sort(mesh.origin[edges.nodes[edges.n_quad == 1]], axis=1)
-    keys, count = np.unique(single @ [mesh.n_node, 1], return_counts=True)
-    mine = np.sort(mesh.origin[ends], axis=1) @ [mesh.n_node, 1]
-    return np.asarray(np.isin(mine, keys[count > 1]))
+def edge_line(sweep: Sweep) -> str:
+    """Return in one line how many cutting edges meet the film and stay in it."""
+    fates, n = sweep.fates, len(sweep.fates)
+    n_meeting = sum(fate.meets for fate in fates)
+    n_staying = sum(fate.stays for fate in fates)
+    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
+    if n_staying == n:
+        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
+    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
+    never = [fate.chain for fate in fates if not fate.meets]
+    if never:
+        parts.append(f"never: {some(never)}")
+    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
+    if left:
+        first = min(left.values())
+        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
+    return "edges  " + "; ".join(parts)
 
 
 def _fates(sweep: Sweep) -> Iterator[Finding]:
@@ -267,7 +248,7 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
         "cut",
         came + ("; some run across it" if none else ""),
         'let cracks go through the quads, fracture.path = "free", or ' * (not bound)
-        + 'put the path into the mesh, fracture.path = "imprint", or mesh along it',
+        + "mesh along it",
     )
 
 

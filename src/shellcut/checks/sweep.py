@@ -25,7 +25,6 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.mesh.checks import some
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -34,7 +33,7 @@ from shellcut.tool.tool import Tool
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
 _FINEST = 0.1  # edge lengths: of cutting-edge vertices closer together only some are sampled
 _MOST_HEIGHTS = 2_000_000  # points of edges times number of times: fractions of a second
-_FLATNESS = 1e-6  # as in imprinting.film_plane
+_FLATNESS = 1e-6  # extents of the film off a plane below which it is flat
 _NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
 _FINE = 0.05  # edge lengths between points of the path
 _AT_REST = 1e-6  # of that: an edge that moves by less stands still
@@ -112,6 +111,8 @@ class Sweep:
     """One per chain of the tool."""
     top_speed: float
     """Largest speed of any point of the cutting edges during the motion [mm/s]."""
+    flat: bool
+    """Whether the film lies in a plane."""
 
     @classmethod
     def of(cls, mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
@@ -230,25 +231,6 @@ def _continued(line: Floats, edge: float, s: Floats) -> Iterator[tuple[Floats, F
     yield s, c - arm + np.cos(turn) * arm + np.sin(turn) * across
 
 
-def edge_line(sweep: Sweep) -> str:
-    """Return in one line how many cutting edges meet the film and stay in it."""
-    fates, n = sweep.fates, len(sweep.fates)
-    n_meeting = sum(fate.meets for fate in fates)
-    n_staying = sum(fate.stays for fate in fates)
-    which = "the cutting edge meets" if n == 1 else f"all {n} cutting edges meet"
-    if n_staying == n:
-        return f"edges  {which} the film and {'is' if n == 1 else 'are'} in it to the end"
-    parts = [f"{n_meeting} of {n} cutting edges meet the film, {n_staying} are in it at the end"]
-    never = [fate.chain for fate in fates if not fate.meets]
-    if never:
-        parts.append(f"never: {some(never)}")
-    left = {fate.chain: fate.last for fate in fates if fate.last is not None and not fate.stays}
-    if left:
-        first = min(left.values())
-        parts.append(f"they leave it from {1e3 * first:.4g} ms on: {some(list(left))}")
-    return "edges  " + "; ".join(parts)
-
-
 class _Places(NamedTuple):
     # of one chain, as the fields of Sweep
     chain: Ints
@@ -301,6 +283,7 @@ class _Search:
             self.n_time,
             fates=tuple(fates),
             top_speed=max(speed for _, _, speed in found),
+            flat=self._plane is not None,
             **places,
         )
 

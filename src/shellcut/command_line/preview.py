@@ -45,8 +45,6 @@ def run(arguments: argparse.Namespace) -> int:
         report = preview(case.simulation, arguments.out, time=case.duration, check=case.check)
     except (ValueError, ImportError, OSError) as problem:
         return refuse(problem)
-    if case.imprint is not None:
-        report += f"\n{case.imprint.report()}"
     print(f"{report}\nwrote {arguments.out}")
     return BAD_INPUT if case.check.of("refuse") else DONE
 

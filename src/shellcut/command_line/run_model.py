@@ -119,8 +119,6 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> Case:
         if not options["resume"]:
             case.check.enforce(force=options["force"])
         sim = case.simulation
-        if case.imprint is not None and case.imprint.changed:
-            log.say(case.imprint.report())
         resistance = resistance_of(sim, case.duration)
         for line in start_lines(sim, resistance, case.duration, case.check.sweep):
             log.say(line)

@@ -46,12 +46,19 @@ from .blade_cut import BladeCut
 from .candidate_splits import Parting, PartingTable, partings_of, weigh_partings
 
 Measure: TypeAlias = Literal["force", "stress"]
-Path: TypeAlias = Literal["free", "imprint", "edges"]
+Path: TypeAlias = Literal["free", "edges"]
 CablePlaces: TypeAlias = Literal["ends", "gauss"]
 DropLoose: TypeAlias = Literal["never", "clear"]
 
 _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_start"
 _ONLY_THROUGH_QUADS = "anisotropy", "branching", "cable_places", "largest_speed"
+
+
+def instead_of(path: object) -> str:
+    """Return what to write for the path ``"imprint"`` of earlier versions, nothing for another."""
+    if path != "imprint":
+        return ""
+    return "; cracks go through the quads of any mesh: take path = 'free', or leave it out"
 
 
 @dataclass(frozen=True)
@@ -71,13 +78,12 @@ class Fracture:
     equilibrium_start : bool
         Start a cable with the very force that the node carried, fading over an
         eightieth of the opening at which the cable breaks.
-    path : {"free", "imprint", "edges"}, optional
-        Through the quads, on any mesh (docs/theory/free-cracks.md); along edges of the mesh, into
-        which the ready models put the blade's path first; or along the edges there are, which must
-        lie under the path. Left out it is ``"free"``, or ``"edges"`` where another option exists
-        for these only: ``criterion``, ``blade_cut``, ``turn_limit_deg`` or
+    path : {"free", "edges"}, optional
+        Through the quads, on any mesh (docs/theory/free-cracks.md), or along edges of the mesh,
+        which must lie under the path. Left out it is ``"free"``, or ``"edges"`` where another
+        option exists for these only: ``criterion``, ``blade_cut``, ``turn_limit_deg`` or
         ``equilibrium_start`` that differ from their defaults. A ready model takes ``"edges"`` too
-        where edges lie under the whole path, and ``"imprint"`` where an option asks for edges.
+        where edges lie under the whole path.
     anisotropy : Anisotropy, optional
         How strength and energy depend on the direction of a crack, for cracks through the quads
         that no blade drives.
@@ -139,7 +145,7 @@ class Fracture:
         """Yield what does not go with the path, or with another option."""
         of_edges, of_quads = self.only_along_edges, self._set_of(_ONLY_THROUGH_QUADS)
         if self.path not in (None, *get_args(Path)):
-            yield f"path must be one of {get_args(Path)}, got {self.path!r}"
+            yield f"path must be one of {get_args(Path)}, got {self.path!r}" + instead_of(self.path)
         elif self.path == "free":
             for name in of_edges:
                 needed = type(self).__dataclass_fields__[name].default

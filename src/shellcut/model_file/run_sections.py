@@ -13,6 +13,7 @@ from shellcut.fracture.criterion import (
     Fracture,
     Measure,
     Path,
+    instead_of,
 )
 from shellcut.loads.loads import (
     EdgeTraction,
@@ -128,10 +129,9 @@ class FractureSection(Section):
     check_every: int = key(whole, "steps between two checks")
     equilibrium_start: bool = key(flag, "start a cable with the force that the node carried")
     path: str | None = key(
-        choice(*get_args(Path)),
-        "of cracks: free through quads, along edges, or along edges after the blade's path has "
-        "been put into the mesh",
-        unset="edges if they lie under the whole path, imprint if an option needs edges, else free",
+        choice(*get_args(Path), instead_of=instead_of),
+        "of cracks: free through quads, or along edges",
+        unset="edges if they lie under the whole path or another option needs them, else free",
     )
     cable_places: str = key(
         choice(*get_args(CablePlaces)),

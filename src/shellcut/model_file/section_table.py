@@ -138,13 +138,10 @@ LISTS: Mapping[str, Mapping[str, Kinds]] = {
 
 GONE: Mapping[tuple[str, str], str] = {
     ("", "precision"): "leave it out: all is computed in double precision",
-    (
-        "output",
-        "pvd",
-    ): "leave it out: frames are in the .vtkhdf file, which ParaView reads from 5.12",
+    ("output", "pvd"): "leave it out: ParaView reads the .vtkhdf file from 5.12 on",
     ("fracture", "stress_place"): "leave it out: the stress is read at the mid-surface",
     ("fracture", "candidates"): "leave it out: crack tips and what an edge has pierced may split",
-    ("membrane", "imprint"): '[fracture] path = "imprint" puts the blade\'s path into the mesh, '
-    '"edges" takes the mesh as it is, "free" cuts through its quads',
+    ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
+    '"edges" along the edges there are',
 }
 """Keys of earlier versions, by section, and what to write instead."""

@@ -20,6 +20,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.checks.row import ON_ROW
 from shellcut.fracture.criterion import Fracture
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
@@ -31,7 +32,7 @@ from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
 from .case import Case, check_length
-from .crack_way import CrackWay, crack_way
+from .crack_way import crack_way
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -109,18 +110,12 @@ def guillotine(
     -------
     Case
 
-    Raises
-    ------
-    ImprintError
-        If the path cannot be put into the mesh.
-
     Examples
     --------
     >>> case = guillotine(1.0, length=6.0, width=4.0, notch=1.0, travel=1.5)
     >>> case.simulation.mesh.n_quad
     24
     """
-    section = material or ShellMaterial.homogeneous()
     strip = strip_of(length, width, size) if mesh is None else mesh
     cables = law or CohesiveLaw()
     blade, motion, duration = blade_before(
@@ -128,29 +123,26 @@ def guillotine(
     )
     fracture, line = options.pop("fracture", None) or Fracture(), _line_of(strip)
     if mesh is None and len(line) and fracture.needed_path != "free":
-        way = CrackWay(strip, replace(fracture, path="edges"), None)
+        fracture = replace(fracture, path="edges")
     else:
-        way = crack_way(
-            strip, blade, motion, duration, material=section, law=cables, fracture=fracture
-        )
-    film = way.mesh
-    if notch > 0.0 and not way.through_quads:
-        film = _notched(film, line if way.imprint is None else way.imprint.chains[0], notch)
+        fracture = crack_way(strip, blade, motion, duration, fracture)
+    through_quads = fracture.path == "free"
+    film = strip if through_quads or notch <= 0.0 else _notched(strip, line, notch)
     simulation = Simulation(
         film,
-        section,
+        material or ShellMaterial.homogeneous(),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=blade,
         motion=motion,
         law=cables,
-        fracture=way.fracture,
+        fracture=fracture,
         **options,
     )
-    if notch > 0.0 and way.through_quads:
+    if notch > 0.0 and through_quads:
         begin, extent = film.nodes[:, 0].min(), np.ptp(film.nodes[:, 0])
         simulation.notch((begin - extent, 0.0, 0.0), (begin + notch, 0.0, 0.0))
     check_length(simulation, duration)
-    return Case("guillotine", simulation, duration, way.imprint)
+    return Case("guillotine", simulation, duration)
 
 
 def blade_before(
@@ -206,7 +198,7 @@ def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
 
 def _line_of(mesh: Mesh) -> Ints:
     """Return the nodes on y = 0 in the order of x, shape (n,)."""
-    off = _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))
+    off = ON_ROW * float(np.median(mesh.edge_lengths()))
     on_line = mesh.nodes_where(lambda x, y, z: np.abs(y) < off)
     return np.asarray(on_line[np.argsort(mesh.nodes[on_line, 0])])
 

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from shellcut.fracture.criterion import Fracture, Measure, Path
-from shellcut.imprinting import PathCurve, imprint
 from shellcut.mesh.structured import rectangle
 from shellcut.view._raster import Canvas
 
@@ -22,7 +21,7 @@ def warmup(
     criteria: Sequence[Measure] = ("force", "stress"),
     paths: Sequence[Path] = ("edges", "free"),
 ) -> None:
-    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts, imprint.
+    """Run a film of a few quads through every mechanism: shells, contact, cables, cuts.
 
     Also compile the kernels for pictures of the film.
 
@@ -41,12 +40,11 @@ def warmup(
     along_edges = [Fracture(criterion=name, path="edges") for name in criteria]
     ways = {"edges": along_edges, "free": [Fracture(path="free")]}
     between_lines = rectangle(6.0, 4.0, n_x=6, n_y=5)
-    for path in {"edges" if p == "imprint" else p for p in paths}:
+    for path in paths:
         film = {"mesh": between_lines, "notch": 0.0} if path == "free" else {"notch": 1.0}
         for fracture in ways[path]:
             case = guillotine(1.0, length=6.0, width=4.0, travel=1.5, fracture=fracture, **film)
             case.simulation.run(case.duration)
-    imprint(rectangle(6.0, 4.0, size=1.0), PathCurve.line((0.0, 0.3), (6.0, 0.3)))
     canvas = Canvas((1, 1))
     canvas.draw(np.zeros((0, 3, 3)), np.ones(3))
     canvas.blend(canvas, 0.5)

@@ -74,12 +74,6 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
     """Yield what the path of the cracks does not go with."""
     if fracture is None:
         return
-    if fracture.path == "imprint":
-        yield (
-            "Fracture.path must be 'free' or 'edges' here, got 'imprint': only ready models and "
-            "model files know how far the tool will move. Put its path into the mesh first, "
-            "imprint(mesh, blade_path(tool, motion, mesh, duration)).mesh, and take path='edges'"
-        )
     if tool is not None and fracture.anisotropy is not None:
         yield (
             "Fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
