@@ -21,7 +21,7 @@ NOTES = {
     "mitc4": "the forces, and the integrator that follows them",
     "state": "fields in time; film, tool and motion; pictures",
     "numerics": "compiled kernels, file formats, one picture of a run",
-    "arrays": "leaves: kinds of arrays, units, files that stay whole",
+    "arguments": "leaves: kinds of arguments, arrays, units, whole files",
 }
 """Subject of each row, by its first room."""
 

@@ -386,6 +386,96 @@ def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, command):
         assert (tmp_path / "run" / "comparison.json").exists()
 
 
+SWEEP = ["sweep", "study.toml", "-o", ".", "--jobs", "1"]
+
+
+@pytest.mark.parametrize(
+    ("command", "mine"),
+    [
+        (SWEEP, "study.toml"),
+        ([*SWEEP[:1], "guillotine", *SWEEP[2:], "--set", "size=1,2"], "stop"),
+        (["preview", "opening", "--set", "mesh=quick"], "model.png"),
+        (["preview", "model.toml", "-o", "model.toml"], "model.toml"),
+        (["run", "guillotine", "-o", ".", *SHORT], "run.lock"),
+        (["run", "guillotine", "--write-model", "link.toml"], "link.toml"),
+        (["compare", "run", "measured.csv"], "run/comparison.json"),
+        (["compare", "run", "measured.csv", "--json", "measured.csv"], "measured.csv"),
+        (["report", "run"], "run/report.html"),
+        (["report", "run", "-o", "run/history.csv"], "run/history.csv"),
+        (["view", "run", "--frame", "0"], "run/frame_0000.png"),
+        (["view", "run", "--html", "run/summary.json"], "run/summary.json"),
+        (["run", "run/used.toml", "-o", "run", "--overwrite"], "run/used.toml"),
+    ],
+)
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_file_of_ones_own_is_not_replaced(
+    out, tmp_path, monkeypatch, capsys, command, mine, linked
+):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(out, "run")
+    Path("measured.csv").write_text("path [mm], force [N]\n0, 0\n1, 3\n1.5, 3\n")
+    study = 'model = "guillotine"\n[set]\n"membrane.size" = 1\n[factors]\nspeed = [1e3, 2e3]\n'
+    Path("study.toml").write_text(study)
+    Path("model.toml").write_text('model = "guillotine"\n')
+    path = Path(mine)
+    if not path.exists():
+        path.write_text("mine")
+    if linked:
+        path.rename("elsewhere")
+        path.symlink_to(Path("elsewhere").resolve())
+    before = path.read_bytes()
+    assert main(command) == 2
+    assert path.name in capsys.readouterr().err
+    assert path.read_bytes() == before
+    assert path.is_symlink() == linked
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["run", "guillotine", "-o", ""],
+        ["sweep", "guillotine", "-o", "", "--set", "size=1,2"],
+        ["tensile", "a.csv", "-o", ""],
+        ["preview", "guillotine", "-o", ""],
+        ["resume", ""],
+    ],
+)
+def test_an_empty_name_is_not_the_present_folder(command, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(command)
+    assert "must have a name" in capsys.readouterr().err
+
+
+LONG, NO_TEXT = "x" * 300, os.fsdecode(b"x\xff")
+
+
+@pytest.mark.parametrize("name", [LONG, NO_TEXT])
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run guillotine -o {}/out/of/it",
+        "run {} -o out",
+        "run guillotine --set tool.file={} -o out",
+        "resume {}",
+        "view {}",
+        "report {}",
+        "compare {} {}",
+        "tensile {} -o out",
+        "sweep {} -o out",
+        "preview {}",
+        "fit guillotine {} --free cohesive.plateau -o out",
+    ],
+)
+def test_names_that_cannot_be_are_refused(tmp_path, monkeypatch, name, command):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / os.fsdecode(b"x\xff")).write_text("a file")
+    said = io.TextIOWrapper(io.BytesIO(), "utf-8")
+    monkeypatch.setattr(sys, "stderr", said)
+    assert main([part.replace("{}", name) for part in command.split()]) == 2
+    said.flush()
+    assert b"x" in said.buffer.getvalue()
+
+
 def test_every_exit_code_is_told_by_the_help(capsys):
     with pytest.raises(SystemExit) as left:
         main(["--help"])

@@ -519,9 +519,22 @@ class TestCommand:
         names += ["material_CD.toml", "material_MD.toml"]
         assert sorted(path.name for path in out.iterdir()) == [
             *names,
+            "shellcut.files",
             "tensile.json",
             "tensile.png",
         ]
+        # Twice the same, but never over what is read, or what somebody else has put there.
+        assert main(arguments) == 0
+        hardening = write(out / "hardening_MD.csv", bilinear())
+        assert main([arguments[0], f"MD={hardening}", *arguments[3:]]) == 2
+        assert "hardening_MD.csv is read here and would be replaced" in capsys.readouterr().err
+        assert main(arguments) == 0
+        (tmp_path / "material_MD.toml").write_text("mine")
+        before = sorted(tmp_path.iterdir())
+        assert main([*arguments[:-1], str(tmp_path)]) == 2
+        assert "has material_MD.toml" in capsys.readouterr().err
+        assert sorted(tmp_path.iterdir()) == before
+        assert (tmp_path / "material_MD.toml").read_text() == "mine"
         kept = json.loads((out / "tensile.json").read_text())["directions"]
         assert kept["CD"]["young"]["mean"] == pytest.approx(0.8 * YOUNG, rel=1e-3)
         assert kept["CD"]["young"]["deviation"] is None

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shellcut.arguments import checked
+
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_hold
 from .path import check_path
@@ -73,6 +75,7 @@ class ModelCheck:
             _log.warning("note: %s", finding)
 
 
+@checked
 def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """Check a model before its run; nothing in it is changed.
 

@@ -27,7 +27,7 @@ import scipy
 from shellcut.arrays import Bools, Floats, Ints
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
@@ -262,7 +262,7 @@ class _Search:
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
         self._times, self.n_time = self._moments()
-        poses = [Pose.of(*motion.pose(t)) for t in self._times.tolist()]
+        poses = [pose_at(motion, t) for t in self._times.tolist()]
         twists = [motion.twist(t) for t in self._times.tolist()]
         self._rotation = np.array([pose.rotation for pose in poses])
         self._translation = np.array([pose.translation for pose in poses])
@@ -300,7 +300,7 @@ class _Search:
         return self._duration / n * np.arange(n + 1.0), n
 
     def _moved(self, points: Floats, times: Floats) -> Floats:
-        poses = [Pose.of(*self._motion.pose(t)) for t in times.tolist()]
+        poses = [pose_at(self._motion, t) for t in times.tolist()]
         return np.array([pose.to_space(points) for pose in poses])
 
     def _heights(self, x: Floats) -> Floats:

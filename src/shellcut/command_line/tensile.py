@@ -9,8 +9,10 @@ from typing import Any
 
 from shellcut.model_file.quantity import quantity
 from shellcut.tensile import tensile
+from shellcut.tensile.evaluation import PICTURE
 
 from .exit_code import BAD_INPUT, DONE, refuse
+from .named_path import named
 
 _LENGTHS = (
     ("--gauge-length", "length over which the strain was measured, as 50 or '50 mm'"),
@@ -53,7 +55,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--offset", metavar="%", default="0.2", help="plastic strain at yield, in per cent"
     )
-    parser.add_argument("-o", "--out", metavar="OUT", type=Path, help="folder for the results")
+    parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
     parser.set_defaults(run=run)
 
 
@@ -89,10 +91,10 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         written = found.write(arguments.out)
         try:
-            written.append(found.plot(arguments.out / "tensile.png"))
+            written.append(found.plot(arguments.out / PICTURE))
         except ImportError as missing:
             print(f"no picture: {missing}", file=sys.stderr)
-    except OSError as problem:
+    except (OSError, ValueError) as problem:
         print(f"cannot write: {problem}", file=sys.stderr)
         return BAD_INPUT
     print("written: " + ", ".join(map(str, written)))

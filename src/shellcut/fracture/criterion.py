@@ -32,6 +32,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.nodal_stress import recover
@@ -61,6 +62,7 @@ def instead_of(path: object) -> str:
     return "; cracks go through the quads of any mesh: take path = 'free', or leave it out"
 
 
+@checked
 @dataclass(frozen=True)
 class Fracture:
     """How cracks start and run.
@@ -133,7 +135,7 @@ class Fracture:
             problems.append(
                 f"turn_limit_deg must lie between 0 and 180, got {self.turn_limit_deg!r}"
             )
-        if not (isinstance(self.check_every, int) and self.check_every > 0):
+        if self.check_every < 1:
             problems.append(f"check_every must be a positive count, got {self.check_every!r}")
         if self.largest_speed is not None and not 0.0 < self.largest_speed < np.inf:
             problems.append(f"largest_speed must be positive, got {self.largest_speed!r}")

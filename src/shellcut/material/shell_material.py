@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 
 from .elastic import Elastic
@@ -31,6 +32,7 @@ POINTS_OF_HISTORY = 5
 Direction: TypeAlias = tuple[float, float, float] | Callable[[Floats], Floats]
 
 
+@checked
 @dataclass(frozen=True)
 class Layer:
     """One ply of a film.
@@ -61,12 +63,11 @@ class Layer:
     thickness: float
 
     def __post_init__(self) -> None:
-        if not isinstance(self.material, Material):
-            refuse([f"material must be a Material, such as Elastic, got {self.material!r}"])
         if not (math.isfinite(self.thickness) and self.thickness > 0):
             refuse([f"thickness must be positive in mm, got {self.thickness!r}"])
 
 
+@checked
 @dataclass(frozen=True)
 class ShellMaterial:
     """The section of a shell: layers from the bottom (xi^3 = -h/2) to the top.
@@ -129,6 +130,7 @@ class ShellMaterial:
         refuse(problems)
 
     @classmethod
+    @checked
     def homogeneous(
         cls,
         *,

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 
 from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place, some
@@ -98,6 +99,7 @@ class Mesh:
         )
 
     @classmethod
+    @checked
     def from_arrays(
         cls,
         nodes: npt.ArrayLike,
@@ -256,6 +258,7 @@ class Mesh:
             )
         return np.flatnonzero(mask).astype(np.int64)
 
+    @checked
     def with_sets(
         self,
         *,
@@ -302,6 +305,7 @@ class Mesh:
             origin=new[self.origin[order]],
         )
 
+    @checked
     def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
         """Return the mesh with a pre-cut (notch) along a line of mesh edges.
 

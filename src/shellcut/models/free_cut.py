@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.checks.row import lies_under, row_of
@@ -23,6 +24,7 @@ from .crack_way import crack_way
 _ROUND_OFF = 1e-9
 
 
+@checked
 def free_cut(
     mesh: Mesh,
     *,

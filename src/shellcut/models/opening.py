@@ -18,6 +18,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from shellcut.arguments import checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.loads.supports import Support
@@ -33,6 +34,7 @@ from .case import Case, check_length
 from .crack_way import crack_way
 
 
+@checked
 def opening_test(
     mesh: OpeningName | Mesh = "M1",
     *,

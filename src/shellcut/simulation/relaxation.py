@@ -106,9 +106,7 @@ class _Swing:
         self._kinetic = 0.0
 
     def stop(self) -> None:
-        n = self._state.node
-        n.velocity_half[: n.count] = 0.0
-        n.spin_half[: n.count] = 0.0
+        self._state.node.stop()
         self._dt = 0.0
 
     def kick(self, step: int) -> None:

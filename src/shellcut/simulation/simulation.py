@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.cables.directional_cable import CableSet
@@ -97,6 +98,7 @@ class Simulation:
     True
     """
 
+    @checked
     def __init__(
         self,
         mesh: Mesh,
@@ -359,6 +361,7 @@ class Simulation:
             raise ValueError("notch the film before the run, and before it is stretched")
         self.cracks.free.notch(self.state, points_of_notch(points))
 
+    @checked
     def run(self, until: float, hooks: Sequence[Hook] = ()) -> None:
         """Step until the time ``until`` [s] is reached or a hook raises StopRun.
 

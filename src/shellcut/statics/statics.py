@@ -18,6 +18,7 @@ from numbers import Integral, Real
 
 import numpy as np
 
+from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
@@ -76,6 +77,7 @@ class Statics:
         depends on the rate of strain.
     """
 
+    @checked
     def __init__(
         self,
         mesh: Mesh,

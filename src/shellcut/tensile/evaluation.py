@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from math import isfinite
 from pathlib import Path
@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.files.whole_file import atomic_write
+from shellcut.files.file_list import claim
+from shellcut.files.whole_file import write_text
 from shellcut.formats.errors import FileError
 
 from .columns import Choice
@@ -21,6 +22,9 @@ from .figures import figures_of
 from .specimen import SpecimenSize, read_specimens
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+PICTURE = "tensile.png"
+"""Of the command, beside the files of :meth:`TensileTest.write`."""
 
 _LAW = ("strength", "plateau", "opening_a", "opening_p", "opening_u", "onset")
 
@@ -42,6 +46,8 @@ class TensileTest:
     """By name, as MD and CD; the name is empty if none was given."""
     offset: float
     """Plastic strain at yield [-]."""
+    files: tuple[Path, ...] = ()
+    """The tables that were read."""
 
     def columns(self) -> list[str]:
         """Return in words from which columns of the files strains and stresses come."""
@@ -114,11 +120,13 @@ class TensileTest:
         -------
         list of Path
             Of the files; names end in the direction, as ``hardening_MD.csv``.
+
+        Raises
+        ------
+        FileExistsError
+            If one of them was read here, or is somebody else's; nothing is written then.
         """
-        out = Path(folder)
-        out.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(self.figures(), indent=2, ensure_ascii=False)
-        written = [_write(out / "tensile.json", text + "\n")]
+        texts = {"tensile.json": json.dumps(self.figures(), indent=2, ensure_ascii=False) + "\n"}
         for name, one in self.directions.items():
             end = f"_{name}" if name else ""
             strain, stress, scatter, n = one.hardening()
@@ -129,13 +137,17 @@ class TensileTest:
                     f"{x:.6g},{y:.6g},{s:.3g}"
                     for x, y, s in zip(strain, stress, np.nan_to_num(scatter), strict=True)
                 ]
-                written.append(_write(out / f"hardening{end}.csv", "\n".join(rows) + "\n"))
+                texts[f"hardening{end}.csv"] = "\n".join(rows) + "\n"
             if section := one.material():
-                written.append(_write(out / f"material{end}.toml", section))
+                texts[f"material{end}.toml"] = section
             if law := one.law():
                 lines = [f"# fracture energy {law.fracture_energy:.6g} N/mm, from tensile tests"]
                 lines += ["[cohesive]", *(f"{key} = {getattr(law, key):.6g}" for key in _LAW)]
-                written.append(_write(out / f"law{end}.toml", "\n".join(lines) + "\n"))
+                texts[f"law{end}.toml"] = "\n".join(lines) + "\n"
+        claim(folder, [*texts, PICTURE], self.files)
+        written = [Path(folder) / name for name in texts]
+        for path, text in zip(written, texts.values(), strict=True):
+            write_text(path, text, errors="backslashreplace")
         return written
 
     def plot(self, path: str | os.PathLike[str]) -> Path:
@@ -224,8 +236,9 @@ def tensile(
     groups = files if isinstance(files, Mapping) else {"": files}
     found: dict[str, Direction] = {}
     problems: list[str] = []
-    for direction, paths in groups.items():
-        for path in _listed(paths):
+    tables = {direction: _listed(paths) for direction, paths in groups.items()}
+    for direction, paths in tables.items():
+        for path in paths:
             try:
                 specimens = read_specimens(path, piece, direction, columns, units)
             except FileError as problem:
@@ -243,10 +256,12 @@ def tensile(
         raise ValueError("\n".join(problems))
     if not found:
         raise ValueError("there must be at least one file")
-    return TensileTest(found, offset)
+    return TensileTest(
+        found, offset, tuple(path for several in tables.values() for path in several)
+    )
 
 
-def _listed(paths: Paths) -> Iterable[str | Path]:
+def _listed(paths: Paths) -> list[Path]:
     if isinstance(paths, str | os.PathLike):
         return [Path(paths)]
     return [Path(path) for path in paths]
@@ -254,9 +269,3 @@ def _listed(paths: Paths) -> Iterable[str | Path]:
 
 def _plain(values: dict[str, Any]) -> dict[str, Any]:
     return {k: None if isinstance(v, float) and not isfinite(v) else v for k, v in values.items()}
-
-
-def _write(path: Path, text: str) -> Path:
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return path
