@@ -25,25 +25,31 @@ SHORT = {
 
 
 def called():
-    """Return the kernels that this process has called, with the size of their machine code."""
+    """Return the kernels that this process has called, with the size of their machine code [B]."""
     found = []
-    modules = [m for name, m in sys.modules.items() if name.startswith("shellcut.")]
-    kernels = {id(k): k for m in modules for k in vars(m).values() if hasattr(k, "overloads")}
-    for kernel in kernels.values():
+    for place, kernel in _kernels():
         cache = kernel._cache
-        if not isinstance(cache, KernelCache):
-            continue
-        names = cache._cache_file._load_index()
-        function = kernel.py_func
+        files = cache._cache_file._load_index()
         for types in kernel.overloads:
             key = cache._index_key(types, kernel.targetctx.codegen())
-            size = (Path(cache.cache_path) / names[key]).stat().st_size
+            size = (Path(cache.cache_path) / files[key]).stat().st_size
             try:
-                entry = [f"{function.__module__}:{function.__qualname__}", *map(written, types)]
+                entry = [place, *map(written, types)]
             except TypeError:  # of a law
                 continue
             found.append((size, entry))
-    return [entry for _, entry in sorted(found, key=lambda one: (-one[0], one[1][0]))]
+    return found
+
+
+def _kernels():
+    """Yield the place, "module:name", of each kernel and the kernel."""
+    for name, module in list(sys.modules.items()):
+        for inside, thing in vars(module).items() if name.startswith("shellcut.") else ():
+            if (
+                isinstance(getattr(thing, "_cache", None), KernelCache)
+                and thing.py_func.__module__ == name
+            ):
+                yield f"{name}:{inside}", thing
 
 
 def run(model):
@@ -58,18 +64,18 @@ def main():
     if sys.argv[1:]:
         print(json.dumps(run(sys.argv[1])))
         return
-    lists = {}
+    sizes, models_of = {}, {}
     for model in MODELS:
         out = subprocess.run(
             [sys.executable, __file__, model], stdout=subprocess.PIPE, check=True, text=True
         )
-        lists[model] = json.loads(out.stdout.splitlines()[-1])
-        print(model, len(lists[model]))
-    rows = (
-        f' "{model}": [\n  ' + ",\n  ".join(map(json.dumps, entries)) + "\n ]"
-        for model, entries in lists.items()
-    )
-    TARGET.write_text("{\n" + ",\n".join(rows) + "\n}\n")
+        for size, entry in json.loads(out.stdout.splitlines()[-1]):
+            sizes[json.dumps(entry)] = size
+            models_of.setdefault(json.dumps(entry), []).append(model)
+    rows = sorted(sizes, key=lambda entry: (-sizes[entry], entry))
+    lines = [json.dumps([models_of[entry], *json.loads(entry)]) for entry in rows]
+    TARGET.write_text("[\n" + ",\n".join(lines) + "\n]\n")
+    print(f"{len(rows)} kernels in {TARGET}")
 
 
 if __name__ == "__main__":

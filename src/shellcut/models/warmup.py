@@ -1,8 +1,8 @@
 """Compile the kernels of the ready models before they are needed, on all cores.
 
-``kernels.json`` lists by model which kernels its runs call, the largest first, with the types of
-their arguments (:mod:`shellcut.numerics.signature_text`); ``python tests/record_kernels.py`` writes
-it. This process and others beside it go through the list, and each compiles what no other has
+``kernels.json`` lists the kernels that runs of these models call, the largest first: the models,
+the kernel, the types of its arguments (:mod:`shellcut.numerics.signature_text`); ``python
+tests/record_kernels.py`` writes it. This process and others beside it go through the list, and each compiles what no other has
 begun; the machine code meets on disk (:mod:`shellcut.numerics.kernel_cache`). A run of a model with
 options of its own may call others, which are compiled when it does.
 """
@@ -70,11 +70,14 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
 
 
 def _listed(models: Iterable[str]) -> list[_Kernel]:
-    """Return kernels and types of their arguments, each once."""
+    """Return kernels and types of their arguments."""
     text = (resources.files("shellcut.models") / "kernels.json").read_text(encoding="utf-8")
-    lists = json.loads(text)
-    found = {json.dumps(one): one for model in models for one in lists[model]}
-    return [(named(name), tuple(map(read, kinds))) for name, *kinds in found.values()]
+    wanted = set(models)
+    return [
+        (named(name), tuple(map(read, kinds)))
+        for models_of_it, name, *kinds in json.loads(text)
+        if wanted.intersection(models_of_it)
+    ]
 
 
 def _others(models: list[str], n_missing: int) -> list[subprocess.Popen[bytes]]:
