@@ -51,7 +51,7 @@ def read_cad(
     -------
     SurfaceFile
         In the unit that the file states, which ``unit_mm`` holds. A file that states several units
-        is returned in mm.
+        is returned in mm, and then ``unit_mm`` must not be given.
 
     Raises
     ------
@@ -74,6 +74,13 @@ def read_cad(
             f"{len(content) / 1e6:,.0f} MB: leave out what does not touch the film",
         )
     units = stated_unit(path, content)
+    listed = " and ".join(f"{unit:g}" for unit in units)
+    if len(units) > 1 and unit_mm is not None:
+        raise FileError(
+            path,
+            f"the file states units of {listed} mm, each converted to mm: unit= must not be given, "
+            f"got {unit_mm:g} mm",
+        )
     of_file = units[0] if len(units) == 1 else 1.0
     answer = _triangulated(path, chord_deviation or 0.0, (unit_mm or of_file) / of_file)
     if answer["problems"]:
@@ -85,7 +92,6 @@ def read_cad(
             f"{stated} solids are in the file, {answer['n_solid']} could be read: is it damaged?"
         )
     if len(units) > 1:
-        listed = " and ".join(f"{unit:g}" for unit in units)
         notes.append(f"the file states units of {listed} mm: all lengths are converted to mm")
     return SurfaceFile(
         path,
