@@ -10,6 +10,7 @@ import pytest
 
 from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats import drawing, dxf, svg
+from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
 from test_mesh_files_damaged import mutated
 
@@ -282,10 +283,11 @@ class TestRefusals:
 
     def test_too_many_points(self, tmp_path, monkeypatch):
         path = saved(tmp_path / "plate.dxf", plate())
-        for module in (dxf, svg):
-            monkeypatch.setattr(module, "MOST_POINTS", 20)
+        monkeypatch.setitem(LIMITS, "points of curves", 20)
         for one, layer in ((path, "cut"), (PLATE, "film")):
-            with pytest.raises(FileError, match="must have 20 points at most: enlarge"):
+            with pytest.raises(
+                FileError, match=r"make 20 points of curves at most, got .* enlarge"
+            ):
                 read_drawing(one, layers=[layer])
 
     def test_a_huge_file(self, tmp_path, monkeypatch):

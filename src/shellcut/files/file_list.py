@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
+from .regular_file import read_regular
 from .whole_file import atomic_write, temporary_path, write_all
 
 FILES = "run.files"
@@ -82,7 +83,7 @@ def names_in(folder: Path) -> list[str]:
     An unfinished last line is ignored, as are paths outside the folder, which no run writes.
     """
     try:
-        text = (folder / FILES).read_bytes().decode("utf-8", errors="replace")
+        text = read_regular(folder / FILES).decode("utf-8", errors="replace")
     except (FileNotFoundError, NotADirectoryError):
         return []
     heading, *names = text.split("\n")[:-1] or [""]

@@ -6,7 +6,7 @@ they are called ``instance.set``.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,6 +15,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints
 
 from .abaqus_deck import DataLine
+from .budget import Budget
 from .errors import FileError, named
 from .file_mesh import LINE, QUAD, TRIANGLE, CellBlock, FileMesh
 from .losses import gap_note
@@ -100,11 +101,15 @@ class Model:
         Named in messages.
     notes : list of str
         Receives signs of lost data.
+    budget : Budget
+        Counts ids of sets of sets.
     """
 
-    def __init__(self, path: Path, notes: list[str]):
+    def __init__(self, path: Path, notes: list[str], budget: Budget):
         self.path = path
         self.notes = notes
+        self.budget = budget
+        self._known: dict[tuple[str, str, str], Ints] = {}  # members of sets
         self.positions: list[Floats] = []
         self.node_labels: list[str] = []
         self.rows: dict[str, dict[tuple[str, int], int]] = {"node": {}, "element": {}}
@@ -187,10 +192,10 @@ class Model:
                 for (of, upper), spelling in scope.spelling.items():
                     if of == kind:
                         found.setdefault((key, upper), spelling)
-        uppers = [upper for _, upper in found]
+        n_scope = Counter(upper for _, upper in found)
 
         def name(key: str, upper: str, spelling: str) -> str:
-            shared = key and uppers.count(upper) > 1
+            shared = key and n_scope[upper] > 1
             return f"{instance_names[key]}.{spelling}" if shared else spelling
 
         return [(name(*at, spelling), *at) for at, spelling in found.items()]
@@ -198,6 +203,9 @@ class Model:
     def _members(self, kind: str, key: str, upper: str, above: tuple[str, ...]) -> Ints:
         if upper in above:
             raise FileError(self.path, f"set {upper} must not contain itself")
+        self.budget.descend("sets", len(above))
+        if (kind, key, upper) in self._known:
+            return self._known[kind, key, upper]
         rows: list[int] = []
         for scope in self.scopes[key]:
             for entry in scope.sets.get((kind, upper), []):
@@ -211,7 +219,9 @@ class Model:
                     rows += self._ids(kind, at, entry)
                     continue
                 rows += self._other(kind, key, at, entry, (*above, upper))
-        return np.unique(np.array(rows, dtype=np.int64))
+        members = np.unique(np.array(rows, dtype=np.int64))
+        self._known[kind, key, upper] = members
+        return members
 
     def _ids(self, kind: str, at: str, entry: Entry) -> list[int]:
         assert entry.ids is not None
@@ -237,6 +247,7 @@ class Model:
         for where in dict.fromkeys((at, key)):
             if any((of, upper) in scope.sets for scope in self.scopes[where]):
                 rows = self._members(of, where, upper, above if of == kind else ())
+                self.budget.take("ids in its sets", len(rows))
                 if of == kind:
                     return [int(i) for i in rows]
                 return sorted({n for i in rows for n in self.elements[i][2]})

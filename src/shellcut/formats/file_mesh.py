@@ -6,6 +6,7 @@ labels for messages.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -105,9 +106,9 @@ class Numbering:
 
 def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:
     """Return groups by name; groups with the same name get their id appended, ``name (id)``."""
-    names = [name for name, _, _ in groups]
+    n_group = Counter(name for name, _, _ in groups)
     return {
-        name if names.count(name) == 1 else f"{name} ({label})": members
+        name if n_group[name] == 1 else f"{name} ({label})": members
         for name, label, members in groups
     }
 

@@ -34,6 +34,8 @@ READERS = {".dxf": read_dxf, ".svg": read_svg}
 _JOIN = 1e-6
 """Ends of curves closer than this part of the drawing's diagonal meet: round-off of six digits."""
 
+_FINEST = 1e-8  # chord deviation over the diagonal: finer is lost in round-off
+
 _NAMED = 4  # gaps named in a message
 
 
@@ -120,6 +122,12 @@ def read_drawing(
     drawing = reader(path, wanted)  # coarse, for the size and the unit
     factor, extent, note = _factor(drawing, unit)
     fine = DEVIATION * extent if chord_deviation is None else chord_deviation / factor
+    if not fine >= _FINEST * extent:
+        raise FileError(
+            path,
+            f"chord_deviation must be {_FINEST * extent * factor:.2g} mm or more for a drawing of "
+            f"{extent * factor:.4g} mm across, got {chord_deviation:g}",
+        )
     drawing = reader(path, wanted, fine)
     for said in (*drawing.notes, note):
         if said:

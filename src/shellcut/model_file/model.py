@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shellcut.files.regular_file import read_regular
+
 from .key import Section
 from .run_sections import Head
 from .source import Source
@@ -117,6 +119,6 @@ class Model:
 def digest_of(path: str | Path) -> str:
     """Return the SHA-256 of a file, "" if it cannot be read."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return "none"
