@@ -84,7 +84,7 @@ def test_a_pipe_is_not_waited_for(tmp_path, name):
 )
 def test_a_pipe_among_results_is_not_waited_for(tmp_path, name, read):
     os.mkfifo(tmp_path / name)
-    with pytest.raises(OSError, match=rf"must be a regular file, got a pipe.*{name}"):
+    with pytest.raises(OSError, match=rf"{name} must be a regular file, got a pipe"):
         read(tmp_path / name)
 
 

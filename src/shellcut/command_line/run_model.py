@@ -201,8 +201,9 @@ def _remedy(problem: Exception, folder: Path) -> str:
 
 def _say_end(folder: Path, log: RunLog) -> None:
     from shellcut.files.file_list import files_there
+    from shellcut.files.regular_file import read_regular
 
-    summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary: dict[str, Any] = json.loads(read_regular(folder / "summary.json"))
     for label, value in plain_figures(summary, _FIGURES):
         log.say(f"{label:<52} {value:>12,.6g}")
     if "no_window" in summary:

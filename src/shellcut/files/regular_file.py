@@ -23,6 +23,13 @@ _OTHER_KINDS = (
 _LARGEST = 4_000_000_000
 
 
+class NotRegularError(OSError):
+    """The path is a folder, a pipe or a device."""
+
+    def __str__(self) -> str:
+        return f"{self.filename} {self.strerror}"
+
+
 def read_regular(path: str | os.PathLike[str], most: int = _LARGEST) -> bytes:
     """Return the content of a regular file.
 
@@ -71,4 +78,4 @@ def _check_kind(path: str | os.PathLike[str], mode: int) -> None:
     for is_kind, words in _OTHER_KINDS:
         if is_kind(mode):
             told = f"must be a regular file, got {words}; save it as a file first"
-            raise OSError(errno.EINVAL, told, os.fspath(path))
+            raise NotRegularError(errno.EINVAL, told, os.fspath(path))
