@@ -147,6 +147,14 @@ def test_shells_with_thickness_have_two_cards(tmp_path):
     check_film(film(tmp_path, f"{head}*ELEMENT_SHELL_THICKNESS\n{both}*SET_NODE{tail}"))
 
 
+def test_quadratic_shells_are_read_by_their_corners_by_choice(tmp_path):
+    text, order = deck(), sorted(QUAD_ID, key=lambda e: e % 3)
+    for e in order[::2]:  # the middle nodes need no place: only the corners are taken
+        (line,) = (t for t in text.splitlines() if t.startswith(f"{e:>8}") and len(t) == 48)
+        text = text.replace(line, line + card([line[16:24].strip()] * 4, 8)[:-1])
+    check_film(film(tmp_path, text, quadratic="corners"))
+
+
 def test_includes(tmp_path):
     text = deck()
     at, end = text.index("*NODE"), text.index("*PART")
@@ -171,7 +179,7 @@ def test_a_file_without_end_is_said(tmp_path, caplog):
         ("*INCLUDE\nnone.k\n", "'none.k' must lie beside"),
         ("*INCLUDE\nfilm.k\n", "must not include itself"),
         ("*ELEMENT_SOLID\n" + card([5, 1], 8), "1 cells of kind 'ELEMENT_SOLID' (ids 5)"),
-        ("*ELEMENT_SHELL\n" + card([5, 1, *range(1, 9)], 8), "'ELEMENT_SHELL of 5 to 8 nodes'"),
+        ("*ELEMENT_SHELL\n" + card([5, 1, *NODE_ID[:8]], 8), "'ELEMENT_SHELL of 5 to 8 nodes'"),
         ("*ELEMENT_SHELL_COMPOSITE\n", "options must be among THICKNESS"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 0, 0], 8), "must have 3 or 4 nodes"),
         ("*ELEMENT_SHELL\n" + card([5, 1, 10, 17, 24, 3], 8), "shells must name nodes"),

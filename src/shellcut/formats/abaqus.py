@@ -2,13 +2,14 @@
 
 The reader uses *NODE, *ELEMENT, *NSET, *ELSET (with GENERATE, sets of sets, sets named on *NODE and
 *ELEMENT), *PART, *INSTANCE with translation and rotation, *ASSEMBLY and *INCLUDE. It refuses
-keywords that generate nodes or elements, because the mesh would be incomplete without them. It
-ignores everything else (materials, steps, output). :mod:`shellcut.formats.abaqus_model` combines
-instances and sets into one mesh.
+keywords that generate nodes or elements, because the mesh would be incomplete without them, and
+names everything else in a note (materials, sections, supports, steps).
+:mod:`shellcut.formats.abaqus_model` combines instances and sets into one mesh.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from difflib import get_close_matches
 from math import radians
 from pathlib import Path
@@ -18,11 +19,11 @@ import scipy
 
 from . import numerals
 from .abaqus_deck import DataLine, Keyword, read_deck
-from .abaqus_model import KINDS, Entry, Instance, Model, Scope, Transform
+from .abaqus_model import KINDS, QUADRATIC, Entry, Instance, Model, Scope, Transform
 from .budget import Budget
 from .errors import named
 from .file_mesh import FileMesh
-from .losses import blank_note, ragged_note, repeat_note
+from .losses import blank_note, ragged_note, repeat_note, unused_note
 
 _READ = frozenset(
     [
@@ -39,6 +40,7 @@ _READ = frozenset(
         "INCLUDE",
     ]
 )
+_SILENT = ("HEADING", "END STEP", "PREPRINT")
 _MAKES_MESH = frozenset(
     [
         "NGEN",
@@ -48,7 +50,6 @@ _MAKES_MESH = frozenset(
         "ELGEN",
         "ELCOPY",
         "SYSTEM",
-        "PARAMETER",
         "SUBSTRUCTURE GENERATE",
         "IMPORT",
         "IMPORT NODESET",
@@ -60,11 +61,11 @@ _MAKES_MESH = frozenset(
 # Parameters allowed on the keywords that are read.
 _PARAMETERS = {
     "NODE": ("INPUT", "NSET", "SYSTEM"),
-    "ELEMENT": ("ELSET", "FILE", "INPUT", "OFFSET", "SOLIDELEMENTNUMBERING", "TYPE"),
+    "ELEMENT": ("ELSET", "INPUT", "TYPE"),
     "NSET": ("NSET", "ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "UNSORTED"),
     "ELSET": ("ELSET", "GENERATE", "INPUT", "INSTANCE", "INTERNAL", "UNSORTED"),
     "PART": ("NAME",),
-    "INSTANCE": ("NAME", "PART", "LIBRARY", "INSTANCE"),
+    "INSTANCE": ("NAME", "PART"),
     "ASSEMBLY": ("NAME",),
     "INCLUDE": ("INPUT", "PASSWORD"),
 }
@@ -96,6 +97,7 @@ class _Reader:
         self.instance: Instance | None = None
         self.open: list[Keyword] = []  # PART, ASSEMBLY and INSTANCE not yet ended
         self.notes: list[str] = []
+        self.unused: Counter[str] = Counter()
 
     # --- keywords ---------------------------------------------------------------------------------
 
@@ -121,6 +123,8 @@ class _Reader:
             self._elements(keyword)
         elif name in ("NSET", "ELSET"):
             self._set(keyword)
+        elif name not in _SILENT:
+            self.unused[f"*{name}"] += 1
 
     def _check_parameters(self, keyword: Keyword) -> None:
         known = _PARAMETERS.get(keyword.name, ())
@@ -170,19 +174,22 @@ class _Reader:
         nodes, ids, given = self.scope.nodes, [], []
         for line in keyword.data:
             label = line.integer(0)
-            if label in nodes:
-                raise line.error(f"each node id must occur once, got {label} again")
             if len(line.entries) > 7:
                 raise line.error("a node must have an id, coordinates and at most a normal")
-            nodes[label] = (line.number(1), line.number(2), line.number(3))
+            place = line.number(1), line.number(2), line.number(3)
+            if nodes.setdefault(label, place) != place:
+                raise line.error(
+                    f"node {label} must have one place, got {place} and {nodes[label]}"
+                )
             ids.append((line, label))
             given.append(sum(map(bool, line.entries[1:4])))
+            self.unused["normals of nodes"] += any(line.entries[4:])
         self.notes += blank_note("nodes", given, [label for _, label in ids])
         self._named_on(keyword, "NSET", "node", ids)
 
     def _elements(self, keyword: Keyword) -> None:
         kind = keyword.required("TYPE").upper()
-        n_node = KINDS[kind][1] if kind in KINDS else 0
+        n_node = (KINDS | QUADRATIC)[kind][1] if kind in KINDS or kind in QUADRATIC else 0
         elements, ids = self.scope.elements, []
         lines = iter(keyword.data)
         for line in lines:
@@ -229,6 +236,7 @@ class _Reader:
         kind = "node" if keyword.name == "NSET" else "element"
         # Abaqus/CAE marks its own sets as internal
         shown = "INTERNAL" not in keyword.parameters
+        self.unused["internal sets"] += not shown
         entries = self._set_entries(kind, keyword.required(keyword.name), shown=shown)
         instance = keyword.parameters.get("INSTANCE", "")
         if "ELSET" in keyword.parameters and kind == "node":
@@ -273,6 +281,7 @@ class _Reader:
             "nodes and elements with those of all instances",
             sum(len(scope.nodes) + len(scope.elements) for scope in scopes),
         )
+        self.notes += unused_note(+self.unused)
         model = Model(self.path, self.notes, self.budget)
         model.add("", self.top, None)
         for key, instance in self.instances.items():

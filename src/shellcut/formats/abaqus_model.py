@@ -52,6 +52,14 @@ KINDS: dict[str, tuple[str, int]] = {
 """Three- and four-node shells of any formulation, and the trusses that mesh programs write for
 curves, with kind and number of nodes; the film's formulation replaces theirs."""
 
+QUADRATIC: dict[str, tuple[str, int]] = {
+    **dict.fromkeys(["S8R", "S8R5", "S8RT", "M3D8", "M3D8R", "SFM3D8", "SFM3D8R"], (QUAD, 8)),
+    **dict.fromkeys(["CPS8", "CPS8R", "CPE8", "CPE8R"], (QUAD, 8)),
+    **dict.fromkeys(["S9R5", "M3D9", "M3D9R"], (QUAD, 9)),
+    **dict.fromkeys(["STRI65", "M3D6", "SFM3D6", "CPS6", "CPE6"], (TRIANGLE, 6)),
+}
+"""Quadratic kinds: that of their corners, which come first, and number of nodes."""
+
 Transform = tuple[Floats, Floats]
 """Rotation R, shape (3, 3), and translation t, shape (3,): x = R X + t."""
 
@@ -156,6 +164,16 @@ class Model:
         by_kind: dict[str, list[int]] = defaultdict(list)
         for i, (_, kind, _) in enumerate(self.elements):
             by_kind[kind].append(i)
+        for kind in by_kind:
+            if (
+                kind in KINDS
+                and KINDS[kind][0] != LINE
+                and not kind.startswith(("S3", "S4", "STRI"))
+            ):
+                self.notes.append(
+                    f"{len(by_kind[kind])} elements of type {kind}, which do not bend, are read as "
+                    "shells"
+                )
         blocks, new_number, n_cell = [], np.zeros(len(self.elements), np.int64), 0
         for kind, members in by_kind.items():
             new_number[members] = n_cell + np.arange(len(members))
@@ -164,6 +182,9 @@ class Model:
             if kind in KINDS:
                 nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
                 blocks.append(CellBlock(KINDS[kind][0], labels, nodes))
+            elif kind in QUADRATIC:
+                nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
+                blocks.append(CellBlock(kind, labels, nodes, QUADRATIC[kind][0]))
             else:
                 blocks.append(CellBlock(kind, labels, np.empty((len(members), 0), np.int64)))
         groups = {

@@ -3,7 +3,7 @@
 The reader uses *NODE, *ELEMENT_SHELL with the options that change no node, *PART, *SET_NODE,
 *SET_SHELL and *SET_PART (as LIST, COLUMN, LIST_GENERATE, GENERAL by ids and parts, ADD; each with
 _TITLE) and *INCLUDE. Any other *ELEMENT is counted; the caller refuses it or leaves it out.
-Everything else (materials, control, contact) is ignored.
+Everything else (materials, sections, control, contact) is named in a note.
 
 A set is named by its title, otherwise ``node_set_3`` and the like; a part by its title, otherwise
 ``part_3``.
@@ -12,7 +12,7 @@ A set is named by its title, otherwise ``node_set_3`` and the like; a part by it
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
@@ -24,7 +24,7 @@ from shellcut.arrays import Ints
 from .budget import Budget
 from .errors import named
 from .file_mesh import QUAD, CellBlock, FileMesh, Numbering, unique_names
-from .losses import blank_note, gap_note, ragged_note, repeat_note
+from .losses import blank_note, gap_note, ragged_note, repeat_note, unused_note
 from .lsdyna_deck import Block, Card, Layout, read_deck
 
 # Field widths of node cards, shell cards and cards of eight fields.
@@ -47,11 +47,11 @@ _MOVES_MESH = frozenset(
         "NODE_MERGE_TOLERANCE",
         "ELEMENT_GENERATE_SHELL",
         "ELEMENT_SHELL_SOURCE_SINK",
-        "PARAMETER",
-        "PARAMETER_EXPRESSION",
         "PART_MOVE",
     ]
 )
+_SILENT = ("TITLE",)
+_QUADRATIC = "ELEMENT_SHELL of 5 to 8 nodes"
 _SPELLED = (
     *("NODE", "ELEMENT_SHELL", "PART"),
     *(f"SET_{kind}_LIST{title}" for kind in ("NODE", "SHELL", "PART") for title in ("", "_TITLE")),
@@ -86,11 +86,12 @@ class _Reader:
         self.budget = Budget(path)
         self.node_ids: list[int] = []
         self.positions: list[list[float]] = []
-        self.shells: list[tuple[int, int, list[int]]] = []  # id, part, nodes
+        self.shells: list[tuple[int, int, list[int], bool]] = []  # id, part, corners, quadratic
         self.others: dict[str, list[int]] = defaultdict(list)
         self.part_titles: dict[int, str] = {}
         self.sets: dict[str, list[Block]] = {"NODE": [], "SHELL": [], "PART": []}
         self.notes: list[str] = []
+        self.unused: Counter[str] = Counter()
 
     def take(self, block: Block) -> None:
         name = block.name
@@ -112,14 +113,17 @@ class _Reader:
             self._set(block, rest.split("_")[0])
         elif near := get_close_matches(name, _SPELLED, 1, _CLOSE):
             raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
+        elif name not in _SILENT:
+            self.unused[f"*{name}"] += 1
 
     def _set(self, block: Block, kind: str) -> None:
         if kind in self.sets:
             self.sets[kind].append(block)
-        elif kind not in _OTHER_SETS:
-            if near := get_close_matches(kind, self.sets, 1, _CLOSE_SET):
-                raise block.error(f"keywords must be spelt out; did you mean *SET_{near[0]}?")
-            self.notes.append(f"line {block.line}: *{block.name} is not read")
+            return
+        near = get_close_matches(kind, self.sets, 1, _CLOSE_SET)
+        if near and kind not in _OTHER_SETS:
+            raise block.error(f"keywords must be spelt out; did you mean *SET_{near[0]}?")
+        self.unused[f"*{block.name}"] += 1
 
     def _nodes(self, block: Block) -> None:
         given = []
@@ -130,6 +134,9 @@ class _Reader:
             self.node_ids.append(_id(card, entries[0], "the node id"))
             self.positions.append([card.number(e, "a coordinate") for e in entries[1:4]])
             given.append(sum(map(bool, entries[1:4])))
+            self.unused["constraints TC, RC on cards of nodes"] += any(
+                entry.strip("0.") for entry in entries[4:]
+            )
         self.notes += blank_note("nodes", given, self.node_ids[-len(given) :])
 
     def _shells(self, block: Block) -> None:
@@ -141,6 +148,7 @@ class _Reader:
             )
         # thickness, angle and system share a card
         shared = {"THICKNESS", "BETA", "MCID"}
+        self.unused.update(f"*ELEMENT_SHELL_{option}" for option in options)
         more = bool(shared & set(options)) + sum(option not in shared for option in options)
         cards = [card for card in block.cards if card.text.strip()]
         if len(cards) % (1 + more):
@@ -153,15 +161,14 @@ class _Reader:
             shell = _id(card, entries[0], "the element id")
             part = card.integer(entries[1], "the part id")
             nodes = [card.integer(e, "a node id") for e in entries[2:]]
-            if any(nodes[4:]):
-                self.others["ELEMENT_SHELL of 5 to 8 nodes"].append(shell)
-                continue
             if min(nodes[:3]) < 1:
                 raise card.error(f"element {shell} must have 3 or 4 nodes, got {nodes[:4]}")
-            self.shells.append((shell, part, [*nodes[:3], nodes[3] or nodes[2]]))
+            self.shells.append((shell, part, [*nodes[:3], nodes[3] or nodes[2]], any(nodes[4:])))
 
     def _parts(self, block: Block) -> None:
         plain = block.name == "PART"
+        if not plain:
+            self.unused[f"option of *{block.name}"] += 1
         cards = block.cards
         if len(cards) < 2 or (plain and len(cards) % 2):
             raise block.error("each part must have a title and a card; is the file cut short?")
@@ -175,10 +182,12 @@ class _Reader:
     # --- the mesh ---------------------------------------------------------------------------------
 
     def mesh(self) -> FileMesh:
-        nodes = Numbering(self.path, "node", self.node_ids)
-        shells = Numbering(self.path, "shell", [shell for shell, _, _ in self.shells])
-        corners = nodes.rows(np.array([n for _, _, n in self.shells]).reshape(-1, 4), "shells")
-        parts = np.array([part for _, part, _ in self.shells], dtype=np.int64)
+        positions = np.array(self.positions, dtype=np.float64).reshape(-1, 3)
+        nodes = Numbering(self.path, "node", self.node_ids, positions)
+        self.shells.sort(key=lambda shell: shell[3])  # those of four nodes first, in their order
+        shells = Numbering(self.path, "shell", [shell for shell, *_ in self.shells])
+        corners = nodes.rows(np.array([n for _, _, n, _ in self.shells]).reshape(-1, 4), "shells")
+        parts = np.array([part for _, part, *_ in self.shells], dtype=np.int64)
 
         order = np.argsort(parts, kind="stable").astype(np.int64)
         of_parts, first = np.unique(parts[order], return_index=True)
@@ -194,7 +203,7 @@ class _Reader:
         def nodes_of(part: int) -> Ints:
             return np.unique(corners[shells_of(part)])
 
-        self.notes += gap_note("node", self.node_ids)
+        self.notes += unused_note(+self.unused) + gap_note("node", self.node_ids)
         self.notes += gap_note("shell", shells.labels.tolist())
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
@@ -213,12 +222,17 @@ class _Reader:
             rows = [shells_of(part) for part in members.tolist()]
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file
-        blocks = [CellBlock(QUAD, shells.labels, corners)] if len(corners) else []
+        n = sum(not quadratic for *_, quadratic in self.shells)
+        blocks = [
+            CellBlock(kind, shells.labels[rows], corners[rows], QUAD)
+            for kind, rows in ((QUAD, slice(n)), (_QUADRATIC, slice(n, None)))
+            if len(corners[rows])
+        ]
         for kind, ids in self.others.items():
             blocks.append(CellBlock(kind, ids, np.empty((len(ids), 0), np.int64)))
         return FileMesh(
             self.path,
-            np.array(self.positions, dtype=np.float64).reshape(-1, 3),
+            positions,
             nodes.labels,
             blocks,
             {name: np.unique(rows) for name, rows in unique_names(node_sets).items()},

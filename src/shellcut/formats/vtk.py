@@ -19,6 +19,7 @@ from .errors import FileError, named, read_bytes
 from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
 
 _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD}
+_QUADRATIC = {"line3": LINE, "triangle6": TRIANGLE, "quad8": QUAD, "quad9": QUAD}
 _FEW = 3  # up to this many values other than 0 and 1 look like slips
 _MOST_VALUES = 64  # an array with more distinct values is data, not a group
 _DECLARED = {
@@ -60,14 +61,18 @@ def read_vtk(path: str | Path) -> FileMesh:
     for block in mesh.cells:
         nodes = np.asarray(block.data)
         count = len(nodes)
-        if block.type in _KINDS:
+        if block.type in _KINDS or block.type in _QUADRATIC:
             nodes = nodes.astype(np.int64)
             if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
                 raise FileError(path, f"{block.type} cells must name existing points")
         else:
             nodes = np.empty((count, 0), np.int64)
         labels = range(first, first + count)
-        blocks.append(CellBlock(_KINDS.get(block.type, block.type), labels, nodes))
+        blocks.append(
+            CellBlock(
+                _KINDS.get(block.type, block.type), labels, nodes, _QUADRATIC.get(block.type, "")
+            )
+        )
         first += count
     notes: list[str] = []
     of_cells = {name: np.concatenate(parts) for name, parts in mesh.cell_data.items()}
