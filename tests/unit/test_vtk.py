@@ -1,5 +1,9 @@
 """VTK files, written by VTK itself and by meshio; arrays as groups; counts."""
 
+import base64
+import struct
+import zlib
+
 import meshio
 import numpy as np
 import pytest
@@ -12,18 +16,23 @@ LEFT_MASK = np.isin(np.arange(18), LEFT).astype(np.int32)
 RIGHT_MASK = np.isin(np.arange(10), RIGHT_PART).astype(np.int32)
 
 
-def write_by_vtk(path, *, mode="Binary"):
+def write_by_vtk(path, *, mode="Binary", compressor="ZLib", polygons=False):
     vtk = pytest.importorskip("vtk")
     from vtk.util.numpy_support import numpy_to_vtk
 
-    grid = vtk.vtkUnstructuredGrid()
+    grid = vtk.vtkPolyData() if polygons else vtk.vtkUnstructuredGrid()
     points = vtk.vtkPoints()
     points.SetDataTypeToDouble()
     for xyz in NODES:
         points.InsertNextPoint(xyz)
     grid.SetPoints(points)
+    cells = vtk.vtkCellArray()
     for quad in QUADS.tolist():
-        grid.InsertNextCell(vtk.VTK_QUAD, 4, quad)
+        cells.InsertNextCell(4, quad)
+    if polygons:
+        grid.SetPolys(cells)
+    else:
+        grid.SetCells(vtk.VTK_QUAD, cells)
     for data, name, values in (
         (grid.GetPointData(), "left", LEFT_MASK),
         (grid.GetPointData(), "temperature", NODES[:, 0]),
@@ -33,35 +42,49 @@ def write_by_vtk(path, *, mode="Binary"):
         array = numpy_to_vtk(values, deep=True)
         array.SetName(name)
         data.AddArray(array)
-    if path.suffix == ".vtu":
-        writer = vtk.vtkXMLUnstructuredGridWriter()
-        getattr(writer, f"SetDataModeTo{mode}")()
+    kind = "PolyData" if polygons else "UnstructuredGrid"
+    if path.suffix == ".vtk":
+        writer = getattr(vtk, f"vtk{kind}Writer")()
+        writer.SetFileVersion(42 if mode in ("Binary", "Ascii") else 51)
+        getattr(writer, "SetFileTypeToASCII" if "Ascii" in mode else "SetFileTypeToBinary")()
     else:
-        writer = vtk.vtkUnstructuredGridWriter()
-        writer.SetFileVersion(42)
-        getattr(writer, "SetFileTypeToBinary" if mode == "Binary" else "SetFileTypeToASCII")()
+        writer = getattr(vtk, f"vtkXML{kind}Writer")()
+        getattr(writer, f"SetDataModeTo{mode.removeprefix('Raw')}")()
+        writer.SetEncodeAppendedData(mode != "RawAppended")
+        getattr(writer, f"SetCompressorTypeTo{compressor}")()
     writer.SetFileName(str(path))
     writer.SetInputData(grid)
     assert writer.Write() == 1
 
 
 @pytest.mark.parametrize(
-    ("name", "mode"),
+    ("name", "mode", "compressor"),
     [
-        ("film.vtu", "Binary"),
-        ("film.vtu", "Ascii"),
-        ("film.vtu", "Appended"),
-        ("film.vtk", "Binary"),
-        ("film.vtk", "Ascii"),
+        ("film.vtu", "Binary", "ZLib"),
+        ("film.vtu", "Ascii", "None"),
+        ("film.vtu", "Appended", "LZ4"),
+        ("film.vtu", "RawAppended", "LZMA"),
+        ("film.vtp", "RawAppended", "None"),
+        ("film.vtp", "Binary", "LZ4"),
+        ("film.vtk", "Binary", ""),
+        ("film.vtk", "Ascii", ""),
+        ("film.vtk", "Binary of version 5", ""),
+        ("polygons.vtk", "Binary", ""),
+        ("polygons.vtk", "Ascii of version 5", ""),
     ],
 )
-def test_a_grid_written_by_vtk(tmp_path, name, mode):
-    write_by_vtk(tmp_path / name, mode=mode)
+def test_a_grid_written_by_vtk(tmp_path, name, mode, compressor, caplog):
+    path = tmp_path / name
+    polygons = name.endswith("p") or name.startswith("p")
+    write_by_vtk(path, mode=mode, compressor=compressor, polygons=polygons)
+    if not name.endswith("k"):  # the version changes nothing for cells like these
+        path.write_bytes(path.read_bytes().replace(b'version="1.0"', b'version="2.2"', 1))
     # the legacy format writes %20 for a blank
-    blank = " " if name.endswith("u") else "%20"
-    mesh = read_film(tmp_path / name, unit="mm")
+    blank = "%20" if name.endswith("k") else " "
+    mesh = read_film(path, unit="mm")
     check_film(mesh, right_part=f"right{blank}part")
     assert list(mesh.node_sets) == ["left"]  # a temperature is no group
+    assert "1 array 'temperature'" in caplog.text
     assert len(mesh.quad_set("part_3")) + len(mesh.quad_set("part_4")) == 10
 
 
@@ -101,5 +124,29 @@ def test_no_vtk_file_is_refused(tmp_path):
     for suffix in (".vtu", ".vtk"):
         path = tmp_path / f"film{suffix}"
         path.write_text("hello\n")
-        with pytest.raises(FileError, match="cannot read it"):
+        with pytest.raises(FileError, match=r"it is no XML|it must begin with # vtk"):
             read_film(path)
+
+
+def test_what_data_unpack_to_is_counted_first(tmp_path):
+    """A block of 3 GB in 3 MB would fill the memory; here it says so in its head only."""
+    head = base64.b64encode(struct.pack("<4I", 1, 3_000_000_000, 0, 8))
+    data = base64.b64encode(zlib.compress(b""))
+    array = f'<DataArray type="Float64" NumberOfComponents="3" format="binary">{head.decode()}'
+    path = tmp_path / "film.vtu"
+    path.write_text(
+        '<VTKFile type="UnstructuredGrid" compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="4" NumberOfCells="1"><Points>{array}{data.decode()}</DataArray>'
+        "</Points></Piece></UnstructuredGrid></VTKFile>"
+    )
+    with pytest.raises(FileError, match="2,000,000,000 bytes unpacked at most, got 3,000,000,000"):
+        read_film(path)
+
+
+@pytest.mark.parametrize("how", ["ASCII", "BINARY"])
+def test_more_declared_than_the_file_has_room_for(tmp_path, how):
+    path = tmp_path / "film.vtk"
+    head = f"# vtk DataFile Version 3.0\nx\n{how}\nDATASET POLYDATA\n"
+    path.write_text(f"{head}POINTS 1000000000000 double\n1 2 3\n")
+    with pytest.raises(FileError, match="POINTS: 3,000,000,000,000 numbers are declared, and ther"):
+        read_film(path)

@@ -43,6 +43,7 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
     ".key": read_lsdyna,
     ".dyn": read_lsdyna,
     ".vtu": read_vtk,
+    ".vtp": read_vtk,
     ".vtk": read_vtk,
 }
 """The reader for each file name suffix."""
@@ -60,7 +61,7 @@ def read_film(
     merge: float | None = None,
     max_fold_deg: float = 60.0,
 ) -> Mesh:
-    """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu and .vtk.
+    """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.
 
     Parameters
     ----------
