@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 
 from . import numerals
@@ -134,7 +135,7 @@ def _keywords(
             included = _find(keyword, keyword.required("INPUT"), folder)
             yield from _keywords(included, folder, known, [*above, path.resolve()], notes, budget)
             continue
-        near = get_close_matches(keyword.name, known, n=1, cutoff=_CLOSE)
+        near = _near(keyword.name, known)
         if "=" in keyword.name:
             raise keyword.error("a comma must stand between a keyword and its parameters")
         if keyword.name not in known and near:
@@ -149,6 +150,11 @@ def _keywords(
                     current.data.append(line)
     if current is not None:
         yield current
+
+
+@lru_cache(maxsize=1000)
+def _near(name: str, known: frozenset[str]) -> list[str]:
+    return get_close_matches(name, known, n=1, cutoff=_CLOSE)
 
 
 def _find(keyword: Keyword, name: str, folder: Path) -> Path:

@@ -111,9 +111,11 @@ class _Reader:
             self._parts(block)
         elif first == "SET":
             self._set(block, rest.split("_")[0])
-        elif near := get_close_matches(name, _SPELLED, 1, _CLOSE):
-            raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
         elif name not in _SILENT:
+            if f"*{name}" not in self.unused and (
+                near := get_close_matches(name, _SPELLED, 1, _CLOSE)
+            ):
+                raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
             self.unused[f"*{name}"] += 1
 
     def _set(self, block: Block, kind: str) -> None:
@@ -337,10 +339,10 @@ class _Sets:
                 members |= set(range(len(self.ids.labels)))
             elif option in (single, "D" + single):
                 rows = set(self._find(block, values).tolist())
-                members = members - rows if option[0] == "D" else members | rows
+                (members.difference_update if option[0] == "D" else members.update)(rows)
             elif option in ("PART", "DPART"):
                 rows = {int(r) for p in values for r in self.of_part(p)}
-                members = members - rows if option[0] == "D" else members | rows
+                (members.difference_update if option[0] == "D" else members.update)(rows)
             else:
                 return None
         return np.array(sorted(members), dtype=np.int64)

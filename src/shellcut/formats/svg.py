@@ -31,7 +31,7 @@ _UNITS = {
     "pc": float(LENGTH["in"]) / 6,
     "Q": 0.25,
 }
-_LENGTH = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*([A-Za-z%]*)\s*")
+_LENGTH = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*([A-Za-z%]*)")
 _HIDDEN = re.compile(r"(?:^|;)\s*(?:display\s*:\s*none|visibility\s*:\s*hidden)")
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 _SILENT = ("defs", "metadata", "namedview", "title", "desc", "style", "symbol", "clipPath", "mask")
@@ -135,7 +135,7 @@ def _page(path: Path, root: Any) -> tuple[Floats, float | None, float]:
 def _length(path: Path, text: str | None) -> tuple[float, str]:
     if text is None:
         return 0.0, ""
-    found = _LENGTH.fullmatch(text)
+    found = _LENGTH.fullmatch(text.strip())
     if not found:
         raise FileError(path, f"width and height must be lengths, got {text!r}")
     return float(found[1]), found[2]

@@ -65,9 +65,9 @@ def mesh_of(path: Path, grid: VtkGrid) -> FileMesh:
         types[(types == kind) & (n_node == n)] = plain
     starts = grid.ends - n_node
     order = np.argsort(types, kind="stable")
+    kinds, first = np.unique(types[order], return_index=True)
     blocks = []
-    for kind in np.unique(types).tolist():
-        rows = order[np.searchsorted(types[order], kind) :][: int((types == kind).sum())]
+    for kind, rows in zip(kinds.tolist(), np.split(order, first[1:]), strict=False):
         name, n = (QUAD, 4) if kind == _PIXEL else _TYPES.get(kind, (f"VTK type {kind}", 0))
         if n and (n_node[rows] != n).any():
             raise FileError(path, f"{name} cells must have {n} nodes, got {n_node[rows].tolist()}")

@@ -74,13 +74,15 @@ class _Reader:
             )
 
     def grid(self) -> VtkGrid:
-        return joined(self.path, [self._piece(p) for p in self.root.iterfind(f"{self.kind}/Piece")])
+        pieces = [self._piece(p) for p in self.root.iterfind(f"{self.kind}/Piece")]
+        grid = joined(self.path, pieces)
+        if fields := len(self.root.findall(f"{self.kind}/FieldData/*")):
+            grid.unused["arrays of the field data"] = fields
+        return grid
 
     def _piece(self, piece: Any) -> VtkGrid:
         n_point = self._count(piece, "NumberOfPoints")
         unused: dict[str, int] = {}
-        if fields := len(self.root.findall(f"{self.kind}/FieldData/*")):
-            unused["arrays of the field data"] = fields
         points = self._array(piece.find("Points/DataArray"), "points", _FLOATS + _INTS)
         if points.shape != (n_point, 3):
             raise self._error(f"{n_point} points of 3 coordinates are declared, got {points.shape}")
@@ -167,23 +169,23 @@ class _Reader:
         if how == "ascii":
             return np.array((element.text or "").split()).astype(dtype)
         if how == "binary":
-            coded, encoded = (element.text or "").strip().encode(), True
+            coded, at, encoded = (element.text or "").strip().encode(), 0, True
         elif how == "appended":
-            coded = self.appended[int(element.get("offset", "")) :]
+            coded, at = self.appended, int(element.get("offset", ""))
             found = self.root.find("AppendedData")
             encoded = found is not None and found.get("encoding") == "base64"
         else:
             raise ValueError(f"format {how!r}")
-        return np.frombuffer(self._bytes(coded, encoded), dtype)
+        return np.frombuffer(self._bytes(coded, at, encoded), dtype)
 
-    def _bytes(self, coded: bytes, encoded: bool) -> bytes:
+    def _bytes(self, coded: bytes, at: int, encoded: bool) -> bytes:
         # a head of sizes, then the data; base64 codes both together, but apart if compressed
         size = self.header.itemsize
+        n = int(np.frombuffer(_taken(coded, at, size, encoded)[0], self.header)[0])
         if not self.compressor:
-            n = int(np.frombuffer(_taken(coded, 0, size, encoded)[0], self.header)[0])
-            return _taken(coded, 0, size + n, encoded)[0][size:]
-        n = int(np.frombuffer(_taken(coded, 0, size, encoded)[0], self.header)[0])
-        head, at = _taken(coded, 0, (3 + n) * size, encoded)
+            self.budget.take("bytes unpacked", n)
+            return _taken(coded, at, size + n, encoded)[0][size:]
+        head, at = _taken(coded, at, (3 + n) * size, encoded)
         _, whole, last, *packed = np.frombuffer(head, self.header).tolist()
         sizes = [whole] * n
         if n and last:
@@ -214,7 +216,7 @@ class _Reader:
 def _taken(coded: bytes, at: int, n: int, encoded: bool) -> tuple[bytes, int]:
     # n bytes from a place, and the place behind them
     stop = at + (-(-n // 3) * 4 if encoded else n)
-    if stop > len(coded):
+    if at < 0 or stop > len(coded):
         raise ValueError(f"{stop - at:,} bytes are declared, {max(len(coded) - at, 0):,} are there")
     part = coded[at:stop]
     try:
