@@ -99,7 +99,10 @@ def _ready(
         return case, _recorder(case, model, folder, log, options)
     except RunEnded as ended:
         log.say(f"{ended}; nothing was changed", stream=sys.stderr)
-        _say_end(folder, log)
+        try:
+            _say_end(folder, log)
+        except (OSError, ValueError) as problem:  # the summary is gone, or is none
+            log.say(str(problem), stream=sys.stderr)
         return DONE
     except (OSError, ValueError) as problem:
         log.say(str(problem), stream=sys.stderr)
