@@ -171,7 +171,7 @@ class _Reader:
     def _nodes(self, keyword: Keyword) -> None:
         if keyword.parameters.get("SYSTEM", "R").upper() != "R":
             raise keyword.error("coordinates must be Cartesian (SYSTEM=R); write them out so")
-        nodes, ids, given = self.scope.nodes, [], []
+        nodes, ids, given, n_normal = self.scope.nodes, [], [], 0
         for line in keyword.data:
             label = line.integer(0)
             if len(line.entries) > 7:
@@ -183,7 +183,8 @@ class _Reader:
                 )
             ids.append((line, label))
             given.append(sum(map(bool, line.entries[1:4])))
-            self.unused["normals of nodes"] += any(line.entries[4:])
+            n_normal += any(line.entries[4:])
+        self.unused["normals of nodes"] += n_normal
         self.notes += blank_note("nodes", given, [label for _, label in ids])
         self._named_on(keyword, "NSET", "node", ids)
 

@@ -128,7 +128,7 @@ class _Reader:
         self.unused[f"*{block.name}"] += 1
 
     def _nodes(self, block: Block) -> None:
-        given = []
+        given, n_held = [], 0
         for card in block.cards:
             entries = card.fields(_NODE[block.layout])
             if not any(entries):
@@ -136,9 +136,8 @@ class _Reader:
             self.node_ids.append(_id(card, entries[0], "the node id"))
             self.positions.append([card.number(e, "a coordinate") for e in entries[1:4]])
             given.append(sum(map(bool, entries[1:4])))
-            self.unused["constraints TC, RC on cards of nodes"] += any(
-                entry.strip("0.") for entry in entries[4:]
-            )
+            n_held += any(entry.strip("0.") for entry in entries[4:])
+        self.unused["constraints TC, RC on cards of nodes"] += n_held
         self.notes += blank_note("nodes", given, self.node_ids[-len(given) :])
 
     def _shells(self, block: Block) -> None:
