@@ -128,6 +128,31 @@ def test_no_vtk_file_is_refused(tmp_path):
             read_film(path)
 
 
+def test_pieces_are_one_film(tmp_path, caplog):
+    def array(name, values, kind="Int64", n=1):
+        text = " ".join(map(str, np.ravel(values)))
+        head = f'Name="{name}" type="{kind}" NumberOfComponents="{n}" format="ascii"'
+        return f"<DataArray {head}>{text}</DataArray>"
+
+    def piece(x, marks):
+        points = array("Points", [[x, 0, 0], [x + 3, 0, 0], [x + 3, 3, 0], [x, 3, 0]], "Float32", 3)
+        cells = array("connectivity", range(4)) + array("offsets", [4]) + array("types", [9])
+        return (
+            f'<Piece NumberOfPoints="4" NumberOfCells="1"><Points>{points}</Points><Cells>{cells}'
+            f"</Cells><PointData>{array('left', [1, 0, 0, 1])}{marks}</PointData></Piece>"
+        )
+
+    pieces = piece(0, array("odd", [1, 0, 0, 0])) + piece(3, "")
+    path = tmp_path / "film.vtu"
+    path.write_text(
+        '<VTKFile type="UnstructuredGrid" version="2.2"><UnstructuredGrid><FieldData>'
+        f"{array('t', [1])}</FieldData>{pieces}</UnstructuredGrid></VTKFile>"
+    )
+    mesh = read_film(path, unit="mm", merge=1e-6)
+    assert (mesh.n_quad, mesh.n_node, len(mesh.node_set("left"))) == (2, 6, 4)
+    assert "sets only: 1 array 'odd', 1 arrays of the field data" in caplog.text
+
+
 def test_what_data_unpack_to_is_counted_first(tmp_path):
     """A block of 3 GB in 3 MB would fill the memory; here it says so in its head only."""
     head = base64.b64encode(struct.pack("<4I", 1, 3_000_000_000, 0, 8))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -54,9 +55,15 @@ def mesh_of(path: Path, grid: VtkGrid) -> FileMesh:
     Raises
     ------
     FileError
-        If cells name missing points, or have other numbers of nodes than their type.
+        If cells name missing points, or have other numbers of nodes than their type, or arrays
+        have other numbers of rows.
     """
     n_point, n_cell = len(grid.points), len(grid.types)
+    if len(grid.ends) != n_cell:
+        raise FileError(path, f"{n_cell} types of cells are given, but {len(grid.ends)} cells")
+    for data, n, what in ((grid.point_data, n_point, "point"), (grid.cell_data, n_cell, "cell")):
+        if lost := [f"{name!r} has {len(v)}" for name, v in data.items() if len(v) != n]:
+            raise FileError(path, f"arrays must have {n} rows, one per {what}, but {named(lost)}")
     n_node = np.diff(grid.ends, prepend=0)
     if n_cell and (n_node.min() < 0 or grid.ends[-1] != len(grid.nodes)):
         raise FileError(path, "the offsets of cells must ascend to the number of their nodes")
@@ -96,7 +103,7 @@ def mesh_of(path: Path, grid: VtkGrid) -> FileMesh:
 
 
 def joined(path: Path, pieces: list[VtkGrid]) -> VtkGrid:
-    """Return one grid of the pieces of a file; arrays that some pieces lack are passed over."""
+    """Return one grid of the pieces of a file; arrays that some pieces lack are not used."""
     if not pieces:
         raise FileError(path, "there must be a grid, got none")
     if len(pieces) == 1:
@@ -104,8 +111,12 @@ def joined(path: Path, pieces: list[VtkGrid]) -> VtkGrid:
     first_point = np.cumsum([0, *(len(piece.points) for piece in pieces)])
     first_node = np.cumsum([0, *(len(piece.nodes) for piece in pieces)])
 
+    unused = {name: n for piece in pieces for name, n in piece.unused.items()}
+
     def common(of_pieces: list[dict[str, Numbers]]) -> dict[str, Numbers]:
-        names = [n for n in of_pieces[0] if all(n in arrays for arrays in of_pieces)]
+        n_piece = Counter(name for arrays in of_pieces for name in arrays)
+        unused.update({f"array {name!r}": n for name, n in n_piece.items() if n < len(pieces)})
+        names = [name for name, n in n_piece.items() if n == len(pieces)]
         return {n: np.concatenate([arrays[n] for arrays in of_pieces]) for n in names}
 
     return VtkGrid(
@@ -115,7 +126,18 @@ def joined(path: Path, pieces: list[VtkGrid]) -> VtkGrid:
         np.concatenate([p.nodes + k for p, k in zip(pieces, first_point, strict=False)]),
         common([piece.point_data for piece in pieces]),
         common([piece.cell_data for piece in pieces]),
-        pieces[0].unused,
+        unused,
+    )
+
+
+def stacked(parts: list[tuple[int, Ints, Ints]]) -> tuple[Ints, Ints, Ints]:
+    """Return types, ends and nodes of cells given by their type, each with its ends and nodes."""
+    none = np.empty(0, np.int64)
+    first = np.cumsum([0, *(len(nodes) for _, _, nodes in parts)])
+    return (
+        np.concatenate([none, *(np.full(len(ends), kind) for kind, ends, _ in parts)]),
+        np.concatenate([none, *(e + k for (_, e, _), k in zip(parts, first, strict=False))]),
+        np.concatenate([none, *(nodes for _, _, nodes in parts)]),
     )
 
 

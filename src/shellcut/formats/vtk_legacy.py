@@ -13,7 +13,7 @@ import numpy as np
 from shellcut.arrays import Ints, Numbers
 
 from .errors import FileError, read_bytes
-from .vtk_grid import VtkGrid
+from .vtk_grid import VtkGrid, stacked
 
 _TYPES = {
     **{"char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4"},
@@ -98,20 +98,9 @@ class _Reader:
                 raise self.error("there must be CELLS and CELL_TYPES, but they are missing")
             types, (ends, nodes) = self.types, self.cells["CELLS"]
         else:
-            parts = [(self.cells[name], k) for name, k in _POLY.items() if name in self.cells]
-            none = np.empty(0, np.int64)
-            first = np.cumsum([0, *(len(nodes) for (_, nodes), _ in parts)])
-            ends = np.concatenate(
-                [none, *(e + k for ((e, _), _), k in zip(parts, first, strict=False))]
+            types, ends, nodes = stacked(
+                [(k, *self.cells[name]) for name, k in _POLY.items() if name in self.cells]
             )
-            nodes = np.concatenate([none, *(n for (_, n), _ in parts)])
-            types = np.concatenate([none, *(np.full(len(e), k) for (e, _), k in parts)])
-        if len(types) != len(ends):
-            raise self.error(f"{len(types)} CELL_TYPES are given, but {len(ends)} CELLS")
-        for name, n in (("POINT_DATA", len(self.points)), ("CELL_DATA", len(types))):
-            for array, values in self.data[name].items():
-                if len(values) != n:
-                    raise self.error(f"array {array!r} must have {n} rows, got {len(values)}")
         data = self.data["POINT_DATA"], self.data["CELL_DATA"]
         return VtkGrid(self.points.astype(np.float64), types, ends, nodes, *data, self.unused)
 

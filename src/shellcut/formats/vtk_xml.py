@@ -20,7 +20,7 @@ from shellcut.arrays import Ints, Numbers
 
 from .budget import Budget
 from .errors import FileError, read_bytes
-from .vtk_grid import VtkGrid, joined
+from .vtk_grid import VtkGrid, joined, stacked
 
 _TYPES = {
     f"{kind}Int{bits}": f"{kind[:1].lower() or 'i'}{bits // 8}"
@@ -87,34 +87,21 @@ class _Reader:
         if points.shape != (n_point, 3):
             raise self._error(f"{n_point} points of 3 coordinates are declared, got {points.shape}")
         if self.kind == "PolyData":
-            types, ends, nodes = self._polygons(piece)
+            types, ends, nodes = stacked(
+                [
+                    (kind, *self._cells(piece, name, count))
+                    for name, kind in _POLY.items()
+                    if (count := self._count(piece, f"NumberOf{name}"))
+                ]
+            )
         else:
             types = self._plain(piece, "Cells/DataArray[@Name='types']")
             ends, nodes = self._cells(piece, "Cells", self._count(piece, "NumberOfCells"))
-        if len(types) != len(ends):
-            raise self._error(f"{len(types)} types of cells are given, but {len(ends)} cells")
         data = (
-            self._named(piece.find("PointData"), n_point, unused),
-            self._named(piece.find("CellData"), len(types), unused),
+            self._named(piece.find("PointData"), unused),
+            self._named(piece.find("CellData"), unused),
         )
         return VtkGrid(points.astype(np.float64), types, ends, nodes, *data, unused)
-
-    def _polygons(self, piece: Any) -> tuple[Ints, Ints, Ints]:
-        types, ends, nodes, first = [], [], [], 0
-        for name, kind in _POLY.items():
-            count = self._count(piece, f"NumberOf{name}")
-            if count:
-                of_kind = self._cells(piece, name, count)
-                ends.append(first + of_kind[0])
-                nodes.append(of_kind[1])
-                types.append(np.full(count, kind, np.int64))
-                first += len(of_kind[1])
-        none = np.empty(0, np.int64)
-        return (
-            np.concatenate([none, *types]),
-            np.concatenate([none, *ends]),
-            np.concatenate([none, *nodes]),
-        )
 
     def _cells(self, piece: Any, where: str, count: int) -> tuple[Ints, Ints]:
         ends = self._plain(piece, f"{where}/DataArray[@Name='offsets']")
@@ -126,7 +113,7 @@ class _Reader:
         values: Ints = self._array(piece.find(where), where, _INTS).ravel().astype(np.int64)
         return values
 
-    def _named(self, data: Any, n: int, unused: dict[str, int]) -> dict[str, Numbers]:
+    def _named(self, data: Any, unused: dict[str, int]) -> dict[str, Numbers]:
         arrays = {}
         for element in data if data is not None else ():
             name = element.get("Name", "")
@@ -134,8 +121,6 @@ class _Reader:
                 unused[f"array {name!r} of {element.get('type')}"] = 1
                 continue
             arrays[name] = self._array(element, f"array {name!r}", _FLOATS + _INTS)
-            if len(arrays[name]) != n:
-                raise self._error(f"array {name!r} must have {n} rows, got {len(arrays[name])}")
         return arrays
 
     def _count(self, piece: Any, name: str) -> int:
