@@ -1,6 +1,7 @@
 """Tools from STEP and IGES, written by Gmsh's OpenCASCADE here and by CadQuery in data."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 from math import pi, radians, tan
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from shellcut import guillotine, read_tool
 from shellcut.command_line import main
-from shellcut.formats import cad_surface
+from shellcut.formats import cad_surface, own_process
 from shellcut.formats.errors import FileError
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import ToolError
@@ -337,9 +338,10 @@ class TestRefusals:
     def test_a_kernel_that_breaks_down(self, tmp_path, monkeypatch, script, error, words):
         # OpenCASCADE ends the process, or never ends, on one damaged file in ten
         (tmp_path / "process.py").write_text(script)
-        monkeypatch.setattr(cad_surface.cad_process, "__file__", str(tmp_path / "process.py"))
+        other = replace(cad_surface._GMSH, script=str(tmp_path / "process.py"))
+        monkeypatch.setattr(cad_surface, "_GMSH", other)
         if "sleep" in script:
-            monkeypatch.setattr(cad_surface, "_LONGEST", 0.5)
+            monkeypatch.setattr(own_process, "LONGEST", 0.5)
         with pytest.raises(error, match=words):
             read_tool(DATA / "two_teeth_inch.step")
 

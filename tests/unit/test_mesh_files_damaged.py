@@ -8,6 +8,7 @@ format, and shows what is not said.
 """
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from damaged.mutations import mutated as damaged_content
 from damaged.outcomes import film_of, read_quietly, tool_of
 from damaged.outcomes import outcome as outcome_of
 from damaged.samples import FILMS, TOOLS
+from shellcut.formats import vtk as vtk_file
 from shellcut.mesh.film_file import read_film
 from test_lsdyna import deck
 from test_vtk import write_by_vtk
@@ -29,6 +31,12 @@ N_TRUNCATION = 25
 ASSEMBLY = test_abaqus.TestPartsAndInstances.PART + (
     "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s-1, PART=Sheet\n1., 2., 3.\n*END INSTANCE\n*END ASSEMBLY\n"
 )
+
+
+@pytest.fixture(autouse=True)
+def _without_vtk(monkeypatch):
+    """What meshio refuses is final; VTK's second opinion is in test_vtk, a process for each."""
+    monkeypatch.setattr(vtk_file, "_VTK", replace(vtk_file._VTK, module="no_such_module"))
 
 
 def contents(tmp_path):

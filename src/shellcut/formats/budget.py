@@ -19,7 +19,6 @@ LIMITS = {
     "ids in its sets": 50_000_000,
     "elements drawn": 50_000,
     "points of curves": 200_000,
-    "bytes unpacked": 2_000_000_000,
 }
 """Most of each kind that a file may make."""
 

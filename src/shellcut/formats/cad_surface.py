@@ -6,9 +6,6 @@ own; :mod:`shellcut.tool.seams` joins them.
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import sys
 import tempfile
 from math import isfinite
 from pathlib import Path
@@ -19,6 +16,7 @@ import numpy as np
 from . import cad_process
 from .cad_unit import stated_unit
 from .errors import FileError, read_bytes
+from .own_process import OwnProcess
 from .surface_file import SurfaceFile
 
 SUFFIXES = (".step", ".stp", ".iges", ".igs")
@@ -30,7 +28,14 @@ LARGEST_FILE = 200_000_000
 _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 """Statements of STEP that make a solid; assemblies repeat them without statements."""
 
-_LONGEST = 600.0  # s; the kernel hangs on some damaged files
+_GMSH = OwnProcess(
+    "Gmsh",
+    "gmsh",
+    cad_process.__file__,
+    "is it damaged, of a kind that OpenCASCADE cannot read, or chord_deviation too small? write it "
+    "anew, or as STL",
+    "libglu1-mesa libxcursor1 libxft2 libxinerama1",
+)
 
 
 def read_cad(
@@ -104,43 +109,14 @@ def read_cad(
 
 
 def _triangulated(path: Path, deviation: float, scale: float) -> dict[str, Any]:
-    if importlib.util.find_spec("gmsh") is None:
+    if not _GMSH.installed:
         raise ImportError(
             f"{path}: reading STEP and IGES needs Gmsh, an optional extra under the GPL: "
             "pip install 'shellcut[mesh]'"
         )
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "answer.npz"
-        command = [sys.executable, cad_process.__file__, str(path.resolve()), str(out)]
-        command += [repr(float(deviation)), repr(float(scale))]
-        try:
-            done = subprocess.run(
-                command,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=_LONGEST,
-            )
-        except subprocess.TimeoutExpired:
-            raise FileError(
-                path,
-                f"Gmsh did not finish within {_LONGEST:g} s: is the file damaged, or "
-                "chord_deviation too small?",
-            ) from None
-        if done.returncode < 0 or (done.returncode and not done.stderr):
-            raise FileError(
-                path,
-                f"Gmsh broke down on it (code {done.returncode}): it is damaged, or of a kind that "
-                "OpenCASCADE cannot read; write it anew, or as STL",
-            )
-        if done.returncode:
-            said = done.stderr.strip().splitlines()[-1]
-            if "OSError" in said:  # a system library missing from its wheel
-                raise ImportError(
-                    f"Gmsh is installed but cannot be loaded: {said}; on Debian and Ubuntu: "
-                    "apt install libglu1-mesa libxcursor1 libxft2 libxinerama1"
-                )
-            raise FileError(path, f"Gmsh cannot read it: {said}")
+        _GMSH.run(path, str(out), repr(float(deviation)), repr(float(scale)))
         with np.load(out) as held:
             return {
                 "vertices": held["vertices"],
